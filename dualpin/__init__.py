@@ -1,0 +1,47 @@
+"""dualpin: robot kinematics and dynamics written once, in dual numbers, and checked against Pinocchio.
+
+Conventions: SI units and radians; world z up, gravity (0, 0, -9.81); quaternions Hamilton, scalar
+first; six-vectors angular first, twists [w; v] and wrenches [n; f]; joint order Pinocchio's.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+# name -> module; imported when first used, so that `import dualpin` stays quick
+_HOMES = {
+    "dualpin.dual": ("Dual",),
+    "dualpin.errors": (
+        "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
+        "UrdfError",
+    ),
+    "dualpin.functions": (
+        "aba", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba", "difference", "fk",
+        "frame_acceleration", "frame_velocity", "gravity", "inertial_parameters", "integrate", "jacobian",
+        "jacobian_dot", "joint_torque_regressor", "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea",
+    ),
+    "dualpin.io": ("load",),
+    "dualpin.model": ("Builder", "Robot"),
+    "dualpin.crosscheck": ("validate",),
+}  # fmt: skip
+_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "io", "model", "spatial")
+_WHERE = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = [*sorted(_WHERE), "__version__"]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name in _WHERE:
+        value = getattr(importlib.import_module(_WHERE[name]), name)
+        globals()[name] = value
+        return value
+    if name in _PACKAGES:
+        return importlib.import_module(f"dualpin.{name}")
+    raise AttributeError(f"module 'dualpin' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, *_PACKAGES]

@@ -1,0 +1,87 @@
+"""Where the bodies are, and how they move."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from ..model.robot import Frame, Joint, Robot
+from ..scalars import Scalar
+from ..spatial.pose import GROUND, Pose
+from ..spatial.quaternion import Quaternion
+from ..spatial.rotation import IDENTITY
+from ..spatial.vector import NOUGHT, REST, Vector3, motor
+
+References = ("world", "local", "local_world_aligned")
+
+
+def joint_poses(robot: Robot, q: Sequence[Scalar]) -> dict[Joint, Pose]:
+    """X: each body's pose in its parent.   X = placement motion(q)"""
+    return {b: b.placement @ b.model.motion(q[b.q]) for b in robot}
+
+
+def path(joint: Joint | None) -> list[Joint]:
+    """The joints from the root to this one."""
+    return [] if joint is None else list(joint.chain)[::-1]
+
+
+def forward_kinematics(robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None) -> dict[Joint | None, Pose]:
+    """Each body's pose in the world, of all joints or of a parents-first part of them.   X_b = X_parent X"""
+    world: dict[Joint | None, Pose] = {None: GROUND}
+    for b in robot if joints is None else joints:
+        X = b.placement @ b.model.motion(q[b.q])
+        world[b] = world[b.parent] @ X if b.parent else X
+    return world
+
+
+def frame_pose(robot: Robot, q: Sequence[Scalar], frame: Frame) -> Pose:
+    """Pose of a frame in the world."""
+    return forward_kinematics(robot, q, path(frame.joint))[frame.joint] @ frame.placement
+
+
+def frame_quaternion(robot: Robot, q: Sequence[Scalar], frame: Frame) -> Quaternion:
+    """The same as a unit dual quaternion, by products of dual quaternions alone."""
+    total = GROUND.quaternion
+    for b in path(frame.joint):
+        total = total * b.placement.quaternion * b.model.quaternion(q[b.q])
+    return total * frame.placement.quaternion
+
+
+def viewpoint(pose: Pose, reference: str) -> Pose:
+    """The frame in which motions of a frame at `pose` are expressed."""
+    return {"world": GROUND, "local_world_aligned": Pose(IDENTITY, pose.position), "local": pose}[reference]
+
+
+def twists(chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Vector3]:
+    """Twists in world coordinates.   V_b = V_parent + S v"""
+    V: dict[Joint | None, Vector3] = {None: REST}
+    for b in chain:
+        V[b] = V[b.parent] + world[b] @ b.model.twist(v[b.v])
+    return V
+
+
+def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Vector3:
+    """Twist of a frame, seen from its viewpoint."""
+    chain = path(frame.joint)
+    world = forward_kinematics(robot, q, chain)
+    view = viewpoint(world[frame.joint] @ frame.placement, reference)
+    return view.pull(twists(chain, world, v)[frame.joint])
+
+
+def frame_acceleration(
+    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], a: Sequence[Scalar], frame: Frame, reference: str,
+    classical: bool = False,
+) -> Vector3:  # fmt: skip
+    """Spatial acceleration of a frame, or the classical one of its origin.   A_b = A_parent + S a + V x S v
+
+    classical:  A + eps w x v, the acceleration of the point instead of that of the field.
+    """
+    chain = path(frame.joint)
+    world = forward_kinematics(robot, q, chain)
+    V = twists(chain, world, v)
+    A: dict[Joint | None, Vector3] = {None: REST}
+    for b in chain:
+        Sv, Sa = world[b] @ b.model.twist(v[b.v]), world[b] @ b.model.twist(a[b.v])
+        A[b] = A[b.parent] + Sa + V[b].cross(Sv)
+    view = viewpoint(world[frame.joint] @ frame.placement, reference)
+    seen, twist = view.pull(A[frame.joint]), view.pull(V[frame.joint])
+    return seen + motor(NOUGHT, twist.real.cross(twist.dual)) if classical else seen

@@ -1,0 +1,43 @@
+"""Progressive dynamics: what each link adds to M, C and g.  (Laus, Simoni, Martins)"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model.robot import Joint, Robot
+from ..scalars import ZERO, Scalar
+from ..spatial.inertia import Connection
+from ..spatial.pose import GROUND
+from ..spatial.vector import REST, Vector3, power
+from .crba import Matrix, square
+from .kinematics import joint_poses
+
+
+def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[list[Matrix | list[Scalar]]]:
+    """[M_i, C_i, g_i] of each moving body i, scattered by joint; their sums are M, C and g.
+
+        M_i = J^T I J,   C_i = J^T (I dJ/dt + B J),   g_i = -J^T I (gravity)
+
+    with J the body Jacobian of i, dJ_k = V_k x s_k, and B the connection of body i's own inertia.
+    """
+    X = joint_poses(robot, q)
+    V: dict[Joint | None, Vector3] = {None: REST}
+    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    terms: list[list[Matrix | list[Scalar]]] = []
+    for b in robot:
+        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
+        A[b] = X[b].pull(A[b.parent])
+        B, weight = Connection.of(b.inertia, V[b]), b.inertia(A[b])
+        M, C, g = square(robot), square(robot), [ZERO] * robot.nv
+        outward, screws = GROUND, []
+        for c in b.chain:
+            screws += [(k, outward.pull(s), outward.pull(V[c].cross(s))) for k, s in c.dofs]
+            outward = X[c] @ outward
+        for k, s, ds in screws:
+            H, F = b.inertia(s), b.inertia(ds) + B(s)
+            for j, r, _ in screws:
+                M[j][k] = M[j][k] + power(r, H)
+                C[j][k] = C[j][k] + power(r, F)
+            g[k] = g[k] + power(s, weight)
+        terms.append([M, C, g])
+    return terms

@@ -1,0 +1,58 @@
+"""Sums over bodies: centre of mass, momentum, energies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model.robot import Joint, Robot
+from ..scalars import ZERO, Scalar
+from ..spatial.pose import Pose
+from ..spatial.rotation import IDENTITY
+from ..spatial.vector import REST, Vector3, power
+from .crba import composites
+from .kinematics import forward_kinematics, joint_poses
+
+
+def center_of_mass(robot: Robot, q: Sequence[Scalar]) -> Vector3:
+    """c = sum (m p + R h) / sum m"""
+    total = composites(robot, joint_poses(robot, q))[None]
+    return total.moment * (1 / total.mass)
+
+
+def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
+    """Columns h_k = I_c s_k, moved to the centre of mass, world axes.  (Orin & Goswami 2008)
+
+    Momentum p + eps l = sum h_k v_k.
+    """
+    I = composites(robot, joint_poses(robot, q))  # noqa: E741
+    world = forward_kinematics(robot, q)
+    at_com = Pose(IDENTITY, I[None].moment * (1 / I[None].mass))
+    A = [REST] * robot.nv
+    for b in robot:
+        for k, s in b.dofs:
+            A[k] = A[k] + at_com.pull(world[b] @ I[b](s))
+    return A
+
+
+def com_jacobian(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
+    """Columns of dc/dt = J v: the linear part of the centroidal momentum matrix by the total mass."""
+    mass = sum((b.inertia.mass for b in robot), ZERO)
+    return [h.real * (1 / mass) for h in centroidal_momentum_matrix(robot, q)]
+
+
+def kinetic_energy(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
+    """T = sum (V . I V + armature v^2) / 2"""
+    X = joint_poses(robot, q)
+    V: dict[Joint | None, Vector3] = {None: REST}
+    twice: Scalar = ZERO
+    for b in robot:
+        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
+        twice = twice + power(V[b], b.inertia(V[b]))
+        for rotor, x in zip(b.armature, v[b.v], strict=True):
+            twice = twice + rotor * x * x
+    return twice / 2
+
+
+def potential_energy(robot: Robot, q: Sequence[Scalar]) -> Scalar:
+    """U = -sum g . (first moment), zero when all mass is at the world's origin."""
+    return -robot.gravity.dot(composites(robot, joint_poses(robot, q))[None].moment)

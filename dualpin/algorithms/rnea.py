@@ -1,0 +1,85 @@
+"""Inverse dynamics by the recursive Newton-Euler algorithm.
+
+Forces do not depend on the uniform motion of who watches (Galileo), so each body is watched by the
+inertial observer that moves, at this instant, with its origin.  He sees v = 0 and, as the eps-part
+of A, the plain acceleration of the origin.  Known zeros being free, that saves a fifth of the work:
+it is the classical Newton-Euler recursion, reached by choosing an observer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..model.robot import Joint, Robot
+from ..scalars import ZERO, Scalar
+from ..spatial.pose import Pose
+from ..spatial.vector import NOUGHT, REST, Vector3, motor, power
+from .kinematics import joint_poses
+
+
+def ride(V: Vector3, A: Vector3) -> tuple[Vector3, Vector3]:
+    """The observer takes on the origin's velocity v:   V -> w,   A -> A + eps w x v."""
+    w, v = V.real, V.dual
+    return motor(w, NOUGHT), A + motor(NOUGHT, w.cross(v))
+
+
+def carried(X: Pose, V: Vector3, A: Vector3) -> tuple[Vector3, Vector3]:
+    """The parent's V and A in the frame of b, its observer riding with the origin of b."""
+    V, A = ride(X.untranslate(V), X.untranslate(A))
+    return X.rotation.T @ V, X.rotation.T @ A
+
+
+def motions(
+    robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar], a: Sequence[Scalar]
+) -> tuple[dict[Joint | None, Vector3], dict[Joint | None, Vector3]]:
+    """Twists and accelerations, the observer riding along.
+
+        V = X^-1 V_parent + S v
+        A = X^-1 A_parent + S a + V x S v              A_ground = -gravity
+    """
+    V: dict[Joint | None, Vector3] = {None: REST}
+    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    for b in robot:
+        W, B = carried(X[b], V[b.parent], A[b.parent])
+        Sv, Sa = b.model.twist(v[b.v]), b.model.twist(a[b.v])
+        V[b], A[b] = ride(W + Sv, B + Sa + W.cross(Sv))
+    return V, A
+
+
+def rnea(
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    f_ext: Sequence[Vector3] | None = None,
+) -> list[Scalar]:
+    """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
+
+        F = I A + V x I V - F_ext + sum X F_children
+        tau = S . F
+
+    f_ext: a wrench for each body, in its own frame.
+    """
+    X = joint_poses(robot, q)
+    V, A = motions(robot, X, v, a)
+    F: dict[Joint | None, Vector3] = {None: REST}
+    for b in robot:
+        F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
+        if f_ext is not None:
+            F[b] = F[b] - f_ext[b.index]
+    tau: list[Scalar] = [ZERO] * robot.nv
+    for b in reversed(robot):
+        for (k, s), rotor in zip(b.dofs, b.armature, strict=True):
+            tau[k] = tau[k] + power(s, F[b]) + a[k] * rotor
+        F[b.parent] = F[b.parent] + X[b] @ F[b]
+    return tau
+
+
+def bias(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Vector3] | None = None) -> list[Scalar]:
+    """C v + g, what inverse dynamics asks for without acceleration."""
+    return rnea(robot, q, v, [ZERO] * robot.nv, f_ext)
+
+
+def gravity(robot: Robot, q: Sequence[Scalar]) -> list[Scalar]:
+    """g, what holds the robot at rest."""
+    return rnea(robot, q, [ZERO] * robot.nv, [ZERO] * robot.nv)

@@ -1,0 +1,103 @@
+"""The array boundary: shapes and types are checked here, once, before anything is computed.
+
+Algorithms never see the shapes of arrays; kernels never see names or options.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import ArgumentError, ShapeError, nearest
+from .model.robot import Robot
+from .terms import TERMS, Options, Term, input_shape
+
+_UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
+
+
+def call(robot: Robot, name: str, arrays: Mapping[str, ArrayLike], *, engine: str = "auto", **options: Any) -> np.ndarray:
+    """One term on arrays (..., size), the leading axes broadcast; returns (..., *shape)."""
+    from .engine import run
+
+    term = TERMS[name]
+    check_robot(robot, name)
+    given = {key: as_array(robot, name, key, x) for key, x in arrays.items()}
+    inputs, batch = flattened(robot, term, given)
+    result = run(robot, term, options, inputs, engine=engine)
+    return result.reshape(batch + result.shape[1:])
+
+
+def flattened(
+    robot: Robot, term: Term, given: Mapping[str, np.ndarray]
+) -> tuple[list[np.ndarray], tuple[int, ...]]:
+    """Inputs broadcast to one batch and reshaped to (n, size), and the batch's shape."""
+    rank = {key: len(input_shape(robot, key)) for key in given}
+    try:
+        batch = np.broadcast_shapes(*(x.shape[: x.ndim - rank[key]] for key, x in given.items()))
+    except ValueError:
+        shapes = ", ".join(f"{key} {x.shape}" for key, x in given.items())
+        raise ShapeError(f"{term.name}: the leading axes of {shapes} do not broadcast together") from None
+    n = int(np.prod(batch, dtype=int))
+    inputs = []
+    for key, x in given.items():
+        size = int(np.prod(input_shape(robot, key), dtype=int))
+        inputs.append(np.broadcast_to(x, batch + x.shape[x.ndim - rank[key] :]).reshape(n, size))
+    return inputs, batch
+
+
+def as_array(robot: Robot, term: str, key: str, value: ArrayLike) -> np.ndarray:
+    """`value` as a float64 array whose last axes fit the robot, or an error that says what was expected."""
+    x = numbers(f"{term}: {key}", value)
+    expected = input_shape(robot, key)
+    if x.ndim < len(expected) or x.shape[x.ndim - len(expected) :] != expected:
+        counts = {"f_ext": f"a wrench [n; f] for each of {len(robot)} joints", "q": f"nq = {robot.nq}"}
+        meaning = counts.get("q" if key.startswith("q") else key, f"nv = {robot.nv}")
+        wanted = ", ".join(map(str, expected))
+        raise ShapeError(f"{term}: {key} of shape (..., {wanted}) expected for {robot.name} ({meaning}), got {x.shape}")
+    if key.startswith("q"):
+        check_quaternions(robot, term, x)
+    return x
+
+
+def numbers(what: str, value: ArrayLike) -> np.ndarray:
+    """`value` as float64; complex, text and objects are refused rather than cut."""
+    try:
+        x = np.asarray(value)
+    except ValueError as e:
+        raise ShapeError(f"{what}: not an array ({e})") from None
+    if x.dtype.kind not in "fiub":
+        raise ArgumentError(f"{what}: real numbers expected, got {x.dtype} ({type(value).__name__})")
+    return x.astype(np.float64, copy=False)
+
+
+def check_robot(robot: Robot, term: str) -> None:
+    if not isinstance(robot, Robot):
+        hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
+        raise ArgumentError(f"{term}: a Robot expected first, got {type(robot).__name__}{hint}")
+
+
+def check_quaternions(robot: Robot, term: str, q: np.ndarray) -> None:
+    """Orientations must be unit quaternions: silently normalising would hide a wrong order of q."""
+    for j in robot:
+        if j.kind == "floating":
+            norm = np.linalg.norm(q[..., j.q.start + 3 : j.q.stop], axis=-1)
+            wrong = np.abs(norm - 1) > _UNIT
+            if np.any(wrong):
+                at = tuple(int(i) for i in np.argwhere(wrong)[0])
+                raise ArgumentError(
+                    f"{term}: q[{j.q.start + 3}:{j.q.stop}] of joint {j.name!r} must be a unit quaternion (w, x, y, z); "
+                    f"its norm is {float(norm[at]):.9g}" + (f" at sample {at}" if at else "")
+                )
+
+
+def choice(what: str, value: str, choices: tuple[str, ...]) -> str:
+    """`value` if it is one of the choices, else an error that offers the nearest."""
+    if value not in choices:
+        raise ArgumentError(f"{what} {value!r} is not known; {nearest(str(value), choices)}")
+    return value
+
+
+__all__ = ["Options", "as_array", "call", "check_robot", "choice", "flattened", "numbers"]

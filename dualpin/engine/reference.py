@@ -1,0 +1,39 @@
+"""Execution of a term by NumPy: the algorithm itself, run on columns of numbers.
+
+One sample runs on plain floats, a batch on arrays with one number a sample.  Nothing is compiled;
+this is the reference the compiled engine is tested against, and the path without a compiler.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..model.robot import Robot
+from ..scalars import Exact, Scalar
+from ..terms import Options, Term, flat
+
+SLICE = 1024  # samples at a time: the columns of one slice stay in the cache
+
+
+def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
+    """Arrays (n, size) in, one array (n, *shape) out."""
+    n, shape = len(inputs[0]), term.shape(robot, **options)
+    out = np.empty((n, int(np.prod(shape, dtype=int))))
+    for start in range(0, n, SLICE):
+        part = [x[start : start + SLICE] for x in inputs]
+        block = out[start : start + SLICE]
+        for i, value in enumerate(_results(robot, term, options, part)):
+            block[:, i] = float(value) if type(value) is Exact else value
+    return out.reshape((n, *shape))
+
+
+def _results(robot: Robot, term: Term, options: Options, part: Sequence[np.ndarray]) -> list[Scalar]:
+    if len(part[0]) == 1:
+        try:
+            return list(flat(term.compute(robot, *(x[0].tolist() for x in part), **options)))
+        except (ArithmeticError, ValueError):
+            pass  # floats raise where arrays say inf or nan: let the arrays speak
+    with np.errstate(all="ignore"):
+        return list(flat(term.compute(robot, *(list(np.ascontiguousarray(x.T)) for x in part), **options)))

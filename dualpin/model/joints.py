@@ -1,0 +1,186 @@
+"""Joint models.  Each knows its displacement, `motion(q)`, and the screws its velocities multiply.
+
+A joint about an axis is an axis times dual numbers: a coordinate x with unit u contributes u x
+to the dual angle t + eps d and the screw u axis to the motion subspace.
+
+    revolute 1     prismatic eps     helical 1 + eps h     cylindrical 1, eps
+
+The algorithms know nothing else of a joint, so there is no branch on its kind anywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..dual import EPS, Dual, cos_sin, stumpff
+from ..errors import ArgumentError
+from ..scalars import ONE, ZERO, Scalar
+from ..spatial.pose import Pose
+from ..spatial.quaternion import Quaternion, displaced
+from ..spatial.rotation import Rotation
+from ..spatial.vector import AXES, NOUGHT, REST, UX, UY, UZ, Vector3, motor
+
+
+class JointModel:
+    """What a joint lets its body do.  `kind` names it, `screws` span its twists in the moving frame."""
+
+    kind: str
+    nq: int
+    screws: tuple[Vector3, ...] = ()
+    neutral: tuple[float, ...]
+    coordinates: tuple[str, ...]
+    """What each coordinate is: "angle" [rad], "length" [m] or "quaternion"."""
+
+    @property
+    def nv(self) -> int:
+        return len(self.screws)
+
+    @property
+    def free(self) -> JointModel:
+        """The joint as it is without following another."""
+        return self
+
+    def following(self, multiplier: Scalar, offset: Scalar) -> JointModel:
+        """This joint when its one coordinate is multiplier * x + offset of another joint's x."""
+        raise ArgumentError(f"a {self.kind} joint cannot follow another: it has {self.nq} coordinates")
+
+    def motion(self, q: Sequence[Scalar]) -> Pose:
+        """Pose of the moving frame in the fixed one."""
+        raise NotImplementedError  # every joint model has its own
+
+    def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
+        """The same as a unit dual quaternion, continuous in q."""
+        raise NotImplementedError  # every joint model has its own
+
+    def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+        """The coordinates reached from q by moving with the constant body twist S v for one unit of time."""
+        return [x + d for x, d in zip(q, v, strict=True)]
+
+    def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
+        """The v that leads from q0 to q1: integrate(q0, difference(q0, q1)) = q1."""
+        return [b - a for a, b in zip(q0, q1, strict=True)]
+
+    def twist(self, v: Sequence[Scalar]) -> Vector3:
+        """S v, in the moving frame."""
+        total = REST
+        for s, x in zip(self.screws, v, strict=True):
+            total = total + s * x
+        return total
+
+
+class Axial(JointModel):
+    """A joint about one axis: q contributes sum(unit * q) + offset to its dual angle."""
+
+    def __init__(
+        self, axis: Vector3, *units: Dual, kind: str, coordinates: tuple[str, ...], offset: Dual | None = None
+    ) -> None:
+        self.axis, self.units, self.kind, self.coordinates = axis, units, kind, coordinates
+        self.offset = Dual(ZERO, ZERO) if offset is None else offset
+        self.screws = tuple(motor(axis, NOUGHT) * u for u in units)
+        self._leader: Axial | None = None
+        self.nq = len(units)
+        self.neutral = (0.0,) * self.nq
+
+    def motion(self, q: Sequence[Scalar]) -> Pose:
+        return Pose.about(self.axis, self.angle(q))
+
+    def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
+        return Quaternion.about(motor(self.axis, NOUGHT), self.angle(q))
+
+    def angle(self, q: Sequence[Scalar]) -> Dual:
+        """The dual angle t + eps d of the coordinates."""
+        angle = self.offset
+        for u, x in zip(self.units, q, strict=True):
+            angle = angle + u * x
+        return angle
+
+    @property
+    def free(self) -> JointModel:
+        return self._leader or self
+
+    def following(self, multiplier: Scalar, offset: Scalar) -> JointModel:
+        if self.nq != 1:
+            return super().following(multiplier, offset)
+        (unit,) = self.units
+        other = Axial(
+            self.axis, unit * multiplier, kind=self.kind, coordinates=self.coordinates, offset=unit * offset
+        )
+        other._leader = self
+        return other
+
+
+def revolute(axis: Vector3 = UZ, kind: str = "revolute") -> Axial:
+    return Axial(axis, Dual(ONE, ZERO), kind=kind, coordinates=("angle",))
+
+
+def prismatic(axis: Vector3 = UZ) -> Axial:
+    return Axial(axis, EPS, kind="prismatic", coordinates=("length",))
+
+
+def helical(axis: Vector3 = UZ, pitch: Scalar = 0.0) -> Axial:
+    """A screw joint; `pitch` in metres per radian."""
+    return Axial(axis, Dual(ONE, pitch), kind="helical", coordinates=("angle",))
+
+
+def cylindrical(axis: Vector3 = UZ) -> Axial:
+    """q = (angle, slide)."""
+    return Axial(axis, Dual(ONE, ZERO), EPS, kind="cylindrical", coordinates=("angle", "length"))
+
+
+class Planar(JointModel):
+    """Slides in the xy-plane and turns about z.  q = (x, y, angle); v = (vx, vy, w) of the body."""
+
+    kind, nq, neutral = "planar", 3, (0.0, 0.0, 0.0)
+    coordinates = ("length", "length", "angle")
+    screws = motor(NOUGHT, UX), motor(NOUGHT, UY), motor(UZ, NOUGHT)
+
+    def motion(self, q: Sequence[Scalar]) -> Pose:
+        x, y, angle = q
+        return Pose(Rotation.turned(UZ, *cos_sin(angle)), Vector3(x, y, ZERO))
+
+    def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
+        x, y, angle = q
+        return displaced(Quaternion.about(UZ, angle), Vector3(x, y, ZERO))
+
+    def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+        """p + R(angle) [c_1, -w c_2; w c_2, c_1] (vx, vy), with c_k = c_k(w^2) of Stumpff."""
+        (x, y, angle), (vx, vy, w) = q, v
+        a, b = stumpff(1, w * w), w * stumpff(2, w * w)
+        tx, ty = a * vx - b * vy, b * vx + a * vy
+        c, s = cos_sin(angle)
+        return [x + c * tx - s * ty, y + s * tx + c * ty, angle + w]
+
+    def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
+        (x, y, angle), (x1, y1, angle1) = q0, q1
+        w = angle1 - angle
+        c, s = cos_sin(angle)
+        tx, ty = c * (x1 - x) + s * (y1 - y), c * (y1 - y) - s * (x1 - x)
+        a, b = stumpff(1, w * w), w * stumpff(2, w * w)
+        n = a * a + b * b
+        return [(a * tx + b * ty) / n, (a * ty - b * tx) / n, w]
+
+
+class Floating(JointModel):
+    """q = (x, y, z, qw, qx, qy, qz), a unit quaternion; v = the body's own twist, angular first."""
+
+    kind, nq, neutral = "floating", 7, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    coordinates = ("length",) * 3 + ("quaternion",) * 4
+    screws = tuple(motor(a, NOUGHT) for a in AXES) + tuple(motor(NOUGHT, a) for a in AXES)
+
+    def motion(self, q: Sequence[Scalar]) -> Pose:
+        return Pose(Quaternion(*q[3:]).rotation, Vector3(*q[:3]))
+
+    def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
+        return displaced(Quaternion(*q[3:]), Vector3(*q[:3]))
+
+    def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+        """The dual quaternion of q times exp(twist / 2)."""
+        step = Quaternion.exp(self.twist(v) / 2)
+        r, p = Quaternion(*q[3:]), Vector3(*q[:3])
+        return [*(p + r.rotation @ Pose.from_quaternion(step).position), *(r * step.real).normalized]
+
+    def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
+        X0, X1 = self.motion(q0), self.motion(q1)
+        r = Quaternion(*q0[3:]).conjugate * Quaternion(*q1[3:])
+        twist = displaced(r, X0.rotation.T @ (X1.position - X0.position)).log * 2
+        return [*twist.real, *twist.dual]

@@ -1,0 +1,71 @@
+"""The same robot over other numbers: every constant converted, rotations orthonormal again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
+from typing import Any
+
+from ..dual import Dual, sqrt
+from ..scalars import Exact, Scalar
+from ..spatial.inertia import Inertia
+from ..spatial.pose import Pose
+from ..spatial.rotation import IDENTITY, Matrix3, Rotation
+from ..spatial.vector import NOUGHT, Vector3, motor
+from .joints import Axial, JointModel
+from .robot import Frame, Joint, Link, Robot
+
+
+def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
+    """Every constant x of the robot replaced by scalar(x); exact -1, 0, 1 stay what they are."""
+
+    def number(x: Scalar) -> Scalar:
+        return x if type(x) is Exact else scalar(x)
+
+    def vector(p: Vector3) -> Vector3:
+        return Vector3(*map(number, p))
+
+    def matrix(A: Matrix3) -> Matrix3:
+        return type(A)(*map(vector, A.rows))
+
+    def pose(X: Pose) -> Pose:
+        return Pose(orthonormal(matrix(X.rotation)), vector(X.position))
+
+    def inertia(body: Inertia) -> Inertia:
+        return Inertia(number(body.mass), vector(body.moment), matrix(body.rotational))
+
+    def joint_model(model: JointModel) -> JointModel:
+        if not isinstance(model, Axial):
+            return model
+        other = copy(model)
+        axis = vector(model.axis)
+        exactly_unit = all(type(c) is Exact for c in axis)
+        other.axis = axis if exactly_unit else axis / sqrt(axis.dot(axis))
+        other.units = tuple(Dual(number(u.real), number(u.dual)) for u in model.units)
+        other.offset = Dual(number(model.offset.real), number(model.offset.dual))
+        other.screws = tuple(motor(other.axis, NOUGHT) * u for u in other.units)
+        return other
+
+    new: dict[Joint | None, Joint | None] = {None: None}
+    for j in robot:
+        new[j] = replace(
+            j,
+            parent=new[j.parent],
+            placement=pose(j.placement),
+            inertia=inertia(j.inertia),
+            model=joint_model(j.model),
+            armature=tuple(map(number, j.armature)),
+        )
+    frames = tuple(Frame(f.name, f.kind, new[f.joint], pose(f.placement), f.parent) for f in robot.frames)
+    links = tuple(Link(k.name, inertia(k.inertia), new[k.joint], pose(k.placement)) for k in robot.links)
+    joints = tuple(new[j] for j in robot)
+    return replace(robot, joints=joints, frames=frames, links=links, gravity=vector(robot.gravity))
+
+
+def orthonormal(R: Matrix3) -> Rotation:
+    """The nearest rotation, by Newton's iteration R <- R (3 - R^T R) / 2: 16 digits become 32, 64, 128."""
+    if not all(type(c) is Exact for row in R.rows for c in row):
+        for _ in range(3):
+            R = R @ (IDENTITY * 3 - R.T @ R) / 2
+    return Rotation(*R.rows)

@@ -1,0 +1,327 @@
+"""The robot: a tree of joints, each moving a rigid body, with named frames.  Nobody modifies it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf, isfinite, pi
+from typing import Any
+
+import numpy as np
+
+from ..errors import ArgumentError, FrameNotFoundError, nearest
+from ..scalars import Scalar, exact
+from ..spatial.inertia import Inertia
+from ..spatial.pose import Pose
+from ..spatial.vector import NOUGHT, Vector3, motor
+from .joints import JointModel
+
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds as the description states them; `lower` and `upper` have one entry a coordinate."""
+
+    lower: tuple[float, ...] = ()
+    upper: tuple[float, ...] = ()
+    velocity: float = inf
+    effort: float = inf
+    damping: float = 0.0
+    friction: float = 0.0
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint whose coordinate is  multiplier * (coordinate of `joint`) + offset."""
+
+    joint: str
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint and the body it moves.
+
+    Attributes
+    ----------
+    placement : Pose
+        Of the joint's fixed side in the parent's moving frame.
+    inertia : Inertia
+        Of everything rigidly attached, about this joint's moving frame.
+    q, v : slice
+        Where its coordinates and velocities lie in the robot's.
+    """
+
+    name: str
+    model: JointModel
+    parent: Joint | None
+    placement: Pose
+    inertia: Inertia
+    q: slice
+    v: slice
+    index: int
+    limits: Limits = field(default_factory=Limits)
+    mimic: Mimic | None = None
+    armature: tuple[Scalar, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Joint {self.name!r}: {self.kind}, q{_span(self.q)}, v{_span(self.v)}>"
+
+    @property
+    def kind(self) -> str:
+        return self.model.kind
+
+    @cached_property
+    def dofs(self) -> list[tuple[int, Vector3]]:
+        """(index in v, screw) of each degree of freedom."""
+        return list(zip(range(self.v.start, self.v.stop), self.model.screws, strict=True))
+
+    @property
+    def chain(self) -> Iterator[Joint]:
+        """This joint, its parent, ... up to the root."""
+        joint: Joint | None = self
+        while joint is not None:
+            yield joint
+            joint = joint.parent
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A named frame, fixed to the body that `joint` moves (None: the ground)."""
+
+    name: str
+    kind: str
+    """ "universe", "joint", "fixed_joint", "link" or "frame"."""
+    joint: Joint | None
+    placement: Pose
+    parent: int = 0
+    """Index of the frame it was described in."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link as it was described: its own inertia in its own frame, and where that frame is fixed."""
+
+    name: str
+    inertia: Inertia
+    joint: Joint | None
+    placement: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """A tree of joints, parents first.  Made by `dualpin.load`, `dualpin.from_dh`, `Builder`, ..."""
+
+    name: str
+    joints: tuple[Joint, ...]
+    frames: tuple[Frame, ...]
+    links: tuple[Link, ...] = ()
+    gravity: Vector3 = field(default_factory=lambda: Vector3(*map(exact, STANDARD_GRAVITY)))
+    notes: tuple[str, ...] = ()
+    """What the reader assumed or found odd."""
+    source: str | None = None
+    """The file it was read from."""
+
+    # the tree, as the algorithms walk it
+
+    def __iter__(self) -> Iterator[Joint]:
+        return iter(self.joints)
+
+    def __reversed__(self) -> Iterator[Joint]:
+        return reversed(self.joints)
+
+    def __len__(self) -> int:
+        return len(self.joints)
+
+    @cached_property
+    def nq(self) -> int:
+        return max((j.q.stop for j in self.joints), default=0)
+
+    @cached_property
+    def nv(self) -> int:
+        return max((j.v.stop for j in self.joints), default=0)
+
+    @property
+    def at_rest(self) -> Vector3:
+        """Acceleration that stands for gravity: a base at rest accelerates upwards (Einstein)."""
+        return motor(NOUGHT, -self.gravity)
+
+    @property
+    def coupled(self) -> bool:
+        """Whether joints share coordinates (mimic)."""
+        return any(j.mimic for j in self.joints)
+
+    # names
+
+    @cached_property
+    def joint_names(self) -> list[str]:
+        return [j.name for j in self.joints]
+
+    @cached_property
+    def frame_names(self) -> list[str]:
+        return [f.name for f in self.frames]
+
+    @cached_property
+    def link_names(self) -> list[str]:
+        return [link.name for link in self.links]
+
+    def joint(self, name: str) -> Joint:
+        """The joint of that name, or a `FrameNotFoundError` with the nearest names."""
+        for j in self.joints:
+            if j.name == name:
+                return j
+        fixed = any(f.kind == "fixed_joint" and f.name == name for f in self.frames)
+        why = "is fixed, it has no coordinates;" if fixed else "is not a joint of"
+        raise FrameNotFoundError(f"joint {name!r} {why} {self.name}; {nearest(name, self.joint_names, 'joints')}")
+
+    @cached_property
+    def _frame_index(self) -> dict[str, Frame]:
+        # where a link and a joint share a name, the link's frame is meant
+        order = sorted(self.frames, key=lambda f: f.kind == "link")
+        return {f.name: f for f in order}
+
+    def frame(self, name: str | int | Frame) -> Frame:
+        """The frame of that name (a link's before a joint's) or index, or a `FrameNotFoundError`."""
+        if isinstance(name, Frame):
+            return name
+        if isinstance(name, (int, np.integer)):
+            if -len(self.frames) <= name < len(self.frames):
+                return self.frames[name]
+            raise FrameNotFoundError(f"frame {name} of {self.name}: it has {len(self.frames)} frames")
+        found = self._frame_index.get(name)
+        if found is None:
+            raise FrameNotFoundError(
+                f"frame {name!r} not in {self.name}; {nearest(name, self.frame_names, 'frames')}"
+            )
+        return found
+
+    # limits and configurations
+
+    def _per_q(self, value: Callable[[Joint], Sequence[float]]) -> np.ndarray:
+        out = np.zeros(self.nq)
+        for j in self.joints:
+            if j.mimic is None:
+                out[j.q] = value(j)
+        return out
+
+    @cached_property
+    def neutral(self) -> np.ndarray:
+        """The configuration with every joint at its zero, shape (nq,)."""
+        return self._per_q(lambda j: j.model.neutral)
+
+    @cached_property
+    def lower(self) -> np.ndarray:
+        """Lower position limits, shape (nq,); -inf where there is none."""
+        return self._per_q(lambda j: j.limits.lower or (-inf,) * j.model.nq)
+
+    @cached_property
+    def upper(self) -> np.ndarray:
+        """Upper position limits, shape (nq,); inf where there is none."""
+        return self._per_q(lambda j: j.limits.upper or (inf,) * j.model.nq)
+
+    @cached_property
+    def velocity_limit(self) -> np.ndarray:
+        """Shape (nv,); inf where there is none."""
+        out = np.full(self.nv, inf)
+        for j in self.joints:
+            if j.mimic is None:
+                out[j.v] = j.limits.velocity
+        return out
+
+    def sample(self, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Random states within the limits.
+
+        Parameters
+        ----------
+        n : int, optional
+            How many; None gives one state without a batch axis.
+        seed : int, optional
+            Of `numpy.random.default_rng`.
+
+        Returns
+        -------
+        q, v, a : ndarray, shapes (n, nq), (n, nv), (n, nv)
+            Coordinates uniform within the limits (angles without limit in [-pi, pi], lengths in
+            [-1, 1], unit quaternions uniform), velocities uniform within theirs (at most 2 pi
+            either way), accelerations uniform in [-2 pi, 2 pi].
+
+        Examples
+        --------
+        >>> import dualpin as dp
+        >>> q, v, a = dp.load("panda").sample(5, seed=0)
+        >>> q.shape, v.shape
+        ((5, 9), (5, 9))
+        """
+        if n is not None and (not isinstance(n, (int, np.integer)) or n < 0):
+            raise ArgumentError(f"sample: n = {n!r}, a number of states (0, 1, 2, ...) or None expected")
+        rng = np.random.default_rng(seed)
+        shape = (1 if n is None else int(n),)
+        q = np.empty((*shape, self.nq))
+        for j in self.joints:
+            if j.mimic is None:
+                q[:, j.q] = _sample_joint(j, rng, shape[0])
+        reach = np.where(self.velocity_limit > 0, np.minimum(self.velocity_limit, 2 * pi), 1.0)
+        v = rng.uniform(-1, 1, (*shape, self.nv)) * reach
+        a = rng.uniform(-1, 1, (*shape, self.nv)) * 2 * pi
+        return (q[0], v[0], a[0]) if n is None else (q, v, a)
+
+    # variants
+
+    def with_gravity(self, gravity: Sequence[float]) -> Robot:
+        """The same robot elsewhere: gravity as a vector in the world frame [m/s^2]."""
+        return replace(self, gravity=Vector3(*map(exact, map(float, gravity))))
+
+    def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
+        """The same robot with every constant as another kind of number.
+
+        Rotations and axes are made orthonormal again in those numbers (in double precision they
+        are so to 1e-16 only), so that identities hold to the digits of the new type.
+
+        Examples
+        --------
+        >>> import mpmath, dualpin as dp
+        >>> robot = dp.load("panda").lift(mpmath.mpf)
+        """
+        from .lift import lifted
+
+        return lifted(self, scalar)
+
+    # description
+
+    @property
+    def mass(self) -> float:
+        """Total moving mass [kg]."""
+        return float(sum(float(j.inertia.mass) for j in self.joints))
+
+    def summary(self) -> str:
+        """The tree, the order of q and v, limits, and what was assumed, as text."""
+        from .describe import summary
+
+        return summary(self)
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}, {self.mass:.6g} kg>"
+
+
+def _span(s: slice) -> str:
+    return f"[{s.start}]" if s.stop == s.start + 1 else f"[{s.start}:{s.stop}]"
+
+
+def _sample_joint(j: Joint, rng: np.random.Generator, n: int) -> np.ndarray:
+    out = np.empty((n, j.model.nq))
+    for i, what in enumerate(j.model.coordinates):
+        free = {"angle": pi, "length": 1.0}.get(what, 1.0)
+        lower = j.limits.lower[i] if j.limits.lower else -inf
+        upper = j.limits.upper[i] if j.limits.upper else inf
+        lower = lower if isfinite(lower) else min(-free, upper - free)
+        upper = upper if isfinite(upper) else max(free, lower + free)
+        out[:, i] = rng.uniform(lower, max(lower, upper), n)
+    quaternion = [i for i, what in enumerate(j.model.coordinates) if what == "quaternion"]
+    if quaternion:
+        r = rng.standard_normal((n, 4))
+        out[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
+    return out
+

@@ -1,0 +1,136 @@
+"""What is not dual-linear: the maps from motions to forces.
+
+An inertia takes the twist w + eps v to the momentum p + eps l.  It exchanges the parts (v mostly
+makes p, w mostly makes l) and so does not commute with eps (Brodsky & Shoham 1999); but it is
+symmetric for the power pairing, power(U, I(V)) = power(V, I(U)), and that is all the algorithms ask.
+"""
+
+from __future__ import annotations
+
+from ..scalars import ONE, ZERO, Scalar
+from .pose import Pose
+from .rotation import ZEROS, Matrix3, diagonal, skew
+from .vector import AXES, NOUGHT, Vector3, motor
+
+
+class Inertia:
+    """A rigid body: mass m, first moment h = m c, and rotational inertia J about the origin.
+
+    Linear in its ten parameters (m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz), so bodies simply add.
+    """
+
+    __slots__ = ("mass", "moment", "rotational")
+
+    def __init__(self, mass: Scalar, moment: Vector3, rotational: Matrix3) -> None:
+        self.mass, self.moment, self.rotational = mass, moment, rotational
+
+    def __call__(self, twist: Vector3) -> Vector3:
+        """Momentum of the twist w + eps v:   p = m v + w x h,   l = J w + h x v"""
+        w, v, h = twist.real, twist.dual, self.moment
+        return motor(v * self.mass + w.cross(h), self.rotational @ w + h.cross(v))
+
+    def __add__(self, b: Inertia) -> Inertia:
+        return Inertia(self.mass + b.mass, self.moment + b.moment, self.rotational + b.rotational)
+
+    def moved(self, X: Pose) -> Inertia:
+        """Turn by R, then shift by p (Steiner):  h' = h + m p,  J' = J + (p.h + p.h') 1 - h p^T - p h'^T"""
+        R, p, m = X.rotation, X.position, self.mass
+        h, J = R @ self.moment, R @ self.rotational @ R.T
+        h_ = h + p * m
+        J_ = J + diagonal(p.dot(h) + p.dot(h_)) - h.outer(p) - p.outer(h_)
+        return Inertia(m, h_, J_.mirrored)
+
+    @property
+    def parameters(self) -> list[Scalar]:
+        """m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz about the origin: what the regressor multiplies."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rotational.rows
+        return [self.mass, *self.moment, xx, xy, yy, xz, yz, zz]
+
+    @classmethod
+    def basis(cls) -> list[Inertia]:
+        """The ten unit inertias, in the order of `parameters`:  I = sum parameter * basis."""
+        units = [cls(ONE, NOUGHT, ZEROS)] + [cls(ZERO, axis, ZEROS) for axis in AXES]
+        for c in range(3):
+            for r in range(c + 1):
+                unit = AXES[r].outer(AXES[c])
+                units.append(cls(ZERO, NOUGHT, unit if r == c else unit + unit.T))
+        return units
+
+
+NOTHING = Inertia(ZERO, NOUGHT, ZEROS)
+
+
+class Articulated:
+    """Any symmetric map of twists to wrenches, in blocks:  f = M v + H w,   n = H^T v + J w."""
+
+    __slots__ = ("H", "J", "M")
+
+    def __init__(self, M: Matrix3, H: Matrix3, J: Matrix3) -> None:
+        self.M, self.H, self.J = M, H, J
+
+    @classmethod
+    def of(cls, body: Inertia) -> Articulated:
+        return cls(diagonal(body.mass), skew(-body.moment), body.rotational)
+
+    def __call__(self, twist: Vector3) -> Vector3:
+        w, v = twist.real, twist.dual
+        return motor(self.M @ v + self.H @ w, self.H.T @ v + self.J @ w)
+
+    def __add__(self, b: Articulated) -> Articulated:
+        return Articulated(self.M + b.M, self.H + b.H, self.J + b.J)
+
+    def released(self, U: Vector3, d: Scalar) -> Articulated:
+        """I - U U^T / d: what is left to feel when the screw with U = I(s), d = power(s, U) is let go."""
+        f, n = U.real, U.dual
+        kf, kn = f * (1 / d), n * (1 / d)
+        return Articulated(
+            (self.M - kf.outer(f)).mirrored, self.H - kf.outer(n), (self.J - kn.outer(n)).mirrored
+        )
+
+    def moved(self, X: Pose) -> Articulated:
+        """Turn each block, then shift:  H' = H - M [p],  J' = J + [p] H' - H^T [p]"""
+        R, p = X.rotation, X.position
+        M, H, J = (R @ block @ R.T for block in (self.M, self.H, self.J))
+        M = M.mirrored
+        H_ = H - M.skewed(p)
+        return Articulated(M, H_, (J - H_.T.skewed(p).T - H.T.skewed(p)).mirrored)
+
+
+class Connection:
+    """B(V): the bilinear map  D(V, U) = [V x I(U) + U x I(V) - I(V x U)] / 2  for a given V.
+
+    This is the Levi-Civita connection of the kinetic energy on SE(3) (Arnold 1966; as a matrix,
+    Echeandia & Wensing 2021).  By Jacobi's identity it sees only the angular part of U: with p
+    the linear momentum, B(V)(a + eps b) = a x p + eps (B a), twelve numbers in all.
+    """
+
+    __slots__ = ("B", "p")
+
+    def __init__(self, p: Vector3, B: Matrix3) -> None:
+        self.p, self.B = p, B
+
+    @classmethod
+    def of(cls, I: Inertia, V: Vector3) -> Connection:  # noqa: E741
+        P = I(V)
+
+        def column(a: Vector3) -> Vector3:
+            U = motor(a, NOUGHT)
+            return ((V.cross(I(U)) + U.cross(P) - I(V.cross(U))) / 2).dual
+
+        return cls(P.real, Matrix3(*map(column, AXES)).T)
+
+    def __call__(self, U: Vector3) -> Vector3:
+        return motor(U.real.cross(self.p), self.B @ U.real)
+
+    def transposed(self, U: Vector3) -> Vector3:
+        """power(W, B(U)) = power(U, B^T(W))"""
+        return motor(NOUGHT, self.B.T @ U.real + self.p.cross(U.dual))
+
+    def __add__(self, b: Connection) -> Connection:
+        return Connection(self.p + b.p, self.B + b.B)
+
+    def moved(self, X: Pose) -> Connection:
+        """Turn, then shift:  B' a = R B R^T a + r x (a x p)"""
+        R, r = X.rotation, X.position
+        p, B = R @ self.p, R @ self.B @ R.T
+        return Connection(p, B + diagonal(r.dot(p)) - p.outer(r))

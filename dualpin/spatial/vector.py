@@ -1,0 +1,104 @@
+"""Vectors of three scalars.  Over dual numbers the same class is a motor.
+
+    Vector3      over Dual: a twist w + eps v, a wrench f + eps n, a momentum p + eps l, a screw
+    a.cross(b)   over Dual: the spatial cross product, of motions and of forces alike
+    a.dot(b)     over Dual: a.b + eps (power); the dual part pairs twists with wrenches
+
+Mind the order: the *real* part of a twist is angular, the real part of a wrench is the force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from ..dual import Compound, Dual
+from ..scalars import ONE, ZERO, Scalar
+
+if TYPE_CHECKING:
+    from .pose import Pose
+    from .rotation import Matrix3
+
+
+class Vector3(Compound):
+    """A vector of three scalars of any kind.
+
+    Examples
+    --------
+    >>> from dualpin.spatial import Vector3
+    >>> Vector3(1.0, 0.0, 0.0).cross(Vector3(0.0, 2.0, 0.0))
+    Vector3(0.0, 0.0, 2.0)
+    """
+
+    __slots__ = ("x", "y", "z")
+
+    def __init__(self, x: Scalar, y: Scalar, z: Scalar) -> None:
+        self.x, self.y, self.z = x, y, z
+
+    def __iter__(self) -> Iterator[Scalar]:
+        return iter((self.x, self.y, self.z))
+
+    def __repr__(self) -> str:
+        return f"Vector3({self.x}, {self.y}, {self.z})"
+
+    def __neg__(self) -> Vector3:
+        return Vector3(-self.x, -self.y, -self.z)
+
+    def __add__(self, b: Vector3) -> Vector3:
+        return Vector3(self.x + b.x, self.y + b.y, self.z + b.z)
+
+    def __sub__(self, b: Vector3) -> Vector3:
+        return Vector3(self.x - b.x, self.y - b.y, self.z - b.z)
+
+    def __mul__(self, s: Scalar) -> Vector3:
+        return Vector3(self.x * s, self.y * s, self.z * s)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, s: Scalar) -> Vector3:
+        return Vector3(self.x / s, self.y / s, self.z / s)
+
+    def dot(self, b: Vector3) -> Scalar:
+        return self.x * b.x + self.y * b.y + self.z * b.z
+
+    def cross(self, b: Vector3) -> Vector3:
+        return Vector3(self.y * b.z - self.z * b.y, self.z * b.x - self.x * b.z, self.x * b.y - self.y * b.x)
+
+    def outer(self, b: Vector3) -> Matrix3:
+        """a b^T"""
+        from .rotation import Matrix3
+
+        return Matrix3(b * self.x, b * self.y, b * self.z)
+
+    @property
+    def real(self) -> Vector3:
+        return Vector3(self.x.real, self.y.real, self.z.real)
+
+    @property
+    def dual(self) -> Vector3:
+        return Vector3(self.x.dual, self.y.dual, self.z.dual)
+
+    def moved(self, X: Pose) -> Vector3:
+        """A motor described in the frame X, carried to the frame X is described in."""
+        return X.translate(X.rotation @ self)
+
+
+NOUGHT = Vector3(ZERO, ZERO, ZERO)
+AXES = UX, UY, UZ = Vector3(ONE, ZERO, ZERO), Vector3(ZERO, ONE, ZERO), Vector3(ZERO, ZERO, ONE)
+
+
+def motor(real: Vector3, dual: Vector3) -> Vector3:
+    """The dual vector real + eps dual."""
+    return Vector3(Dual(real.x, dual.x), Dual(real.y, dual.y), Dual(real.z, dual.z))
+
+
+REST = motor(NOUGHT, NOUGHT)
+
+
+def power(screw: Vector3, wrench: Vector3) -> Scalar:
+    """Virtual power w.n + v.f of a wrench f + eps n on a twist w + eps v.
+
+    The dual part of the dot product; Ball's reciprocal product (Ball 1900).  It stands for every
+    product with a transposed motion subspace, whatever the kind of joint.
+    """
+    return screw.dot(wrench).dual
