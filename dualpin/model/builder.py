@@ -61,7 +61,9 @@ class Builder:
         self.notes: list[str] = []
         self.source: str | None = None
         self._parts: dict[str, _Part] = {}
-        self._places: dict[str | None, _Place] = {None: _Place(None, GROUND)}
+        # a link and a joint may share a name; a link is what things are fixed to
+        self._link_places: dict[str, _Place] = {}
+        self._places: dict[str, _Place] = {}
         self._frames: list[tuple[str, str, str | None, Pose, int]] = [("universe", "universe", None, GROUND, 0)]
         self._links: list[tuple[str, Inertia, str | None, Pose]] = []
 
@@ -75,11 +77,10 @@ class Builder:
             b._parts[j.name] = _Part(
                 j.name, j.model.free, parent, j.placement, j.inertia, j.limits, j.mimic, j.armature
             )
-            b._places.setdefault(j.name, _Place(j.name, GROUND))
         b._frames = [(f.name, f.kind, f.joint.name if f.joint else None, f.placement, f.parent) for f in robot.frames]
         for i, (name, kind, joint, placement, _) in enumerate(b._frames):
-            if kind == "link" or name not in b._places:
-                b._places[name] = _Place(joint, placement, i)
+            places = b._link_places if kind == "link" else b._places
+            places[name] = _Place(joint, placement, i)
         b._links = [(k.name, k.inertia, k.joint.name if k.joint else None, k.placement) for k in robot.links]
         return b
 
@@ -129,7 +130,7 @@ class Builder:
 
     def base(self, name: str, inertia: Inertia | None = None) -> None:
         """The root link of a robot whose base stands on the ground."""
-        self._link(name, inertia, self._places[None])
+        self._link(name, inertia, _Place(None, GROUND))
 
     def frame(self, name: str, on: str | None = None, placement: Pose = GROUND) -> None:
         """A named frame without a body."""
@@ -145,13 +146,16 @@ class Builder:
             part.inertia = part.inertia + at.placement @ body
         self._links.append((name, body, at.joint, at.placement))
         self._frames.append((name, "link", at.joint, at.placement, at.frame))
-        self._places[name] = _Place(at.joint, at.placement, len(self._frames) - 1)
+        self._link_places[name] = _Place(at.joint, at.placement, len(self._frames) - 1)
 
     def _place(self, on: str | None) -> _Place:
-        if on not in self._places:
-            names = [n for n in self._places if n is not None]
-            raise FrameNotFoundError(f"{on!r} is not in {self.name} yet; {nearest(str(on), names, 'frames')}")
-        return self._places[on]
+        if on is None:
+            return _Place(None, GROUND)
+        place = self._link_places.get(on) or self._places.get(on)
+        if place is None:
+            names = [*self._link_places, *self._places]
+            raise FrameNotFoundError(f"{on!r} is not in {self.name} yet; {nearest(on, names, 'frames')}")
+        return place
 
     def robot(self) -> Robot:
         """The finished robot.  Raises `ArgumentError` for a mimic that cannot be followed."""

@@ -1,0 +1,176 @@
+"""URDF to `Robot`: the only place that knows yourdfpy.
+
+yourdfpy parses the checked document; what its numbers mean follows the rules that reproduce
+Pinocchio's models exactly: depth-first joint order with siblings by name, fixed joints merged,
+axes normalised.
+"""
+
+from __future__ import annotations
+
+import os
+import warnings
+from io import BytesIO
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from ..dual import sqrt
+from ..errors import ArgumentError, DualpinWarning, UrdfError
+from ..model.builder import Builder
+from ..model.joints import Floating, JointModel, Planar, prismatic, revolute
+from ..model.robot import Limits, Mimic, Robot
+from ..scalars import exact
+from ..spatial.inertia import Inertia
+from ..spatial.pose import GROUND, Pose
+from ..spatial.rotation import Matrix3
+from ..spatial.vector import AXES, NOUGHT, Vector3
+from .catalogue import find
+from .xml import Document, parse, read
+
+_AXIS_TOLERANCE = 1e-12  # Pinocchio's: closer than this to a coordinate axis is that axis
+
+
+def load(name_or_path: str | os.PathLike[str], floating: bool = False, mimic: bool = False) -> Robot:
+    """A robot from a URDF file, or by its name in example-robot-data.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        "panda", "ur5", ... (`dualpin list` prints all), or a path to a file.
+    floating : bool
+        Give the base six degrees of freedom: joint "root_joint", q = (x y z, qw qx qy qz).
+    mimic : bool
+        Let joints with a <mimic> tag follow; otherwise they are joints like others.
+
+    Returns
+    -------
+    Robot
+        Joints in Pinocchio's order.  ``robot.notes`` says what was assumed or looks odd.
+
+    Raises
+    ------
+    UrdfError
+        If the file cannot be found, read or trusted; the message names element, attribute and line.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.load("panda").joint_names[:2]
+    ['panda_joint1', 'panda_joint2']
+    """
+    if not isinstance(name_or_path, (str, os.PathLike)):
+        raise ArgumentError(f"load: a name or a path expected, got {type(name_or_path).__name__}")
+    path = find(name_or_path)
+    return _announced(build(read(path), floating, mimic, str(path)))
+
+
+def loads(data: bytes | str, floating: bool = False, mimic: bool = False, source: str = "<text>") -> Robot:
+    """A robot from the text of a URDF."""
+    raw = data.encode() if isinstance(data, str) else data
+    return _announced(build(parse(raw, source), floating, mimic, None))
+
+
+def _announced(robot: Robot) -> Robot:
+    if robot.notes:
+        warnings.warn(f"{robot.name}: " + "; ".join(robot.notes), DualpinWarning, stacklevel=3)
+    return robot
+
+
+def build(document: Document, floating: bool, mimic: bool, source: str | None) -> Robot:
+    """The robot of a checked document."""
+    description = _described(document)
+    links = {link.name: link for link in description.links}
+    children: dict[str, list[Any]] = {}
+    for joint in description.joints:
+        children.setdefault(joint.parent, []).append(joint)
+    b = Builder(description.name)
+    b.source, b.notes = source, list(document.notes)
+    base = _inertia(links[document.base])
+    if floating:
+        b.joint("root_joint", Floating(), inertia=base, link=document.base)
+    else:
+        b.base(document.base, base)
+    # depth first, siblings by name as bytes: the order of urdfdom's map and so of Pinocchio
+    stack = [document.base]
+    pending: list[Any] = _siblings(children, stack.pop())
+    while pending:
+        joint = pending.pop()
+        _add(b, joint, links[joint.child], mimic)
+        pending += _siblings(children, joint.child)
+    try:
+        return b.robot()
+    except ArgumentError as e:
+        raise UrdfError(f"{document.source}: {e}") from None
+
+
+def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:
+    """The joints on a link, the first by name last, as a stack wants them."""
+    return sorted(children.get(link, ()), key=lambda j: j.name.encode(), reverse=True)
+
+
+def _described(document: Document) -> Any:
+    import yourdfpy  # its own import takes most of a second
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        stream = BytesIO(etree.tostring(document.root))
+        return yourdfpy.URDF.load(stream, build_scene_graph=False, load_meshes=False).robot
+
+
+def _add(b: Builder, joint: Any, link: Any, mimic: bool) -> None:
+    placement = GROUND if joint.origin is None else Pose.from_matrix(joint.origin)
+    inertia = _inertia(link)
+    if joint.type == "fixed":
+        b.fixed(joint.name, joint.parent, placement, inertia, link=joint.child)
+        return
+    follows = joint.mimic if mimic else None
+    b.joint(
+        joint.name, _model(joint), joint.parent, placement, inertia, link=joint.child, limits=_limits(joint),
+        mimic=None if follows is None else Mimic(follows.joint, *_ratio(follows)),
+    )  # fmt: skip
+
+
+def _ratio(mimic: Any) -> tuple[float, float]:
+    multiplier = 1.0 if mimic.multiplier is None else float(mimic.multiplier)
+    return multiplier, 0.0 if mimic.offset is None else float(mimic.offset)
+
+
+def _model(joint: Any) -> JointModel:
+    if joint.type == "floating":
+        return Floating()
+    if joint.type == "planar":
+        return Planar()
+    axis = _axis(joint.axis)
+    return prismatic(axis) if joint.type == "prismatic" else revolute(axis, kind=joint.type)
+
+
+def _axis(xyz: Any) -> Vector3:
+    u = np.array([1.0, 0.0, 0.0] if xyz is None else xyz, dtype=float)
+    for unit, exact_axis in zip(np.eye(3), AXES, strict=True):
+        for sign in (1, -1):
+            if np.linalg.norm(u - sign * unit) <= _AXIS_TOLERANCE:
+                return exact_axis if sign == 1 else -exact_axis
+    axis = Vector3(*map(exact, u.tolist()))
+    return Vector3(*map(exact, axis / sqrt(float(u @ u))))
+
+
+def _limits(joint: Any) -> Limits:
+    limit, dynamics = joint.limit, joint.dynamics
+    damping = float((dynamics and dynamics.damping) or 0.0)
+    friction = float((dynamics and dynamics.friction) or 0.0)
+    if limit is None:
+        return Limits(damping=damping, friction=friction)
+    bounds: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    if joint.type in ("revolute", "prismatic"):
+        bounds = (float(limit.lower or 0.0),), (float(limit.upper or 0.0),)
+    return Limits(*bounds, float(limit.velocity or 0.0), float(limit.effort or 0.0), damping, friction)
+
+
+def _inertia(link: Any) -> Inertia | None:
+    """The ten parameters about the link's own frame, from mass, centre and inertia about it."""
+    if link.inertial is None:
+        return None
+    origin = GROUND if link.inertial.origin is None else Pose.from_matrix(link.inertial.origin)
+    rows = [Vector3(*map(exact, row)) for row in np.asarray(link.inertial.inertia, dtype=float).tolist()]
+    return origin @ Inertia(exact(float(link.inertial.mass)), NOUGHT, Matrix3(*rows))
