@@ -6,12 +6,15 @@ Everything in this file is that sentence, and the ring.
 
 from __future__ import annotations
 
+import numbers
+import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from .errors import ArgumentError, DualDivisionError
+from .parts import SEQUENCES, Parts, aligned, array, array_function, product
 from .scalars import ONE, ZERO, Exact, Scalar, exact, library
 
 
@@ -22,13 +25,27 @@ class Compound:
     __array_ufunc__ = None
 
 
-class Dual:
-    """The dual number  real + eps dual.
+class Dual(Parts):
+    """The dual number  real + eps dual, or an array of them.
 
     Parameters
     ----------
     real, dual : scalar or array_like
-        Floats, arrays (lists become arrays), symbols, mpmath or SymPy numbers.
+        Floats, complex numbers, symbols, mpmath or SymPy numbers; or arrays (lists become arrays) whose
+        shapes are broadcast together.
+
+    Notes
+    -----
+    ``==`` compares both parts.  The order is that of the dual numbers as an ordered ring, eps being positive
+    and smaller than every positive number: real parts decide, dual parts where these are equal.
+
+    NumPy's universal functions and its linear functions of arrays act on dual arrays; ``@`` is the product of
+    (stacks of) matrices.  What has no value (division by eps, the derivative of a root at 0) raises
+    `DualDivisionError` with the index of the entry.
+
+    References
+    ----------
+    Clifford (1873); Study (1903).
 
     Examples
     --------
@@ -38,13 +55,18 @@ class Dual:
     >>> import numpy as np
     >>> np.sin(Dual(0.0, 2.0))
     Dual(0.0, 2.0)
+    >>> A = Dual([[1, 2], [3, 3]], [[1, 3], [9, 1]])
+    >>> (A @ A).dual.tolist()
+    [[29.0, 16.0], [42.0, 33.0]]
+    >>> f"{Dual(2.0, 1.0):exponential}"
+    '2.0 exp(0.5 eps)'
     """
 
     __slots__ = ("dual", "real")
 
     def __init__(self, real: Scalar, dual: Scalar = 0) -> None:
-        if real.__class__ in _SEQUENCES or dual.__class__ in _SEQUENCES:
-            real, dual = _parts(real, dual)
+        if real.__class__ in SEQUENCES or dual.__class__ in SEQUENCES:
+            real, dual = aligned(real, dual)
         self.real, self.dual = real, dual
 
     def __repr__(self) -> str:
@@ -80,9 +102,10 @@ class Dual:
     def __truediv__(self, b: Scalar) -> Dual:
         """(a + eps a') / (b + eps b') = q + eps (a' - q b') / b  with q = a / b"""
         if type(b) is Dual:
-            _refuse(b.real, "division by the pure dual number {}: only numbers with a real part have an inverse", b)
+            refuse(b.real, "division by {}: only numbers with a real part have an inverse", b)
             q = self.real / b.real
             return Dual(q, (self.dual - q * b.dual) / b.real)
+        refuse(b, "division of a dual number by {}", b)
         return Dual(self.real / b, self.dual / b)
 
     def __rtruediv__(self, b: Scalar) -> Dual:
@@ -90,31 +113,99 @@ class Dual:
 
     __radd__, __rmul__ = __add__, __mul__
 
+    def __pow__(self, n: Scalar) -> Dual:
+        return power(self, n)
 
-_SEQUENCES = {list, tuple, int}
+    def __rpow__(self, b: Scalar) -> Dual:
+        return power(b, self)
+
+    def __abs__(self) -> Dual:
+        """|a| + eps sign(a) a'; of complex numbers |a| + eps Re(conj(a) a') / |a|."""
+        if not self.shape and not self.real and not self.dual:
+            return self
+        a, b = self.real, self.dual
+        if self.shape:
+            raise_where((a == 0) & (b != 0), f"abs of a pure dual number in {self}: |x| has no derivative at 0")
+            size = np.abs(a)
+            slope = np.real(np.conj(a) * b) / np.where(size == 0, 1.0, size)
+            return Dual(size, slope)
+        refuse(a, "abs of {}: |x| has no derivative at 0", self)
+        if isinstance(a, complex) or isinstance(b, complex):
+            return Dual(abs(a), (a.conjugate() * b).real / abs(a))
+        return self if a > 0 else -self
+
+    def __matmul__(self, b: Any) -> Dual:
+        """A B + eps (A B' + A' B)"""
+        if isinstance(b, Compound):
+            return NotImplemented
+        return product(np.matmul, Dual, self, b)
+
+    def __rmatmul__(self, a: Any) -> Dual:
+        return product(np.matmul, Dual, a, self)
+
+    # comparison
+
+    def __eq__(self, b: object) -> Any:
+        if isinstance(b, Compound):
+            return NotImplemented
+        c, d = (b.real, b.dual) if type(b) is Dual else (b, 0)
+        real, dual = self.real == c, self.dual == d
+        return real & dual if isinstance(real, np.ndarray) or isinstance(dual, np.ndarray) else bool(real and dual)
+
+    def __hash__(self) -> int:
+        return hash(self.real) if self.dual == 0 else hash((self.real, self.dual))
+
+    def _before(self, b: Any, compare: Callable[[Any, Any], Any]) -> Any:
+        c, d = (b.real, b.dual) if type(b) is Dual else (b, 0)
+        return where(self.real == c, compare(self.dual, d), compare(self.real, c))
+
+    def __lt__(self, b: Any) -> Any:
+        return self._before(b, operator.lt)
+
+    def __le__(self, b: Any) -> Any:
+        return self._before(b, operator.le)
+
+    def __gt__(self, b: Any) -> Any:
+        return self._before(b, operator.gt)
+
+    def __ge__(self, b: Any) -> Any:
+        return self._before(b, operator.ge)
+
+    def __bool__(self) -> bool:
+        return bool(np.any(self.real != 0)) or bool(np.any(self.dual != 0)) if self.size == 1 else _ambiguous(self)
+
+    # NumPy
+
+    def __array__(self, *_: Any, **__: Any) -> np.ndarray:
+        raise TypeError("a dual array is not one array: take .real and .dual, or np.stack a list of dual numbers")
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *args: Any, **options: Any) -> Any:
+        f = UFUNCS.get(ufunc)
+        if f is None or method != "__call__" or options or any(isinstance(x, Compound) for x in args):
+            return NotImplemented
+        return f(*args)
+
+    def __array_function__(self, func: Any, types: Any, args: Any, options: Any) -> Any:
+        return array_function(Dual, func, args, options)
 
 
-def _parts(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
-    """Lists become arrays, and a missing dual part zeros of the same shape."""
-    if isinstance(real, (list, tuple, np.ndarray)) or isinstance(dual, (list, tuple, np.ndarray)):
-        try:
-            real, dual = (np.asarray(x, dtype=None) for x in (real, dual))
-            real, dual = np.broadcast_arrays(real, dual)
-        except ValueError as e:
-            raise ArgumentError(f"Dual: the parts do not form arrays of one shape ({e})") from None
-        if real.dtype.kind in "biu":
-            real = real.astype(float)
-        if dual.dtype.kind in "biu":
-            dual = dual.astype(float)
-        return real.copy(), dual.copy()
-    return real, dual
+def _ambiguous(x: Dual) -> bool:
+    raise ArgumentError(f"a dual array of shape {x.shape} is neither true nor false; use np.any or np.all of a comparison")
 
 
-def _refuse(x: Scalar, message: str, shown: object, bad: float = 0) -> None:
-    """Raise where a real part is `bad`; symbols cannot be compared and pass."""
-    if isinstance(x, (float, int, complex, np.ndarray)) and np.any(x == bad):
-        where = f" at index {tuple(int(i) for i in np.argwhere(np.asarray(x) == bad)[0])}" if np.ndim(x) else ""
-        raise DualDivisionError(message.format(shown) + where)
+def refuse(x: Scalar, message: str, shown: object, bad: complex = 0) -> None:
+    """Raise where a real part is `bad`; symbols pass."""
+    kind = x.__class__
+    if kind is np.ndarray:
+        raise_where(x == bad, message.format("an entry of an array"))
+    elif (kind is float or isinstance(x, numbers.Number)) and x == bad:
+        raise DualDivisionError(message.format(shown))
+
+
+def raise_where(wrong: np.ndarray, message: str) -> None:
+    if np.any(wrong):
+        where = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise DualDivisionError(f"{message}, at index {where}" if where else message)
 
 
 EPS = Dual(ZERO, ONE)
@@ -124,10 +215,13 @@ EPS = Dual(ZERO, ONE)
 
 
 class Function:
-    """An elementary function over any scalar, with f(a + eps b) = f(a) + eps f'(a) b."""
+    """An elementary function over any scalar, with f(a + eps b) = f(a) + eps f'(a) b.
 
-    def __init__(self, name: str, derivative: Callable[[Scalar], Scalar]) -> None:
-        self.name, self.derivative = name, derivative
+    poles : where f' is infinite; there f has a real value, perhaps, but no dual one.
+    """
+
+    def __init__(self, name: str, derivative: Callable[[Scalar], Scalar], poles: tuple[complex, ...] = ()) -> None:
+        self.name, self.derivative, self.poles = name, derivative, poles
         self.__doc__ = f"{name}(x) for any scalar x."
 
     def __repr__(self) -> str:
@@ -135,24 +229,67 @@ class Function:
 
     def __call__(self, x: Scalar) -> Scalar:
         if type(x) is Dual:
-            return Dual(self(x.real), self.derivative(x.real) * x.dual)
+            for pole in self.poles:
+                refuse(x.real, f"{self.name} of {{}}: its derivative at {pole} is infinite", x, pole)
+            return Dual(self._value(x), self.derivative(x.real) * x.dual)
         if type(x) is Exact:
             return exact(self(float(x)))
+        if type(x) is np.ndarray and x.dtype == object:
+            return np.frompyfunc(self, 1, 1)(x)
         return getattr(library(x), self.name)(x)
+
+    def _value(self, x: Dual) -> Scalar:
+        """f(a), with the domain error of real numbers made a sentence."""
+        try:
+            return self(x.real)
+        except ValueError as e:
+            raise ArgumentError(f"{self.name} of {x}: no real value there ({e}); complex parts have one") from None
 
 
 sin = Function("sin", lambda x: cos(x))
 cos = Function("cos", lambda x: -sin(x))
 tan = Function("tan", lambda x: 1 / (cos(x) * cos(x)))
-asin = Function("asin", lambda x: 1 / sqrt(1 - x * x))
-acos = Function("acos", lambda x: -1 / sqrt(1 - x * x))
-atan = Function("atan", lambda x: 1 / (1 + x * x))
+asin = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
+acos = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
+atan = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))
 sinh = Function("sinh", lambda x: cosh(x))
 cosh = Function("cosh", lambda x: sinh(x))
 tanh = Function("tanh", lambda x: 1 / (cosh(x) * cosh(x)))
 exp = Function("exp", lambda x: exp(x))
-log = Function("log", lambda x: 1 / x)
-sqrt = Function("sqrt", lambda x: 1 / (2 * sqrt(x)))
+log = Function("log", lambda x: 1 / x, (0,))
+sqrt = Function("sqrt", lambda x: 1 / (2 * sqrt(x)), (0,))
+
+
+def power(x: Scalar, n: Scalar) -> Scalar:
+    """x^n for dual x and n:  a^n + eps (n a^(n-1) a' + a^n log(a) n').
+
+    An integer n asks for nothing but a product; a negative one for a real part; a fractional one for a
+    positive real part (0 is allowed where the derivative is finite, n > 1).
+    """
+    if type(n) is Dual:
+        a = x.real if type(x) is Dual else x
+        value = _real_power(a, n.real, x)
+        slope = value * log(a) * n.dual if np.any(array(n.dual) != 0) else ZERO
+        return Dual(value, (power(x, n.real).dual if type(x) is Dual else ZERO) + slope)
+    if type(x) is not Dual:
+        return x**n
+    if not isinstance(n, np.ndarray) and n == 0:
+        return x * 0 + 1
+    if not isinstance(n, np.ndarray) and n == 1:
+        return x
+    return Dual(_real_power(x.real, n, x), n * _real_power(x.real, n - 1, x) * x.dual)
+
+
+def _real_power(a: Scalar, n: Scalar, x: Scalar) -> Scalar:
+    """a^n, refused at a = 0 with n < 0, and for a < 0 with a fractional n."""
+    if type(a) is Exact:
+        return exact(a.n**n)
+    known = all(isinstance(v, (float, int, np.ndarray)) and np.asarray(v).dtype != object for v in (a, n))
+    if known:
+        raise_where((np.asarray(a) == 0) & (np.asarray(n) < 0), f"power of {x}: infinite at 0")
+        if np.any((np.asarray(a) < 0) & (np.asarray(n) % 1 != 0)):
+            raise ArgumentError(f"power: {x} to the {n} has no real value; complex parts have one")
+    return a**n
 
 
 def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:
@@ -168,6 +305,7 @@ def atan2(y: Scalar, x: Scalar) -> Scalar:
     if type(y) is Dual or type(x) is Dual:
         s, c = y.real, x.real
         ds, dc = (v.dual if type(v) is Dual else ZERO for v in (y, x))
+        refuse(s * s + c * c, "atan2 of {}: both real parts are zero", (y, x))
         return Dual(atan2(s, c), (ds * c - dc * s) / (s * s + c * c))
     y, x = (float(v) if type(v) is Exact else v for v in (y, x))
     owner = y if not isinstance(y, (int, float)) else x
@@ -195,7 +333,7 @@ def real_part(x: Scalar) -> Scalar:
 
 
 def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
-    """a where the condition holds, else b: a choice between numbers, or member by member in a batch."""
+    """A where the condition holds, else b: a choice between numbers, or member by member in a batch."""
     if not isinstance(condition, np.ndarray):
         return a if condition else b
     if type(a) is Dual or type(b) is Dual:
@@ -203,3 +341,7 @@ def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
         return Dual(where(condition, a.real, b.real), where(condition, a.dual, b.dual))
     a, b = (float(x) if type(x) is Exact else x for x in (a, b))
     return np.where(condition, a, b)
+
+
+UFUNCS: dict[np.ufunc, Callable[..., Any]] = {}
+from . import ufuncs as _ufuncs  # noqa: E402, F401  (fills the table)
