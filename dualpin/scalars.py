@@ -55,6 +55,12 @@ class Exact:
     def __hash__(self) -> int:
         return hash(self.n)
 
+    def __lt__(self, x: Scalar) -> Any:
+        return self.n < (x.n if type(x) is Exact else x)
+
+    def __gt__(self, x: Scalar) -> Any:
+        return self.n > (x.n if type(x) is Exact else x)
+
     def __neg__(self) -> Exact:
         return _EXACT[-self.n]
 
@@ -71,12 +77,15 @@ class Exact:
         return ZERO if self.n == 0 else x if self.n == 1 else -x
 
     def __truediv__(self, x: Scalar) -> Scalar:
+        if type(x) is Exact:
+            return exact(self.n * x.n) if x.n else math.nan
+        if type(x) is Exact:
+            return exact(self.n * x.n) if x.n else self.n * math.inf
         return self.n / x if self.n else ZERO
 
     def __rtruediv__(self, x: Scalar) -> Scalar:
-        if self.n == 0:
-            raise ZeroDivisionError("division by an exact zero")
-        return x * self
+        # no number: a whole batch is singular, and must say so where it comes out
+        return x * self if self.n else x * math.nan
 
     def _sympy_(self) -> Any:
         return importlib.import_module("sympy").Integer(self.n)
@@ -120,6 +129,10 @@ def _stumpff_float(k: int, y: float) -> float:
     return _stumpff_series(k, y) if y < 1.0 else _stumpff_closed(k, y, FLOAT)
 
 
+def _stumpff_complex(k: int, y: complex) -> complex:
+    return _stumpff_series(k, y) if abs(y) < 1.0 else _stumpff_closed(k, y, COMPLEX)
+
+
 def _stumpff_array(k: int, y: np.ndarray) -> np.ndarray:
     small = y < 1.0
     near, far = np.where(small, y, 0.0), np.where(small, 1.0, y)
@@ -133,7 +146,7 @@ def _library(module: Any, **more: Any) -> SimpleNamespace:
 
 
 FLOAT = _library(math, stumpff=_stumpff_float)
-COMPLEX = _library(cmath)
+COMPLEX = _library(cmath, stumpff=_stumpff_complex)
 ARRAY = SimpleNamespace(
     sin=np.sin, cos=np.cos, tan=np.tan, asin=np.arcsin, acos=np.arccos, atan=np.arctan,
     sinh=np.sinh, cosh=np.cosh, tanh=np.tanh, exp=np.exp, log=np.log, sqrt=np.sqrt,
@@ -159,7 +172,11 @@ def _sympy() -> SimpleNamespace:
     return library
 
 
-_LIBRARIES: dict[type, Any] = {float: FLOAT, int: FLOAT, complex: COMPLEX, np.ndarray: ARRAY}
+_EXACTS = _library(math, stumpff=lambda k, y: exact(_stumpff_float(k, float(y))))
+_LIBRARIES: dict[type, Any] = {
+    float: FLOAT, int: FLOAT, complex: COMPLEX, Exact: _EXACTS, np.float64: FLOAT, np.complex128: COMPLEX,
+    np.generic: ARRAY, np.ndarray: ARRAY,
+}  # fmt: skip
 _LAZY = {"mpmath": _mpmath, "sympy": _sympy}  # imported when the first of their numbers is met
 
 

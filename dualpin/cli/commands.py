@@ -1,0 +1,94 @@
+"""Commands that look at one robot, or at what is installed."""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from ..errors import ArgumentError
+from .main import Floating, Json, Mimic, RobotName, app, show_json
+
+
+@app.command("list")
+def list_(json: Json = False) -> None:
+    """Print the robots that can be named."""
+    from ..io.catalogue import ALIASES, catalogue
+
+    robots = catalogue()
+    aliases = {short: full for short, full in ALIASES.items() if full in robots}
+    if json:
+        show_json({"robots": {name: str(path) for name, path in robots.items()}, "aliases": aliases})
+        return
+    if not robots:
+        raise ArgumentError("no robots are installed by name; pip install example-robot-data")
+    short = {full: alias for alias, full in aliases.items()}
+    for name in robots:
+        print(f"{name}  (also {short[name]})" if name in short else name)
+
+
+@app.command()
+def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, json: Json = False) -> None:
+    """Print the tree of a robot, the order of q and v, limits, and what was assumed."""
+    from ..io.urdf import load
+
+    r = load(robot, floating, mimic)
+    if not json:
+        print(r.summary())
+        return
+    joints = [
+        {
+            "name": j.name, "kind": j.kind, "parent": j.parent.name if j.parent else None,
+            "q": [j.q.start, j.q.stop], "v": [j.v.start, j.v.stop],
+            "lower": list(j.limits.lower), "upper": list(j.limits.upper),
+            "mass": float(j.inertia.mass), "mimic": j.mimic.joint if j.mimic else None,
+        }
+        for j in r
+    ]  # fmt: skip
+    show_json(
+        {
+            "name": r.name, "nq": r.nq, "nv": r.nv, "mass": r.mass, "source": r.source, "joints": joints,
+            "links": r.link_names, "frames": r.frame_names, "notes": list(r.notes),
+        }
+    )  # fmt: skip
+
+
+@app.command()
+def fk(
+    robot: RobotName,
+    q: Annotated[str, typer.Option("--q", help="Configuration, numbers between commas or spaces; zero by default.")] = "",
+    frame: Annotated[str, typer.Option("--frame", help="Link or joint; the last frame by default.")] = "",
+    dual_quaternion: Annotated[bool, typer.Option("--dual-quaternion", help="Print w x y z | w x y z.")] = False,
+    floating: Floating = False,
+    mimic: Mimic = False,
+    json: Json = False,
+) -> None:
+    """Print the pose of a frame in the world, as a 4x4 matrix or a dual quaternion."""
+    from ..functions import fk as forward
+    from ..io.urdf import load
+
+    r = load(robot, floating, mimic)
+    x = parsed(q, r.nq, "--q") if q else r.neutral
+    name = frame or r.frame_names[-1]
+    pose = forward(r, x, frame=name, as_="dual_quaternion" if dual_quaternion else "matrix", engine="numpy")
+    if json:
+        show_json({"robot": r.name, "frame": name, "q": x.tolist(), "pose": pose.tolist()})
+        return
+    print(f"{name} in the world:", file=sys.stderr)
+    for row in np.atleast_2d(pose):
+        print("  ".join(f"{value: .16g}".rjust(23) for value in row))
+
+
+def parsed(text: str, n: int, what: str) -> np.ndarray:
+    """n numbers out of text."""
+    words = [w for w in re.split(r"[,\s]+", text.strip("[]() ")) if w]
+    try:
+        values = np.array([float(w) for w in words])
+    except ValueError:
+        raise ArgumentError(f"{what}: {text!r} is not a list of numbers such as 0.1,0.2") from None
+    if len(values) != n or not np.isfinite(values).all():
+        raise ArgumentError(f"{what}: {n} finite numbers expected, got {text!r}")
+    return values

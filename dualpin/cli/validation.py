@@ -1,0 +1,148 @@
+"""`dualpin validate` and `dualpin report`."""
+
+from __future__ import annotations
+
+import json as jsonlib
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import ArgumentError
+from .main import Floating, Json, Mimic, app
+
+EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
+
+
+@app.command()
+def validate(
+    robots: Annotated[list[str] | None, typer.Argument(metavar="ROBOT...", help="Names or paths.")] = None,
+    all_: Annotated[bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")] = False,
+    samples: Annotated[int, typer.Option("--samples", "-n", min=1, help="Random states a robot.")] = 100,
+    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
+    out: Annotated[Path | None, typer.Option("--out", help="Write report.json, .md and .html into this folder.")] = None,
+    floating: Floating = False,
+    mimic: Mimic = False,
+    engine: Annotated[str, typer.Option("--engine", help="auto, numpy or compiled.")] = "auto",
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,
+    json: Json = False,
+) -> None:
+    """Compare every term of robots with Pinocchio on random states.
+
+    Exit code 1 if a term is out of tolerance or only dualpin refuses a file.  With --out an
+    interrupted run keeps what it has, and the same command takes it up again.
+    """
+    from ..crosscheck.campaign import all_cases, campaign
+    from ..crosscheck.run import Case
+
+    if all_ == bool(robots):
+        raise ArgumentError("validate: name robots, or give --all (not both)")
+    cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
+    workers = min(jobs or os.cpu_count() or 1, len(cases))
+    chosen = [t for t in terms.replace(",", " ").split() if t] or None
+    with _progress(len(cases)) as tick:
+        report = campaign(cases, samples, seed, chosen, engine, workers, out, tick)
+    written = report.write(out, ("json", "md", "html")) if out else []
+    if json:
+        print(report.to_json())
+    else:
+        _print(report)
+    for path in written:
+        print(f"wrote {path}", file=sys.stderr)
+    if report.partial:
+        raise typer.Exit(EXIT_INTERRUPTED)
+    if not report.robots and any(r.by_pinocchio for r in report.refused) and not all_:
+        raise typer.Exit(2)  # nothing could be read at all
+    raise typer.Exit(0 if report.passed else EXIT_FAILED)
+
+
+@app.command()
+def report(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A report.json.")],
+    out: Annotated[Path | None, typer.Option("--out", help="Write it as .md and .html into this folder.")] = None,
+    json: Json = False,
+) -> None:
+    """Print a report again, or write it in other formats."""
+    from ..crosscheck.results import Report
+
+    try:
+        found = Report.from_dict(jsonlib.loads(file.read_text(encoding="utf-8")))
+    except OSError as e:
+        raise ArgumentError(f"report: cannot read {file} ({e.strerror or e})") from None
+    except (ValueError, LookupError, TypeError) as e:
+        raise ArgumentError(f"report: {file} is not a report of `dualpin validate --json` ({e})") from None
+    if out:
+        for path in found.write(out, ("json", "md", "html")):
+            print(f"wrote {path}", file=sys.stderr)
+    if json:
+        print(found.to_json())
+    else:
+        _print(found)
+    raise typer.Exit(0 if found.passed else EXIT_FAILED)
+
+
+class _progress:
+    """A bar on stderr with rate and remaining time; nothing where stderr is no terminal."""
+
+    def __init__(self, total: int) -> None:
+        self.total, self.bar = total, None
+
+    def __enter__(self) -> Callable[[Any, int, int], None]:
+        if self.total > 1 and sys.stderr.isatty():
+            from rich.console import Console
+            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            self.bar: Any = Progress(*columns, console=Console(stderr=True), transient=True)
+            self.bar.start()
+            self.task = self.bar.add_task("validating", total=self.total)
+        return self.tick
+
+    def tick(self, result: Any, done: int, total: int) -> None:
+        if self.bar:
+            self.bar.update(self.task, completed=done, description=getattr(result, "label", result.name)[:28].ljust(28))
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar:
+            self.bar.stop()
+
+
+def _print(report: Any) -> None:
+    """A table on a terminal, aligned text elsewhere."""
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(width=None if sys.stdout.isatty() else 140, highlight=False)
+    single = len(report.robots) == 1 and report.robots[0].terms
+    table = Table(box=None, pad_edge=False)
+    if single:
+        r = report.robots[0]
+        table.title = f"{r.label}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
+        for name in ("term", "max scaled error", "tolerance", "", "oracle", ""):
+            table.add_column(name, justify="right" if "e" in name and name not in ("oracle", "term") else "left")
+        for name, t in r.terms.items():
+            table.add_row(name, f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}", _mark(t.passed), t.oracle, t.note)
+    else:
+        for name in ("robot", "nv", "worst scaled error", "in", "", "remark"):
+            table.add_column(name, justify="right" if name in ("nv", "worst scaled error") else "left")
+        for r in report.robots:
+            compared = {k: t.max_scaled_error for k, t in r.terms.items() if t.compared}
+            worst = max(compared, key=lambda k: compared[k], default="-")
+            failed = [k for k, t in r.terms.items() if not t.passed]
+            remark = r.error or ("out of tolerance: " + ", ".join(failed) if failed else "")
+            table.add_row(r.label, str(r.nv), f"{compared.get(worst, float('nan')):.1e}", worst, _mark(r.passed), remark)
+    console.print(table)
+    for refusal in report.refused:
+        who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"
+        console.print(f"refused by {who}: {refusal.name}: {refusal.reason}", markup=False)
+    verdict = "partial" if report.partial else "passed" if report.passed else "FAILED"
+    against = report.versions.get("pinocchio", "?")
+    console.print(f"{verdict}: {len(report.robots)} robots against Pinocchio {against}")
+
+
+def _mark(passed: bool) -> str:
+    return "ok" if passed else "FAILED"

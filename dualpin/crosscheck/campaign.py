@@ -1,0 +1,155 @@
+"""Many robots at once: in several processes, interruptible, and resumed where it stopped."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import signal
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from ..errors import ArgumentError, DualpinError, DualpinWarning
+from ..io.catalogue import catalogue
+from ..io.urdf import load
+from .results import Refusal, Report, RobotResult, TermResult, versions
+from .run import Case, Check, _chosen, attempt
+
+PARTIAL = "partial.jsonl"
+Result = RobotResult | Refusal
+
+
+def all_cases() -> list[Case]:
+    """Every URDF file of the installed example-robot-data, on a fixed and a floating base, and with mimic where it has any."""
+    names = list(catalogue())
+    if not names:
+        raise ArgumentError("--all needs the robots of example-robot-data (pip install example-robot-data)")
+    cases = []
+    for name in names:
+        cases += [Case(name), Case(name, floating=True)]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DualpinWarning)
+            try:
+                coupled = load(name, mimic=True).coupled
+            except DualpinError:
+                continue  # its refusal is reported by the two cases above
+        if coupled:
+            cases.append(Case(name, mimic=True))
+    return cases
+
+
+def campaign(
+    cases: Sequence[Case],
+    samples: int,
+    seed: int,
+    terms: Iterable[str] | None = None,
+    engine: str = "auto",
+    jobs: int = 1,
+    folder: Path | None = None,
+    progress: Callable[[Result, int, int], None] | None = None,
+) -> Report:
+    """Validate all cases; on Ctrl-C return what is done, marked partial.
+
+    With a folder, every result is kept there as it comes, and a run with the same settings takes up
+    what an interrupted one left.
+    """
+    checks = _chosen(terms)
+    settings = {"samples": samples, "seed": seed, "terms": [c.term for c in checks], "engine": engine, **_versions()}
+    done = _kept(folder, settings) if folder else {}
+    waiting = [c for c in cases if _key(c) not in done]
+    log = _open(folder, settings, done) if folder else None
+    report = Report(versions=settings["versions"])
+    try:
+        for case, result in _results(waiting, samples, seed, checks, engine, jobs):
+            done[_key(case)] = result
+            if log:
+                log.write(json.dumps({"key": _key(case), **_packed(result)}) + "\n")
+                log.flush()
+            if progress:
+                progress(result, len(done), len(cases))
+    except KeyboardInterrupt:
+        report.partial = True
+    finally:
+        if log:
+            log.close()
+    ordered = [done[_key(c)] for c in cases if _key(c) in done]
+    report.robots = [r for r in ordered if isinstance(r, RobotResult)]
+    # one line a file: the fixed and the floating base are refused for the same reason
+    report.refused = list({r.name: r for r in ordered if isinstance(r, Refusal)}.values())
+    if folder and not report.partial:
+        (folder / PARTIAL).unlink(missing_ok=True)
+    return report
+
+
+def _versions() -> dict[str, Any]:
+    from .run import _pinocchio_version
+
+    return {"versions": versions(pinocchio=_pinocchio_version())}
+
+
+def _key(case: Case) -> str:
+    return f"{case.name}|{case.floating}|{case.mimic}"
+
+
+def _results(
+    cases: Sequence[Case], samples: int, seed: int, checks: list[Check], engine: str, jobs: int
+) -> Iterable[tuple[Case, Result]]:
+    if jobs <= 1 or len(cases) <= 1:
+        for case in cases:
+            yield case, attempt(case, samples, seed, checks, engine)
+        return
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(cases)), context, initializer=_ignore_interrupts) as pool:
+        futures = {pool.submit(attempt, c, samples, seed, checks, engine): c for c in cases}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _ignore_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+
+
+def _packed(result: Result) -> dict[str, Any]:
+    return {"kind": type(result).__name__, "data": asdict(result)}
+
+
+def _unpacked(entry: dict[str, Any]) -> Result:
+    data = entry["data"]
+    if entry["kind"] == "Refusal":
+        return Refusal(**data)
+    return RobotResult(**{**data, "terms": {k: TermResult(**t) for k, t in data["terms"].items()}})
+
+
+def _kept(folder: Path, settings: dict[str, Any]) -> dict[str, Result]:
+    """What an interrupted run with the same settings left behind."""
+    done: dict[str, Result] = {}
+    try:
+        lines = (folder / PARTIAL).read_text(encoding="utf-8").splitlines()
+        if json.loads(lines[0]) != json.loads(json.dumps(settings)):
+            return {}
+        for line in lines[1:]:
+            entry = json.loads(line)
+            done[entry["key"]] = _unpacked(entry)
+    except (OSError, ValueError, LookupError, TypeError):
+        pass  # nothing there, or the last line was cut off: what was read before it counts
+    return done
+
+
+def _open(folder: Path, settings: dict[str, Any], done: dict[str, Result]) -> Any:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        log = (folder / PARTIAL).open("w", encoding="utf-8")
+    except OSError as e:
+        raise ArgumentError(f"cannot write into {folder} ({e.strerror or e})") from None
+    log.write(json.dumps(settings) + "\n")
+    for key, result in done.items():
+        log.write(json.dumps({"key": key, **_packed(result)}) + "\n")
+    log.flush()
+    return log

@@ -1,0 +1,1 @@
+"""Other libraries, asked the same questions.  Each adapter alone knows its library's conventions."""

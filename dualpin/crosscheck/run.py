@@ -1,0 +1,278 @@
+"""Compare every term of a robot with the oracle, sample by sample."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..algorithms.kinematics import References
+from ..boundary import call
+from ..errors import ArgumentError, DualpinError, DualpinWarning, nearest
+from ..functions import bias, crba
+from ..io.urdf import load
+from ..model.robot import Robot
+from ..terms import TERMS
+from . import tolerance
+from .oracles.pinocchio import Pinocchio, build
+from .results import Refusal, Report, RobotResult, TermResult, versions
+from .sampling import batches, frames, states
+
+Variants = Callable[[Robot, int], list[dict[str, Any]]]
+
+
+def _plain(robot: Robot, seed: int) -> list[dict[str, Any]]:
+    return [{}]
+
+
+def _frames(robot: Robot, seed: int) -> list[dict[str, Any]]:
+    return [{"frame": f} for f in frames(robot, seed)]
+
+
+def _seen(robot: Robot, seed: int) -> list[dict[str, Any]]:
+    return [{"frame": f, "reference": r} for f in frames(robot, seed) for r in References]
+
+
+def _accelerated(robot: Robot, seed: int) -> list[dict[str, Any]]:
+    return [{**o, "classical": c} for o in _seen(robot, seed) for c in (False, True)]
+
+
+@dataclass(frozen=True)
+class Check:
+    """A term to compare: in which variants, and whether a linear system is solved in it."""
+
+    term: str
+    variants: Variants = _plain
+    solves: bool = False
+
+
+CHECKS = {
+    c.term: c
+    for c in (
+        Check("fk"), Check("frame_pose", _frames), Check("jacobian", _seen), Check("jacobian_dot", _seen),
+        Check("frame_velocity", _seen), Check("frame_acceleration", _accelerated),
+        Check("rnea"), Check("rnea_f_ext"), Check("bias"), Check("gravity"), Check("crba"), Check("coriolis"),
+        Check("aba", solves=True), Check("minv", solves=True), Check("kinetic_energy"), Check("potential_energy"),
+        Check("com"), Check("com_jacobian"), Check("centroidal_momentum_matrix"), Check("joint_torque_regressor"),
+        Check("difference"),
+    )
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Case:
+    """A robot to validate: by name or path, or itself."""
+
+    robot: str | Robot
+    floating: bool = False
+    mimic: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.robot.name if isinstance(self.robot, Robot) else str(self.robot)
+
+
+def validate(
+    robot: str | Robot,
+    samples: int = 1000,
+    seed: int = 0,
+    *,
+    terms: Sequence[str] | None = None,
+    floating: bool = False,
+    mimic: bool = False,
+    engine: str = "auto",
+) -> Report:
+    """Compare every term of a robot with Pinocchio on random states.
+
+    Parameters
+    ----------
+    robot : Robot, or name or path of one
+        A `Robot` is compared with what Pinocchio makes of the file it came from, or of the URDF it
+        writes; so a robot that was changed in code is caught.
+    samples, seed : int
+        How many states, and the seed they come from.
+    terms : sequence of str, optional
+        Some of `dualpin.crosscheck.CHECKS`; all by default.
+    floating, mimic : bool
+        As in `dualpin.load`, where a name or path is given.
+
+    Returns
+    -------
+    Report
+        ``.passed``, ``.terms[name].max_scaled_error``, ``.write(folder)``.
+
+    Notes
+    -----
+    The scaled error of a term is max|x - ref| / max(1, max|ref|) over the entries of a sample.
+    Each tolerance carries its reason; 1e-12 is the ceiling of terms without a linear solve.
+
+    Raises
+    ------
+    UrdfError, ArgumentError, OracleError
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.validate("panda", samples=3, terms=["rnea", "crba"]).passed
+    True
+    """
+    case = Case(robot, floating, mimic)
+    checks = _chosen(terms)
+    if not isinstance(samples, (int, np.integer)) or samples < 1:
+        raise ArgumentError(f"validate: samples is {samples!r}; a whole number from 1 expected")
+    report = Report([compare(case, int(samples), seed, checks, engine)])
+    report.versions = versions(pinocchio=_pinocchio_version())
+    return report
+
+
+def _pinocchio_version() -> str:
+    from .oracles.pinocchio import import_pinocchio
+
+    return str(import_pinocchio().__version__)
+
+
+def _chosen(terms: Iterable[str] | None) -> list[Check]:
+    if terms is None:
+        return list(CHECKS.values())
+    for term in terms:
+        if term not in CHECKS:
+            raise ArgumentError(f"validate: term {term!r} is not known; {nearest(term, CHECKS, 'terms', most=99)}")
+    return [CHECKS[t] for t in terms]
+
+
+def validate_cases(
+    cases: Sequence[Case], samples: int, seed: int, terms: Sequence[str] | None = None, engine: str = "auto"
+) -> Iterator[RobotResult | Refusal]:
+    """One result a case, as it is ready.  A file that cannot be read becomes a `Refusal`, not an exception."""
+    checks = _chosen(terms)
+    for case in cases:
+        yield attempt(case, samples, seed, checks, engine)
+
+
+def attempt(case: Case, samples: int, seed: int, checks: list[Check], engine: str) -> RobotResult | Refusal:
+    """One case; a robot that fails is reported as failed, never skipped."""
+    try:
+        return compare(case, samples, seed, checks, engine)
+    except DualpinError as e:
+        if isinstance(case.robot, str) and _loads(case) is None:
+            return Refusal(case.name, str(e), by_pinocchio=not _pinocchio_builds(case))
+        return RobotResult(case.name, case.floating, case.mimic, 0, samples, seed, False, error=str(e))
+
+
+def _loads(case: Case) -> Robot | None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)
+        try:
+            return load(case.robot, case.floating, case.mimic) if isinstance(case.robot, str) else case.robot
+        except DualpinError:
+            return None
+
+
+def _pinocchio_builds(case: Case) -> bool:
+    from ..io.catalogue import find
+
+    try:
+        build(str(find(str(case.robot))), case.floating, case.mimic)
+    except DualpinError:
+        return False
+    return True
+
+
+@dataclass
+class _Tally:
+    """Errors of one term, gathered batch by batch."""
+
+    errors: list[np.ndarray] = field(default_factory=list)
+    bounds: list[np.ndarray] = field(default_factory=list)
+    where: list[np.ndarray] = field(default_factory=list)
+    reason: str = ""
+
+
+def compare(case: Case, samples: int, seed: int, checks: Sequence[Check], engine: str) -> RobotResult:
+    """All checks of one robot."""
+    start = time.perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result
+        robot = case.robot if isinstance(case.robot, Robot) else load(case.robot, case.floating, case.mimic)
+    floating = bool(robot.joints) and robot.joints[0].name == "root_joint" and robot.joints[0].kind == "floating"
+    coupled = case.mimic or robot.coupled
+    with tempfile.TemporaryDirectory() as folder:
+        oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)
+    given = states(robot, samples, seed)
+    largest = max(int(np.prod(TERMS[c.term].shape(robot, **c.variants(robot, seed)[0]), dtype=int)) for c in checks)
+    tallies = {c.term: _Tally() for c in checks}
+    for part in batches(samples, largest):
+        batch = {key: x[part] for key, x in given.items()}
+        for check in checks:
+            _gather(tallies[check.term], check, robot, oracle, batch, seed, engine)
+    results = {c.term: _judged(tallies[c.term], c, robot, oracle, given) for c in checks}
+    notes = [*robot.notes, *([f"mimic: {oracle.refusal}; projected from the uncoupled model"] if oracle.refusal else [])]
+    return RobotResult(
+        case.name, floating, coupled, robot.nv, samples, seed, all(r.passed for r in results.values()),
+        results, notes, seconds=round(time.perf_counter() - start, 3),
+    )  # fmt: skip
+
+
+def _written(robot: Robot, folder: str) -> str:
+    path = str(Path(folder) / "robot.urdf")
+    robot.to_urdf(path)
+    return path
+
+
+def _gather(
+    tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, batch: dict[str, np.ndarray], seed: int, engine: str
+) -> None:
+    keys = ["q", "q1"] if check.term == "difference" else list(TERMS[check.term].inputs)
+    inputs = {key: batch[key] for key in keys}
+    named = {"q0": batch["q"], "q1": batch["q1"]} if check.term == "difference" else inputs
+    for options in check.variants(robot, seed):
+        ours = call(robot, check.term, named, engine=engine, **options)
+        theirs = oracle.compute(check.term, inputs, **options)
+        n = len(batch["q"])
+        difference = np.abs(ours - theirs).reshape(n, -1)
+        scale = np.maximum(1.0, np.abs(theirs).reshape(n, -1).max(axis=1, initial=0.0))
+        error = difference.max(axis=1, initial=0.0) / scale
+        bound = tolerance.recursion(robot, n)
+        if check.solves:
+            M = crba(robot, batch["q"], engine=engine)
+            if check.term == "aba":
+                h = bias(robot, batch["q"], batch["v"], engine=engine)
+                bound = tolerance.solution(robot, M, np.abs(batch["tau"]) + np.abs(h), theirs)
+            else:
+                bound = tolerance.inverse(robot, M)
+            hopeless = ~(tolerance.scaled_condition(M) < tolerance.SINGULAR)
+            error = np.where(hopeless, np.nan, np.where(np.isfinite(error), error, np.inf))
+        else:
+            error = np.where(np.isfinite(error), error, np.inf)
+        tally.errors.append(error)
+        tally.bounds.append(bound.value)
+        tally.where.append(difference.argmax(axis=1) if difference.shape[1] else np.zeros(n, int))
+        tally.reason = bound.reason
+
+
+def _judged(tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, given: dict[str, np.ndarray]) -> TermResult:
+    variants = len(tally.errors) // max(1, len(tally.errors))
+    error, bound, where = map(np.concatenate, (tally.errors, tally.bounds, tally.where))
+    compared = ~np.isnan(error)
+    result = TermResult(0.0, 0.0, True, tally.reason, oracle.source(check.term), int(compared.sum()) * variants)
+    if not compared.all():
+        result.note = f"{int((~compared).sum())} of {len(error)} not compared: M is singular to working precision"
+    if not compared.any():
+        return result
+    ratio = np.where(compared, error / bound, -1.0)
+    worst = int(ratio.argmax())
+    result.max_scaled_error = float(np.nanmax(error))
+    result.tolerance = float(bound[worst])
+    result.passed = bool(ratio[worst] <= 1.0)
+    sample = worst % len(given["q"])
+    result.worst = {
+        "sample": sample, "ratio": float(ratio[worst]), "entry": int(where[worst]),
+        "q": given["q"][sample].tolist(), "v": given["v"][sample].tolist(), "a": given["a"][sample].tolist(),
+    }  # fmt: skip
+    return result

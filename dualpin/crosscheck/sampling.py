@@ -1,0 +1,52 @@
+"""The random states on which libraries are compared."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+
+import numpy as np
+
+from ..functions import integrate, rnea
+from ..model.robot import Frame, Robot
+
+STEP = 0.3  # of the tangent step between the two configurations of `difference`: far from any cut
+
+
+def states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
+    """n states: q within the limits (angles of joints whose limits leave no room: anywhere), v, a, tau, f_ext, q1.
+
+    tau is what the acceleration a needs, so that forward dynamics is asked for moderate accelerations.
+    """
+    q, v, a = robot.sample(n, seed)
+    rng = np.random.default_rng([seed, 1])
+    stuck = (robot.lower >= robot.upper) & np.isfinite(robot.lower)
+    q[:, stuck] = rng.uniform(-pi, pi, (n, robot.nq))[:, stuck]
+    f_ext = rng.uniform(-10, 10, (n, len(robot), 6))
+    return {
+        "q": q, "v": v, "a": a, "f_ext": f_ext,
+        "tau": rnea(robot, q, v, a, engine="numpy"),
+        "q1": integrate(robot, q, STEP * v / (1 + np.abs(v)), engine="numpy"),
+    }  # fmt: skip
+
+
+def frames(robot: Robot, seed: int, most: int = 3) -> list[Frame]:
+    """Frames to look at: the last one, the one with most joints under it, and others at random."""
+    if not robot.joints:
+        return [robot.frames[-1]]
+    deepest = max(robot.frames, key=lambda f: sum(1 for _ in f.joint.chain) if f.joint else 0)
+    rng = np.random.default_rng([seed, 2])
+    others = (robot.frames[i] for i in rng.permutation(len(robot.frames)))
+    chosen = dict.fromkeys([robot.frames[-1], deepest])
+    for f in others:
+        if len(chosen) >= most:
+            break
+        chosen[f] = None
+    return list(chosen)
+
+
+def batches(n: int, floats_a_sample: int, budget: int = 4 << 20) -> Iterator[slice]:
+    """Slices of n samples whose largest term stays under a budget of floats."""
+    size = int(np.clip(budget // max(floats_a_sample, 1), 16, 1024))
+    for start in range(0, n, size):
+        yield slice(start, min(start + size, n))

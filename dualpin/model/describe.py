@@ -1,0 +1,53 @@
+"""A robot in words: its tree, the order of q and v, its limits, and what was assumed."""
+
+from __future__ import annotations
+
+from math import isfinite
+
+from .robot import Joint, Robot
+
+_UNITS = {"angle": "rad", "length": "m", "quaternion": ""}
+
+
+def summary(robot: Robot) -> str:
+    """The text of `Robot.summary`."""
+    g = ", ".join(f"{float(x):g}" for x in robot.gravity)
+    lines = [
+        f"{robot.name}: {len(robot.joints)} joints, nq = {robot.nq}, nv = {robot.nv}, {len(robot.links)} links, "
+        f"{robot.mass:.6g} kg, gravity ({g}) m/s^2",
+        *([f"read from {robot.source}"] if robot.source else []),
+        "",
+        *_table(robot),
+    ]
+    if any(j.kind == "floating" for j in robot):
+        lines += ["", "floating: q = x y z, qw qx qy qz (unit quaternion, scalar first); v = body twist [w; v]"]
+    if robot.notes:
+        lines += ["", "remarks:", *(f"  - {note}" for note in robot.notes)]
+    return "\n".join(lines)
+
+
+def _table(robot: Robot) -> list[str]:
+    rows = [("", "joint", "kind", "parent", "q", "v", "limits")]
+    rows += [
+        (str(j.index), j.name, j.kind + _following(j), j.parent.name if j.parent else "-", _span(j.q), _span(j.v), _limits(j))
+        for j in robot
+    ]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _span(s: slice) -> str:
+    return str(s.start) if s.stop == s.start + 1 else f"{s.start}:{s.stop}"
+
+
+def _following(j: Joint) -> str:
+    return f" = {j.mimic.multiplier:g} {j.mimic.joint} + {j.mimic.offset:g}" if j.mimic else ""
+
+
+def _limits(j: Joint) -> str:
+    if not j.limits.lower:
+        return "none"
+    return "; ".join(
+        f"{lo:.6g} to {up:.6g} {_UNITS[what]}" if isfinite(lo) or isfinite(up) else "none"
+        for lo, up, what in zip(j.limits.lower, j.limits.upper, j.model.coordinates, strict=True)
+    )
