@@ -30,8 +30,8 @@ def composites(robot: Robot, X: dict[Joint, Pose]) -> dict[Joint | None, Inertia
 def crba(robot: Robot, q: Sequence[Scalar]) -> Matrix:
     """Joint-space inertia M, both triangles.  (Walker & Orin 1982; Featherstone 2008, 6.2)
 
-        I_c = I + sum X I_c children
-        M_jk = s_j . I_c s_k      for j on the way from k to the ground
+    I_c = I + sum X I_c children
+    M_jk = s_j . I_c s_k      for j on the way from k to the ground
     """
     X = joint_poses(robot, q)
     I, M = composites(robot, X), square(robot)  # noqa: E741
@@ -40,9 +40,11 @@ def crba(robot: Robot, q: Sequence[Scalar]) -> Matrix:
             F = I[b](s)
             for c in b.chain:
                 for j, r in c.dofs:
+                    if c is b and j > k:
+                        continue  # the other triangle is a copy, not a second product: M equals its transpose exactly
                     M_jk = power(r, F)
                     M[j][k] = M[j][k] + M_jk
-                    if c is not b:
+                    if c is not b or j != k:
                         M[k][j] = M[k][j] + M_jk
                 F = X[c] @ F
             M[k][k] = M[k][k] + rotor
