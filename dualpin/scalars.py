@@ -79,8 +79,6 @@ class Exact:
     def __truediv__(self, x: Scalar) -> Scalar:
         if type(x) is Exact:
             return exact(self.n * x.n) if x.n else math.nan
-        if type(x) is Exact:
-            return exact(self.n * x.n) if x.n else self.n * math.inf
         return self.n / x if self.n else ZERO
 
     def __rtruediv__(self, x: Scalar) -> Scalar:

@@ -148,9 +148,9 @@ def random_urdf(seed: int, joints: int = 9, *, kinds: Sequence[str] = URDF_KINDS
     def inertial() -> str:
         if rng.random() < 0.2:
             return ""
-        I = rng.standard_normal((3, 3))  # noqa: E741
-        I = I @ I.T  # noqa: E741
-        I = 0.05 * (np.trace(I) * np.eye(3) - I + 0.1 * np.eye(3))  # noqa: E741
+        I = rng.standard_normal((3, 3))
+        I = I @ I.T
+        I = 0.05 * (np.trace(I) * np.eye(3) - I + 0.1 * np.eye(3))
         entries = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), I[np.triu_indices(3)], strict=True)
         shown = " ".join(f'{k}="{float(x)!r}"' for k, x in entries)
         return f'<inertial>{origin()}<mass value="{rng.uniform(0.1, 5)!r}"/><inertia {shown}/></inertial>'

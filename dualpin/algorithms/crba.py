@@ -21,7 +21,7 @@ def square(robot: Robot, columns: int | None = None) -> Matrix:
 
 def composites(robot: Robot, X: dict[Joint, Pose]) -> dict[Joint | None, Inertia]:
     """Inertia of each subtree in its root's frame; of everything, in the world, under None."""
-    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot} | {None: NOTHING}  # noqa: E741
+    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot} | {None: NOTHING}
     for b in reversed(robot):
         I[b.parent] = I[b.parent] + X[b] @ I[b]
     return I
@@ -34,7 +34,7 @@ def crba(robot: Robot, q: Sequence[Scalar]) -> Matrix:
     M_jk = s_j . I_c s_k      for j on the way from k to the ground
     """
     X = joint_poses(robot, q)
-    I, M = composites(robot, X), square(robot)  # noqa: E741
+    I, M = composites(robot, X), square(robot)
     for b in robot:
         for (k, s), rotor in zip(b.dofs, b.armature, strict=True):
             F = I[b](s)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..errors import ArgumentError
 from ..model.robot import Joint, Robot
-from ..scalars import ZERO, Scalar
+from ..scalars import ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY
 from ..spatial.vector import REST, Vector3, power
@@ -13,10 +14,17 @@ from .crba import composites
 from .kinematics import forward_kinematics, joint_poses
 
 
+def _weight(robot: Robot, mass: Scalar) -> Scalar:
+    """The moving mass, if there is any."""
+    if type(mass) is Exact and mass.n == 0:
+        raise ArgumentError(f"{robot.name}: no moving body has mass, so there is no centre of mass")
+    return mass
+
+
 def center_of_mass(robot: Robot, q: Sequence[Scalar]) -> Vector3:
     """c = sum (m p + R h) / sum m"""
     total = composites(robot, joint_poses(robot, q))[None]
-    return total.moment * (1 / total.mass)
+    return total.moment * (1 / _weight(robot, total.mass))
 
 
 def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
@@ -24,10 +32,12 @@ def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Vector
 
     Momentum p + eps l = sum h_k v_k.
     """
-    I = composites(robot, joint_poses(robot, q))  # noqa: E741
+    I = composites(robot, joint_poses(robot, q))
     world = forward_kinematics(robot, q)
-    at_com = Pose(IDENTITY, I[None].moment * (1 / I[None].mass))
     A = [REST] * robot.nv
+    if not A:
+        return A
+    at_com = Pose(IDENTITY, I[None].moment * (1 / _weight(robot, I[None].mass)))
     for b in robot:
         for k, s in b.dofs:
             A[k] = A[k] + at_com.pull(world[b] @ I[b](s))
@@ -37,7 +47,7 @@ def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Vector
 def com_jacobian(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
     """Columns of dc/dt = J v: the linear part of the centroidal momentum matrix by the total mass."""
     mass = sum((b.inertia.mass for b in robot), ZERO)
-    return [h.real * (1 / mass) for h in centroidal_momentum_matrix(robot, q)]
+    return [h.real * (1 / _weight(robot, mass)) for h in centroidal_momentum_matrix(robot, q)]
 
 
 def kinetic_energy(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:

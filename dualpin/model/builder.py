@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
-from ..scalars import ZERO, Scalar, exact
+from ..scalars import ZERO, Scalar
 from ..spatial.inertia import NOTHING, Inertia
 from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import Vector3
 from .joints import Axial, JointModel
-from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot
+from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, gravity_vector
 
 
 @dataclass
@@ -57,13 +56,13 @@ class Builder:
 
     def __init__(self, name: str, gravity: Sequence[float] = STANDARD_GRAVITY) -> None:
         self.name = name
-        self.gravity = Vector3(*map(exact, map(float, gravity)))
+        self.gravity = gravity_vector(gravity)
         self.notes: list[str] = []
         self.source: str | None = None
         self._parts: dict[str, _Part] = {}
         # a link and a joint may share a name; a link is what things are fixed to
         self._link_places: dict[str, _Place] = {}
-        self._places: dict[str, _Place] = {}
+        self._places: dict[str, _Place] = {"universe": _Place(None, GROUND)}
         self._frames: list[tuple[str, str, str | None, Pose, int]] = [("universe", "universe", None, GROUND, 0)]
         self._links: list[tuple[str, Inertia, str | None, Pose]] = []
 
@@ -98,8 +97,8 @@ class Builder:
         armature: Sequence[Scalar] = (),
     ) -> None:
         """A joint whose fixed side has the pose `placement` in the frame `on`, and the link it moves."""
-        if name in self._parts:
-            raise ArgumentError(f"joint {name!r} is defined twice")
+        self._unused(name)
+        _check_counts(name, model, limits, armature)
         at = self._place(on)
         X = at.placement @ placement
         self._parts[name] = _Part(
@@ -121,6 +120,7 @@ class Builder:
         link: str | None = None,
     ) -> None:
         """A fixed joint: its link's inertia joins the body that carries it."""
+        self._unused(name)
         at = self._place(on)
         X = at.placement @ placement
         self._frames.append((name, "fixed_joint", at.joint, X, at.frame))
@@ -134,12 +134,15 @@ class Builder:
 
     def frame(self, name: str, on: str | None = None, placement: Pose = GROUND) -> None:
         """A named frame without a body."""
+        self._unused(name)
         at = self._place(on)
         X = at.placement @ placement
         self._frames.append((name, "frame", at.joint, X, at.frame))
         self._places[name] = _Place(at.joint, X, len(self._frames) - 1)
 
     def _link(self, name: str, inertia: Inertia | None, at: _Place) -> None:
+        if name in self._link_places:
+            raise ArgumentError(f"link {name!r} of {self.name} is defined twice; links: {', '.join(self._link_places)}")
         body = NOTHING if inertia is None else inertia
         if inertia is not None and at.joint is not None:
             part = self._parts[at.joint]
@@ -147,6 +150,11 @@ class Builder:
         self._links.append((name, body, at.joint, at.placement))
         self._frames.append((name, "link", at.joint, at.placement, at.frame))
         self._link_places[name] = _Place(at.joint, at.placement, len(self._frames) - 1)
+
+    def _unused(self, name: str) -> None:
+        """A joint's or a frame's name is its own; only a link may share it."""
+        if name in self._places:
+            raise ArgumentError(f"joint or frame {name!r} of {self.name} is defined twice")
 
     def _place(self, on: str | None) -> _Place:
         if on is None:
@@ -205,5 +213,16 @@ class Builder:
                 raise ArgumentError(f"{here}, which does not move; {nearest(part.mimic.joint, self._parts, 'joints')}")
             part = target
         if part.model.nq != 1 or part.model.nv != 1:
-            raise ArgumentError(f"joint {seen[-1]!r} mimics {part.name!r}, whose {part.model.kind} kind has no single angle")
+            raise ArgumentError(
+                f"joint {seen[-1]!r} mimics {part.name!r}, whose {part.model.kind} kind has no single angle"
+            )
         return part.name, multiplier, offset
+
+
+def _check_counts(name: str, model: JointModel, limits: Limits | None, armature: Sequence[Scalar]) -> None:
+    if armature and len(armature) != model.nv:
+        raise ArgumentError(f"joint {name!r}: {len(armature)} rotor inertias; {model.nv} expected, one a velocity")
+    for bound in ("lower", "upper"):
+        given = getattr(limits, bound, ())
+        if given and len(given) != model.nq:
+            raise ArgumentError(f"joint {name!r}: {len(given)} {bound} limits; {model.nq} expected, one a coordinate")

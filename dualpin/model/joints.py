@@ -11,10 +11,11 @@ The algorithms know nothing else of a joint, so there is no branch on its kind a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import hypot
 
 from ..dual import EPS, Dual, cos_sin, stumpff
 from ..errors import ArgumentError
-from ..scalars import ONE, ZERO, Scalar
+from ..scalars import ONE, ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.quaternion import Quaternion, displaced
 from ..spatial.rotation import Rotation
@@ -74,6 +75,7 @@ class Axial(JointModel):
     def __init__(
         self, axis: Vector3, *units: Dual, kind: str, coordinates: tuple[str, ...], offset: Dual | None = None
     ) -> None:
+        _check_unit(axis, kind)
         self.axis, self.units, self.kind, self.coordinates = axis, units, kind, coordinates
         self.offset = Dual(ZERO, ZERO) if offset is None else offset
         self.screws = tuple(motor(axis, NOUGHT) * u for u in units)
@@ -102,11 +104,17 @@ class Axial(JointModel):
         if self.nq != 1:
             return super().following(multiplier, offset)
         (unit,) = self.units
-        other = Axial(
-            self.axis, unit * multiplier, kind=self.kind, coordinates=self.coordinates, offset=unit * offset
-        )
+        other = Axial(self.axis, unit * multiplier, kind=self.kind, coordinates=self.coordinates, offset=unit * offset)
         other._leader = self
         return other
+
+
+def _check_unit(axis: Vector3, kind: str) -> None:
+    """Numeric axes must have length 1 (to 1e-9, more than rounding leaves); symbols are taken at their word."""
+    if all(isinstance(c, (int, float, Exact)) for c in axis):
+        length = hypot(*map(float, axis))
+        if not abs(length - 1) <= 1e-9:
+            raise ArgumentError(f"{kind} joint: a unit axis expected, got {axis} of length {length:.9g}")
 
 
 def revolute(axis: Vector3 = UZ, kind: str = "revolute") -> Axial:

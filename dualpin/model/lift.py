@@ -35,7 +35,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
     def inertia(body: Inertia) -> Inertia:
         return Inertia(number(body.mass), vector(body.moment), matrix(body.rotational))
 
-    def joint_model(model: JointModel) -> JointModel:
+    def joint_model(model: Any) -> Any:
         if not isinstance(model, Axial):
             return model
         other = copy(model)
@@ -45,6 +45,8 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
         other.units = tuple(Dual(number(u.real), number(u.dual)) for u in model.units)
         other.offset = Dual(number(model.offset.real), number(model.offset.dual))
         other.screws = tuple(motor(other.axis, NOUGHT) * u for u in other.units)
+        if model._leader is not None:  # the joint as it is without following another
+            other._leader = joint_model(model._leader)
         return other
 
     new: dict[Joint | None, Joint | None] = {None: None}
@@ -59,7 +61,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
         )
     frames = tuple(Frame(f.name, f.kind, new[f.joint], pose(f.placement), f.parent) for f in robot.frames)
     links = tuple(Link(k.name, inertia(k.inertia), new[k.joint], pose(k.placement)) for k in robot.links)
-    joints = tuple(new[j] for j in robot)
+    joints = tuple(j for j in new.values() if j is not None)
     return replace(robot, joints=joints, frames=frames, links=links, gravity=vector(robot.gravity))
 
 

@@ -186,16 +186,18 @@ class Robot:
     def frame(self, name: str | int | Frame) -> Frame:
         """The frame of that name (a link's before a joint's) or index, or a `FrameNotFoundError`."""
         if isinstance(name, Frame):
+            if not any(f is name for f in self.frames):
+                raise FrameNotFoundError(f"frame {name.name!r} belongs to another robot than {self.name}; give its name")
             return name
         if isinstance(name, (int, np.integer)):
             if -len(self.frames) <= name < len(self.frames):
                 return self.frames[name]
             raise FrameNotFoundError(f"frame {name} of {self.name}: it has {len(self.frames)} frames")
+        if not isinstance(name, str):
+            raise ArgumentError(f"frame: a name, an index or a Frame expected, got {type(name).__name__}")
         found = self._frame_index.get(name)
         if found is None:
-            raise FrameNotFoundError(
-                f"frame {name!r} not in {self.name}; {nearest(name, self.frame_names, 'frames')}"
-            )
+            raise FrameNotFoundError(f"frame {name!r} not in {self.name}; {nearest(name, self.frame_names, 'frames')}")
         return found
 
     # limits and configurations
@@ -257,6 +259,8 @@ class Robot:
         """
         if n is not None and (not isinstance(n, (int, np.integer)) or n < 0):
             raise ArgumentError(f"sample: n = {n!r}, a number of states (0, 1, 2, ...) or None expected")
+        if seed is not None and (not isinstance(seed, (int, np.integer)) or seed < 0):
+            raise ArgumentError(f"sample: seed = {seed!r}, a number (0, 1, 2, ...) or None expected")
         rng = np.random.default_rng(seed)
         shape = (1 if n is None else int(n),)
         q = np.empty((*shape, self.nq))
@@ -272,7 +276,7 @@ class Robot:
 
     def with_gravity(self, gravity: Sequence[float]) -> Robot:
         """The same robot elsewhere: gravity as a vector in the world frame [m/s^2]."""
-        return replace(self, gravity=Vector3(*map(exact, map(float, gravity))))
+        return replace(self, gravity=gravity_vector(gravity))
 
     def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
         """The same robot with every constant as another kind of number.
@@ -303,7 +307,22 @@ class Robot:
         return summary(self)
 
     def __repr__(self) -> str:
-        return f"<Robot {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}, {self.mass:.6g} kg>"
+        try:
+            weight = f", {self.mass:.6g} kg"
+        except (TypeError, ValueError):  # symbolic masses
+            weight = ""
+        return f"<Robot {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}{weight}>"
+
+
+def gravity_vector(gravity: Sequence[float]) -> Vector3:
+    """Three finite numbers as a vector, zeros exact."""
+    try:
+        g = np.asarray(gravity, dtype=float)
+    except (TypeError, ValueError):
+        g = np.empty(0)
+    if g.shape != (3,) or not np.isfinite(g).all():
+        raise ArgumentError(f"gravity: three finite numbers (x, y, z) in m/s^2 expected, got {gravity!r}")
+    return Vector3(*map(exact, g.tolist()))
 
 
 def _span(s: slice) -> str:
@@ -318,10 +337,10 @@ def _sample_joint(j: Joint, rng: np.random.Generator, n: int) -> np.ndarray:
         upper = j.limits.upper[i] if j.limits.upper else inf
         lower = lower if isfinite(lower) else min(-free, upper - free)
         upper = upper if isfinite(upper) else max(free, lower + free)
-        out[:, i] = rng.uniform(lower, max(lower, upper), n)
+        upper, share = max(lower, upper), rng.uniform(0, 1, n)
+        out[:, i] = lower * (1 - share) + upper * share  # not upper - lower, which can overflow
     quaternion = [i for i, what in enumerate(j.model.coordinates) if what == "quaternion"]
     if quaternion:
         r = rng.standard_normal((n, 4))
         out[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
     return out
-

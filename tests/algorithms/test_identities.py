@@ -110,7 +110,7 @@ def test_dual_quaternions_and_matrices_are_the_same_poses(case):
 def test_mass_matrix_is_the_hessian_of_the_kinetic_energy(case):
     r, q, v, _ = case
     M, T = call("crba", r, q), lambda u: call("kinetic_energy", r, q, u)
-    I = np.eye(r.nv)  # noqa: E741
+    I = np.eye(r.nv)
     basis = np.array([T(e) for e in I])
     # T is quadratic, so its polarisation is exact: M_jk = T(e_j + e_k) - T(e_j) - T(e_k)
     hessian = np.array([[T(e + f) - basis[j] - basis[k] for k, f in enumerate(I)] for j, e in enumerate(I)])
