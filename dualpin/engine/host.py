@@ -1,0 +1,79 @@
+"""What the machine offers: how many numbers it works on at a time, and whether a b + c is one operation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from ..errors import DualpinError
+
+
+class CompilerError(DualpinError):
+    """There is no working compiler on this machine."""
+
+
+@dataclass(frozen=True)
+class Host:
+    """A processor, as LLVM names it.
+
+    Attributes
+    ----------
+    width : int
+        Bytes of a vector register: 64 (AVX-512), 32 (AVX2), 16 (SSE2, NEON), 8 (one number at a time).
+    fma : bool
+        Whether a b + c is one instruction.
+    """
+
+    triple: str
+    cpu: str
+    features: str
+    width: int
+    fma: bool
+
+    def lanes(self, itemsize: int) -> int:
+        return max(1, self.width // itemsize)
+
+    @property
+    def key(self) -> str:
+        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}"
+
+
+@cache
+def binding() -> Any:
+    """llvmlite's binding, ready to compile for this machine.
+
+    Raises
+    ------
+    CompilerError
+        If llvmlite is missing or does not know this machine.
+    """
+    try:
+        import llvmlite.binding as llvm
+
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        llvm.Target.from_default_triple()
+    except Exception as e:  # an incomplete installation fails in many ways
+        raise CompilerError(f"llvmlite: {type(e).__name__}: {e}") from e
+    return llvm
+
+
+@cache
+def this_host() -> Host:
+    """The machine we run on."""
+    llvm = binding()
+    triple = llvm.get_process_triple()
+    try:
+        available = dict(llvm.get_host_cpu_features())
+    except Exception:  # not known for every processor
+        available = {}
+    features = ",".join(f"{'+' if on else '-'}{name}" for name, on in sorted(available.items()))
+    machine = triple.split("-")[0]
+    has = {name for name, on in available.items() if on}
+    if machine in ("x86_64", "amd64"):
+        width = 64 if {"avx512f", "avx512vl", "avx512dq"} <= has else 32 if "avx2" in has else 16
+        return Host(triple, llvm.get_host_cpu_name(), features, width, "fma" in has)
+    if machine in ("aarch64", "arm64"):
+        return Host(triple, llvm.get_host_cpu_name(), features, 16, True)
+    return Host(triple, llvm.get_host_cpu_name(), features, 8, False)

@@ -1,0 +1,247 @@
+"""Writing LLVM IR for vectors of any number of lanes: arithmetic, transposition, sine and cosine."""
+
+from __future__ import annotations
+
+import math
+import struct
+from dataclasses import dataclass
+
+from .host import Host, binding
+
+
+@dataclass(frozen=True)
+class Number:
+    """A floating-point format, and what reducing an angle to [-pi/4, pi/4] takes in it.
+
+    Attributes
+    ----------
+    half_pi, split : tuple of float
+        pi/2 as a sum of numbers: in full precision for hardware that multiplies and adds in one
+        operation, and cut short, so that small multiples are exact, for hardware that does not.
+    reach : float
+        Largest |angle| reduced like this; beyond it, and for inf and nan, the C library answers.
+    sin, cos : tuple of float
+        sin r = r + r z S(z), cos r = 1 - z/2 + z^2 C(z), z = r^2: interpolated at Chebyshev's
+        nodes, errors below 2e-17 (2e-8 in single precision).
+    """
+
+    name: str
+    size: int
+    half_pi: tuple[float, ...]
+    split: tuple[float, ...]
+    rounding: float
+    reach: float
+    sin: tuple[float, ...]
+    cos: tuple[float, ...]
+
+    @property
+    def bits(self) -> int:
+        return 8 * self.size
+
+
+DOUBLE = Number(
+    "double", 8,
+    half_pi=(1.5707963267948966, 6.123233995736766e-17, -1.4973849048591698e-33),
+    split=(1.570796325802803, 9.920935739593517e-10, 5.721188709663575e-18, 1.6446256936324258e-26),
+    rounding=1.5 * 2.0**52,
+    reach=1e8,
+    sin=(-0.16666666666666666, 0.008333333333330948, -0.0001984126983675854, 2.7557316102534617e-06,
+         -2.505113184128889e-08, 1.5918129027234826e-10),
+    cos=(0.041666666666666664, -0.0013888888888887398, 2.4801587298765665e-05, -2.7557317271718644e-07,
+         2.087614626607931e-09, -1.1382632258093615e-11),
+)  # fmt: skip
+SINGLE = Number(
+    "float", 4,
+    half_pi=(1.5707963705062866, -4.371138828673793e-08, -1.7151245100058819e-15),
+    split=(1.5703125, 0.0004837512969970703, 7.549533620476723e-08, 2.5633440682570896e-12),
+    rounding=1.5 * 2.0**23,
+    reach=1e3,
+    sin=(-0.166666641831398, 0.008332747966051102, -0.00019587890710681677),
+    cos=(0.0416666641831398, -0.001388830249197781, 2.454794230288826e-05),
+)  # fmt: skip
+
+
+class Lanes:
+    """Lines of IR that work on vectors of `width` numbers.  Methods return the name of their value."""
+
+    def __init__(self, number: Number, width: int, host: Host) -> None:
+        self.number, self.width, self.host = number, width, host
+        self.vector = f"<{width} x {number.name}>"
+        self.integer = f"<{width} x i{number.bits}>"
+        self.mask = f"<{width} x i1>"
+        self.suffix = f"v{width}f{number.bits}"
+        self.align = width * number.size
+        self.lines: list[str] = []
+        self._names = 0
+        self._splat = binding().llvm_version_info[0] >= 19
+
+    def value(self, text: str) -> str:
+        self._names += 1
+        self.lines.append(f"  %t{self._names} = {text}")
+        return f"%t{self._names}"
+
+    def do(self, text: str) -> None:
+        self.lines.append("  " + text)
+
+    def label(self, name: str) -> None:
+        self.lines.append(f"{name}:")
+
+    def constants(self, values: list[str], kind: str) -> str:
+        return "<" + ", ".join(f"{kind} {v}" for v in values) + ">"
+
+    def every(self, text: str, kind: str) -> str:
+        """The same constant in all lanes."""
+        return f"splat ({kind} {text})" if self._splat else self.constants([text] * self.width, kind)
+
+    def number_text(self, x: float) -> str:
+        if self.number.size == 4:
+            x = struct.unpack("<f", struct.pack("<f", x))[0]
+        return f"0x{struct.unpack('<Q', struct.pack('<d', x))[0]:016X}"
+
+    def constant(self, x: float) -> str:
+        return self.every(self.number_text(x), self.number.name)
+
+    # memory
+
+    def slot(self, base: str, index: int | str) -> str:
+        return self.value(f"getelementptr inbounds {self.vector}, ptr {base}, i64 {index}")
+
+    def load(self, base: str, index: int | str) -> str:
+        return self.value(f"load {self.vector}, ptr {self.slot(base, index)}, align {self.align}")
+
+    def store(self, base: str, index: int | str, x: str) -> None:
+        self.do(f"store {self.vector} {x}, ptr {self.slot(base, index)}, align {self.align}")
+
+    def load_row(self, p: str, count: int) -> str:
+        """`count` numbers, the lanes beyond them zero.  Rows of arrays may lie anywhere."""
+        if count == self.width:
+            return self.value(f"load {self.vector}, ptr {p}, align {self.number.size}")
+        mask = self.constants(["true"] * count + ["false"] * (self.width - count), "i1")
+        return self.value(
+            f"call {self.vector} @llvm.masked.load.{self.suffix}.p0(ptr {p}, i32 {self.number.size}, "
+            f"{self.mask} {mask}, {self.vector} zeroinitializer)"
+        )
+
+    def store_row(self, p: str, count: int, x: str) -> None:
+        if count == self.width:
+            self.do(f"store {self.vector} {x}, ptr {p}, align {self.number.size}")
+            return
+        mask = self.constants(["true"] * count + ["false"] * (self.width - count), "i1")
+        self.do(
+            f"call void @llvm.masked.store.{self.suffix}.p0({self.vector} {x}, ptr {p}, i32 {self.number.size}, "
+            f"{self.mask} {mask})"
+        )
+
+    @property
+    def declarations(self) -> str:
+        V = self.vector
+        return (
+            f"declare {V} @llvm.fma.{self.suffix}({V}, {V}, {V})\n"
+            f"declare {V} @llvm.sqrt.{self.suffix}({V})\n"
+            f"declare {V} @llvm.fabs.{self.suffix}({V})\n"
+            f"declare {V} @llvm.masked.load.{self.suffix}.p0(ptr, i32, {self.mask}, {V})\n"
+            f"declare void @llvm.masked.store.{self.suffix}.p0({V}, ptr, i32, {self.mask})\n"
+            "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
+        )
+
+    # arithmetic
+
+    def binary(self, op: str, a: str, b: str) -> str:
+        return self.value(f"{op} {self.vector} {a}, {b}")
+
+    def negative(self, a: str) -> str:
+        return self.value(f"fneg {self.vector} {a}")
+
+    def unary(self, name: str, a: str) -> str:
+        return self.value(f"call {self.vector} @llvm.{name}.{self.suffix}({self.vector} {a})")
+
+    def fma(self, a: str, b: str, c: str) -> str:
+        """a b + c, rounded once where the hardware can."""
+        if not self.host.fma:
+            return self.binary("fadd", self.binary("fmul", a, b), c)
+        V = self.vector
+        return self.value(f"call {V} @llvm.fma.{self.suffix}({V} {a}, {V} {b}, {V} {c})")
+
+    def where_less(self, x: str, y: str, a: str, b: str) -> str:
+        mask = self.value(f"fcmp olt {self.vector} {x}, {y}")
+        return self.value(f"select {self.mask} {mask}, {self.vector} {a}, {self.vector} {b}")
+
+    # rearrangement
+
+    def transposed(self, rows: list[str]) -> list[str]:
+        """Rows to columns, by exchanging blocks of 1, 2, 4, ... lanes between pairs of rows."""
+        W, rows, d = self.width, list(rows), 1
+        while d < W:
+            for i in (i for i in range(W) if not i & d):
+                a, b = rows[i], rows[i + d]
+                low = [lane if not lane & d else W + lane - d for lane in range(W)]
+                high = [lane + d if not lane & d else W + lane for lane in range(W)]
+                rows[i], rows[i + d] = self.shuffled(a, b, low), self.shuffled(a, b, high)
+            d *= 2
+        return rows
+
+    def shuffled(self, a: str, b: str, lanes: list[int]) -> str:
+        if a == b == "zeroinitializer":
+            return a
+        pick = self.constants([str(lane) for lane in lanes], "i32")
+        return self.value(f"shufflevector {self.vector} {a}, {self.vector} {b}, <{self.width} x i32> {pick}")
+
+    # sine and cosine
+
+    def cos_sin(self, x: str) -> tuple[str, str, str]:
+        """cos x, sin x, and a mask of the lanes where |x| is within reach.  (Cody & Waite 1980)
+
+        x = n pi/2 + r + d with |r| <= pi/4 and d what rounding r lost; two polynomials in r, then
+        the octant n says which is which and of what sign.  Adding 1.5 * 2^52 leaves n in the low bits.
+        """
+        c, V, bits = self.number, self.vector, self.number.bits
+        k = self.constant
+        shifted = self.fma(x, k(2 / math.pi), k(c.rounding))
+        octant = self.value(f"bitcast {V} {shifted} to {self.integer}")
+        n = self.binary("fsub", shifted, k(c.rounding))
+        minus_n = self.negative(n)
+        parts = c.half_pi if self.host.fma else c.split
+        whole = x
+        for part in parts[:-2]:
+            whole = self.fma(minus_n, k(part), whole)  # exact: nothing is rounded yet
+        tail = self.binary("fmul", minus_n, k(parts[-2]))
+        r = self.binary("fadd", whole, tail)
+        # what was lost: whole + tail - r (Knuth's two-sum), and the last part of pi/2
+        back = self.binary("fsub", r, whole)
+        lost = self.binary(
+            "fadd", self.binary("fsub", whole, self.binary("fsub", r, back)), self.binary("fsub", tail, back)
+        )
+        if self.host.fma:  # and what the product itself lost
+            exact = self.fma(minus_n, k(parts[-2]), self.negative(tail))
+            lost = self.binary("fadd", lost, exact)
+        d = self.fma(minus_n, k(parts[-1]), lost)
+
+        z = self.binary("fmul", r, r)
+        S, C = (self.polynomial(p, z) for p in (c.sin, c.cos))
+        # sin(r + d) = r + (r z S + d (1 - z/2)),   cos(r + d) = (1 - z/2) + (z^2 C - r d)
+        half = self.fma(z, k(-0.5), k(1.0))
+        sin = self.binary("fadd", r, self.fma(self.binary("fmul", r, z), S, self.binary("fmul", d, half)))
+        rounded = self.fma(z, k(-0.5), self.binary("fsub", k(1.0), half))  # what 1 - z/2 lost
+        rest = self.fma(self.negative(r), d, rounded)
+        cos = self.binary("fadd", half, self.fma(self.binary("fmul", z, z), C, rest))
+
+        odd = self.value(f"trunc {self.integer} {octant} to {self.mask}")
+        s = self.value(f"select {self.mask} {odd}, {V} {cos}, {V} {sin}")
+        t = self.value(f"select {self.mask} {odd}, {V} {sin}, {V} {cos}")
+        next_octant = self.value(f"add {self.integer} {octant}, {self.every('1', f'i{bits}')}")
+        near = self.value(f"fcmp ole {V} {self.unary('fabs', x)}, {k(c.reach)}")
+        return self.signed(t, next_octant), self.signed(s, octant), near
+
+    def polynomial(self, coefficients: tuple[float, ...], z: str) -> str:
+        *rest, value = (self.constant(c) for c in coefficients)
+        for c in reversed(rest):
+            value = self.fma(value, z, c)
+        return value
+
+    def signed(self, x: str, octant: str) -> str:
+        """-x where bit 1 of the octant is set."""
+        bits, kind = self.number.bits, self.integer
+        bit = self.value(f"and {kind} {octant}, {self.every('2', f'i{bits}')}")
+        sign = self.value(f"shl {kind} {bit}, {self.every(str(bits - 2), f'i{bits}')}")
+        raw = self.value(f"bitcast {self.vector} {x} to {kind}")
+        return self.value(f"bitcast {kind} {self.value(f'xor {kind} {raw}, {sign}')} to {self.vector}")

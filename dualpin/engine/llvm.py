@@ -1,0 +1,281 @@
+"""A schedule as LLVM IR: a kernel that takes rows of numbers to rows of numbers.
+
+    void kernel(i64 n, ptr scratch, ptr arrays, ptr strides)
+
+`arrays` holds the addresses of the inputs and, last, of the output; `strides` how many numbers lie
+from one row to the next (0 repeats a row).  For each tile of as many samples as there are lanes:
+rows are loaded and transposed into slots (the last tile repeats its last row), stages run, and
+results are transposed back.  Loads, stores and trigonometric functions are rolled loops; only the
+robot's own arithmetic is a straight line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .host import Host
+from .lanes import Lanes, Number
+from .schedule import Schedule, Step
+
+UNROLLED = 4  # groups of columns up to this many are written out instead of looped over
+_OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
+_CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
+
+
+def module(plan: Schedule, number: Number, host: Host) -> str:
+    """The kernel and all it calls, as text."""
+    width = host.lanes(number.size)
+    emit = _Emission(plan, number, width, host)
+    parts = [Lanes(number, width, host).declarations, emit.tables()]
+    calls: list[str] = []
+    for k, stage in enumerate(plan.stages):
+        for c, chunk in enumerate(stage.chunks):
+            parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
+            calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch)")
+        if stage.angles:
+            calls.append(f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {len(stage.angles)})")
+    if plan.sine:
+        parts += [emit.cos_sin(), emit.cos_sin_far()]
+    parts.append(emit.kernel(calls))
+    attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
+    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n')
+    return "\n".join(parts)
+
+
+def scratch_bytes(plan: Schedule, number: Number, host: Host) -> int:
+    """How much memory a kernel needs to work in, aligned to 64 bytes."""
+    return (plan.slots + plan.output_slots) * host.lanes(number.size) * number.size
+
+
+class _Emission:
+    def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
+        self.plan, self.number, self.width, self.host = plan, number, width, host
+
+    def lanes(self) -> Lanes:
+        return Lanes(self.number, self.width, self.host)
+
+    # the straight lines
+
+    def chunk(self, name: str, steps: list[Step]) -> str:
+        plan, e = self.plan, self.lanes()
+        names: dict[int, str] = {}
+
+        def get(i: int, sign: int = 1) -> str:
+            found = names.get(i)
+            if found is None:
+                node = plan.nodes[i]
+                if node[0] == "const":
+                    found = e.constant(node[1])
+                else:
+                    found = e.load("%in" if node[0] in ("in", "sin", "cos") else "%from", plan.slot[i])
+                names[i] = found
+            return found if sign > 0 else e.negative(found)
+
+        for step in steps:
+            a = step.args
+            if step.op == "fma":
+                x = e.fma(get(a[0], step.signs[0]), get(a[1]), get(a[2], step.signs[1]))
+            elif step.op in _OPS:
+                x = e.binary(_OPS[step.op], get(a[0]), get(a[1]))
+            elif step.op == "inv":
+                x = e.binary("fdiv", e.constant(1.0), get(a[0]))
+            elif step.op == "neg":
+                x = e.negative(get(a[0]))
+            elif step.op == "sqrt":
+                x = e.unary("sqrt", get(a[0]))
+            else:
+                x = e.where_less(*map(get, a))
+            names[step.i] = x
+            if step.i in plan.slot:
+                e.store("%to", plan.slot[step.i], x)
+            if step.i in plan.output_slot:
+                e.store("%out", plan.output_slot[step.i], x)
+        body = "\n".join(e.lines)
+        return f"define internal void @{name}({_CHUNK_ARGS}) noinline #0 {{\n{body}\n  ret void\n}}\n"
+
+    # trigonometric functions
+
+    def cos_sin(self) -> str:
+        """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
+        e, W = self.lanes(), self.width
+        e.do("br label %loop")
+        e.label("loop")
+        e.do("%k = phi i64 [0, %entry], [%next, %latch]")
+        where = e.value("getelementptr {i32, i32}, ptr %table, i64 %k")
+        source, target = (
+            e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64")
+            for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
+        )
+        x = e.load("%tile", source)
+        c, s, near = e.cos_sin(x)
+        at = e.slot("%tile", target)
+        e.store(at, 0, c)
+        e.store(at, 1, s)
+        all_near = e.value(f"icmp eq i{W} {e.value(f'bitcast {e.mask} {near} to i{W}')}, -1")
+        e.do(f"br i1 {all_near}, label %latch, label %far")
+        e.label("far")
+        e.do(f"call void @cos_sin_far(ptr {e.slot('%tile', source)}, ptr {at})")
+        e.do("br label %latch")
+        e.label("latch")
+        e.do("%next = add i64 %k, 1")
+        e.do("%more = icmp slt i64 %next, %count")
+        e.do("br i1 %more, label %loop, label %done")
+        e.label("done")
+        body = "\n".join(e.lines)
+        return (
+            "define internal void @cos_sin(ptr %tile, ptr %table, i64 %count) noinline #0 {\nentry:\n"
+            f"{body}\n  ret void\n}}\n"
+        )
+
+    def cos_sin_far(self) -> str:
+        """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
+        name, reach = self.number.name, self.lanes().number_text(self.number.reach)
+        widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
+        if self.number.size == 8:
+            widen = narrow = "bitcast double {} to double"
+        return f"""define internal void @cos_sin_far(ptr %angle, ptr %result) noinline #0 {{
+entry:
+  %sine = getelementptr {name}, ptr %result, i64 {self.width}
+  br label %loop
+loop:
+  %lane = phi i64 [0, %entry], [%next, %latch]
+  %px = getelementptr {name}, ptr %angle, i64 %lane
+  %x = load {name}, ptr %px
+  %minus = fneg {name} %x
+  %low = fcmp ole {name} %x, {reach}
+  %high = fcmp ole {name} %minus, {reach}
+  %near = and i1 %low, %high
+  br i1 %near, label %latch, label %far
+far:
+  %wide = {widen.format("%x")}
+  %c = call double @dualpin_cos(double %wide)
+  %s = call double @dualpin_sin(double %wide)
+  %cn = {narrow.format("%c")}
+  %sn = {narrow.format("%s")}
+  %pc = getelementptr {name}, ptr %result, i64 %lane
+  %ps = getelementptr {name}, ptr %sine, i64 %lane
+  store {name} %cn, ptr %pc
+  store {name} %sn, ptr %ps
+  br label %latch
+latch:
+  %next = add i64 %lane, 1
+  %more = icmp slt i64 %next, {self.width}
+  br i1 %more, label %loop, label %done
+done:
+  ret void
+}}
+"""
+
+    # from rows to slots and back
+
+    def tables(self) -> str:
+        plan, W = self.plan, self.width
+        padded = plan.outputs + [0] * (-len(plan.outputs) % W)
+        text = f"@outputs = internal constant [{len(padded)} x i32] [{', '.join(f'i32 {s}' for s in padded)}]\n"
+        for k, stage in enumerate(plan.stages):
+            if stage.angles:
+                pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
+                entries = ", ".join(f"i32 {s}" for s in pairs)
+                text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
+        return text
+
+    def kernel(self, calls: list[str]) -> str:
+        plan, e = self.plan, self.lanes()
+        size = self.number.size
+        arrays = []
+        for k in range(len(plan.sizes) + 1):
+            pointer = e.value(f"load ptr, ptr {e.value(f'getelementptr ptr, ptr %arrays, i64 {k}')}")
+            stride = e.value(f"load i64, ptr {e.value(f'getelementptr i64, ptr %strides, i64 {k}')}")
+            arrays.append((pointer, e.value(f"mul i64 {stride}, {size}")))
+        e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
+        e.store("%out", 0, "zeroinitializer")
+        for slot, x in plan.constants.items():
+            e.store("%out", slot, e.constant(x))
+        e.do("%last = sub i64 %n, 1")
+        e.do("%any = icmp sgt i64 %n, 0")
+        e.do("br i1 %any, label %tile, label %exit")
+        e.label("tile")
+        e.do("%b = phi i64 [0, %entry], [%b.next, %tile.end]")
+        rows = []
+        for lane in range(self.width):
+            row = e.value(f"add i64 %b, {lane}")
+            rows.append(e.value(f"select i1 {e.value(f'icmp slt i64 {row}, %last')}, i64 {row}, i64 %last"))
+        start = 0
+        for k, columns in enumerate(plan.sizes):
+            self._columns(e, f"in{k}", arrays[k], rows, columns, self._packer(e, start))
+            start += columns
+        for i, slot in plan.output_slot.items():  # results that are inputs, or sines of inputs
+            if plan.nodes[i][0] == "in":
+                e.store("%out", slot, e.load("%scratch", plan.slot[i]))
+        for call in calls:
+            e.do(call)
+        for i, slot in plan.output_slot.items():
+            if plan.nodes[i][0] in ("sin", "cos"):
+                e.store("%out", slot, e.load("%scratch", plan.slot[i]))
+        self._columns(e, "results", arrays[-1], rows, len(plan.outputs), self._unpacker(e))
+        e.do("br label %tile.end")
+        e.label("tile.end")
+        e.do(f"%b.next = add i64 %b, {self.width}")
+        e.do("%b.more = icmp slt i64 %b.next, %n")
+        e.do("br i1 %b.more, label %tile, label %exit")
+        e.label("exit")
+        body = "\n".join(e.lines)
+        return (
+            "define void @kernel(i64 %n, ptr %scratch, ptr %arrays, ptr %strides) #0 {\nentry:\n"
+            f"{body}\n  ret void\n}}\n"
+        )
+
+    def _columns(
+        self, e: Lanes, tag: str, array: tuple[str, str], rows: list[str], columns: int,
+        group: Callable[[int | str, int, list[str]], None],
+    ) -> None:  # fmt: skip
+        """group(first column, how many, addresses in each row) for groups of as many columns as lanes."""
+        W, (pointer, stride) = self.width, array
+        bases = [e.value(f"getelementptr i8, ptr {pointer}, i64 {e.value(f'mul i64 {r}, {stride}')}") for r in rows]
+
+        def addresses(j: int | str) -> list[str]:
+            return [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
+
+        full = columns // W
+        if full <= UNROLLED:
+            for j in range(0, full * W, W):
+                group(j, W, addresses(j))
+        else:
+            e.do(f"br label %{tag}.before")
+            e.label(f"{tag}.before")
+            e.do(f"br label %{tag}")
+            e.label(tag)
+            e.do(f"%{tag}.j = phi i64 [0, %{tag}.before], [%{tag}.next, %{tag}]")
+            group(f"%{tag}.j", W, addresses(f"%{tag}.j"))
+            e.do(f"%{tag}.next = add i64 %{tag}.j, {W}")
+            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {full * W}")
+            e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")
+            e.label(f"{tag}.after")
+        if columns % W:
+            group(full * W, columns % W, addresses(full * W))
+
+    def _packer(self, e: Lanes, start: int) -> Callable[[int | str, int, list[str]], None]:
+        def pack(j: int | str, count: int, rows: list[str]) -> None:
+            columns = e.transposed([e.load_row(p, count) for p in rows])
+            first = e.value(f"add i64 {j}, {start}")
+            for c in range(count):
+                e.store("%scratch", e.value(f"add i64 {first}, {c}"), columns[c])
+
+        return pack
+
+    def _unpacker(self, e: Lanes) -> Callable[[int | str, int, list[str]], None]:
+        def unpack(j: int | str, count: int, rows: list[str]) -> None:
+            columns = []
+            for c in range(self.width):
+                if c >= count:
+                    columns.append("zeroinitializer")
+                elif isinstance(j, int):
+                    columns.append(e.load("%out", self.plan.outputs[j + c]))
+                else:
+                    entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c}')}")
+                    slot = e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64")
+                    columns.append(e.load("%out", slot))
+            for p, row in zip(rows, e.transposed(columns), strict=True):
+                e.store_row(p, count, row)
+
+        return unpack

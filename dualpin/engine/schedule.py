@@ -1,0 +1,201 @@
+"""From a graph to a program: order, fused operations, chunks, and a place in memory for every value.
+
+A kernel works on tiles: one row of a tile (a *slot*) holds one value for as many samples as the
+machine has lanes.  Inputs, sines and cosines, values passed between chunks, and outputs each have
+their slots.
+
+    stage 0   what angles need that are not inputs themselves (chunks)
+              sines and cosines of stage 0's angles (a loop over their slots)
+    stage 1   ...
+
+Chunks are straight lines of at most `CHUNK` operations.  Compilers of straight-line code are worse
+than linear in its length and spill badly; cut like this, compile time is linear and the code faster.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from .trace import ARITHMETIC, Node, Sym, Trace
+
+CHUNK = 250
+
+
+@dataclass
+class Step:
+    """One operation: node i, and its operands after fusion ("fma" -> a b + c, signs as +1 or -1)."""
+
+    i: int
+    op: str
+    args: tuple[int, ...]
+    signs: tuple[int, int] = (1, 1)
+
+
+@dataclass
+class Stage:
+    """Chunks of steps, then the angles whose sines and cosines the next stage may use."""
+
+    chunks: list[list[Step]] = field(default_factory=list)
+    angles: list[int] = field(default_factory=list)
+
+
+@dataclass
+class Schedule:
+    """Everything the emission needs to know.
+
+    Attributes
+    ----------
+    slot : dict
+        Node -> its slot among inputs, trigonometric values and values passed between chunks.
+    sine, cosine : dict
+        Angle -> slot.
+    slots : int
+        How many of those there are.
+    output_slot : dict
+        Node -> its slot among the outputs, which are numbered apart; slot 0 holds zero.
+    constants : dict
+        Output slot -> value, for results that do not depend on the inputs.
+    outputs : list of int
+        The output slot of each entry of the result.
+    """
+
+    nodes: list[Node]
+    stages: list[Stage]
+    slot: dict[int, int]
+    sine: dict[int, int]
+    cosine: dict[int, int]
+    slots: int
+    output_slot: dict[int, int]
+    constants: dict[int, float]
+    outputs: list[int]
+    sizes: list[int]
+
+    @property
+    def operations(self) -> int:
+        return sum(len(chunk) for stage in self.stages for chunk in stage.chunks)
+
+    @property
+    def output_slots(self) -> int:
+        return 1 + len(self.output_slot) + len(self.constants)
+
+
+def schedule(program: Trace, chunk: int = CHUNK) -> Schedule:
+    """Order, fuse, cut and place."""
+    graph = program.graph
+    nodes, order = graph.nodes, graph.live(program.outputs)
+    steps = fused(program, order)
+    stages = staged(nodes, order, steps, chunk)
+
+    starts = [sum(program.sizes[:k]) for k in range(len(program.sizes) + 1)]
+    slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
+    slots = starts[-1]
+    sine, cosine = {}, {}
+    for angle in (a for stage in stages for a in stage.angles):
+        cosine[angle], sine[angle], slots = slots, slots + 1, slots + 2
+    for i in order:
+        if nodes[i][0] in ("sin", "cos"):
+            slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
+    slots = place_passed(stages, slot, slots)
+
+    output_slot: dict[int, int] = {}
+    known: dict[float, int] = {0.0: 0}
+    outputs = []
+    for x in program.outputs:
+        fresh = 1 + len(output_slot) + len(known) - 1
+        if type(x) is Sym:
+            outputs.append(output_slot.setdefault(x.i, fresh))
+        else:
+            outputs.append(known.setdefault(float(x), fresh))
+    constants = {s: value for value, s in known.items() if s}
+    return Schedule(nodes, stages, slot, sine, cosine, slots, output_slot, constants, outputs, program.sizes)
+
+
+def fused(program: Trace, order: list[int]) -> dict[int, Step]:
+    """Steps by node; a product used once, by a sum, becomes part of it: a b + c in one operation.
+
+    Decided here and not by the compiler, so that every lane width gives the same bits.
+    """
+    nodes = program.graph.nodes
+    uses = Counter(a for i in order for a in program.graph.operands(i))
+    uses.update(x.i for x in program.outputs if type(x) is Sym)
+    position = {i: n for n, i in enumerate(order)}
+    swallowed: set[int] = set()
+    steps: dict[int, Step] = {}
+    for i in order:
+        op, *args = nodes[i]
+        if op not in ARITHMETIC:
+            continue
+        step = Step(i, op, tuple(args))
+        if op in ("+", "-"):
+            a, b = args
+            products = [p for p in (a, b) if nodes[p][0] == "*" and uses[p] == 1 and steps[p].op == "*"]
+            if products:  # the later one: the other is at hand when it is needed
+                p = max(products, key=position.__getitem__)
+                x, y = nodes[p][1:]
+                if op == "+":
+                    step = Step(i, "fma", (x, y, b if p == a else a))
+                elif p == a:
+                    step = Step(i, "fma", (x, y, b), (1, -1))  # x y - b
+                else:
+                    step = Step(i, "fma", (x, y, a), (-1, 1))  # a - x y
+                swallowed.add(p)
+        steps[i] = step
+    for p in swallowed:
+        del steps[p]
+    return steps
+
+
+def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: int) -> list[Stage]:
+    """Which stage each step belongs to: the latest that still serves all its users."""
+    level: dict[int, int] = {}  # how many rounds of sines and cosines come before a value
+    for i in order:
+        op, *args = nodes[i]
+        below = 0 if op in ("in", "const") else max(level[a] for a in args)
+        level[i] = below + (op in ("sin", "cos"))
+    last = max(level.values(), default=0)
+    stage = dict.fromkeys(order, last)
+    angles: dict[int, int] = {}  # angle -> the round that makes its sine and cosine
+    for i in reversed(order):
+        op, *args = nodes[i]
+        if op in ("sin", "cos"):
+            angles[args[0]] = level[i] - 1
+            stage[args[0]] = min(stage[args[0]], level[i] - 1)
+        elif op not in ("in", "const"):
+            for a in args:
+                stage[a] = min(stage[a], stage[i])
+    stages = []
+    for n in range(last + 1):
+        line = [steps[i] for i in order if i in steps and stage[i] == n]
+        count = -(-len(line) // chunk)
+        size = -(-len(line) // count) if count else 1
+        cut = [line[k : k + size] for k in range(0, len(line), size)]
+        stages.append(Stage(cut, [a for a in order if angles.get(a) == n]))
+    return stages
+
+
+def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
+    """Slots for values that another chunk, or the loop of sines and cosines, will read.
+
+    A slot is free again after the last chunk that reads it, so that no chunk reads and writes the
+    same one: then the compiler may be told that the two never overlap.
+    """
+    parts: list[tuple[list[int], list[int]]] = []  # what each chunk or loop computes, and reads
+    for stage in stages:
+        parts += [([s.i for s in chunk], [a for s in chunk for a in s.args]) for chunk in stage.chunks]
+        parts.append(([], stage.angles))
+    made = {i: n for n, (computed, _) in enumerate(parts) for i in computed}
+    last = {a: n for n, (_, read) in enumerate(parts) for a in read if a in made and made[a] != n}
+    ends: dict[int, list[int]] = {}
+    for a, n in last.items():
+        ends.setdefault(n, []).append(a)
+    free: list[int] = []
+    for n, (computed, _) in enumerate(parts):
+        for i in computed:
+            if i in last:
+                if free:
+                    slot[i] = free.pop()
+                else:
+                    slot[i], slots = slots, slots + 1
+        free += [slot[a] for a in ends.get(n, ())]
+    return slots

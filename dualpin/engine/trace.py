@@ -1,0 +1,326 @@
+"""Expression graphs: the algorithms run on symbols, and what they would compute is written down.
+
+A `Sym` is a scalar like any other, so the one source of every algorithm runs on it unchanged.  Each
+operation becomes a node of a `Graph`, once: equal operations are the same node (hash-consing), known
+zeros and ones vanish, constants fold, signs move outwards.  The result is the straight-line program
+of one term of one robot.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+from ..errors import DualpinError
+from ..model.robot import Robot
+from ..scalars import Exact, _stumpff_closed, _stumpff_series, register
+from ..terms import Options, Term, flat
+
+Node = tuple
+"""(operation, *operands): operands are indices of nodes, except those of "in" and "const"."""
+
+ARITHMETIC = ("+", "-", "*", "inv", "neg", "sqrt", "select")
+"""What a core computes; the rest is loaded ("in"), known ("const") or tabulated beforehand ("sin", "cos")."""
+
+
+class UntraceableError(DualpinError):
+    """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
+
+
+class Graph:
+    """Nodes in the order they came up; operands always precede what uses them.
+
+    "in" (array, position)   "const" (value)   "+" "-" "*" (a, b)   "inv" "neg" "sqrt" "sin" "cos" (a)
+    "select" (x, y, a, b): a where x < y, else b
+    """
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self._index: dict[Node, int] = {}
+
+    def node(self, *key: Any) -> int:
+        i = self._index.get(key)
+        if i is None:
+            i = self._index[key] = len(self.nodes)
+            self.nodes.append(key)
+        return i
+
+    def known(self, *key: Any) -> int | None:
+        """The node, if it came up before."""
+        return self._index.get(key)
+
+    def inputs(self, array: int, size: int) -> list[Sym]:
+        """The symbols of one input array."""
+        return [Sym(self, self.node("in", array, i)) for i in range(size)]
+
+    def constant(self, x: float) -> Sym:
+        return Sym(self, self.node("const", float(x)))
+
+    def operands(self, i: int) -> tuple[int, ...]:
+        op, *args = self.nodes[i]
+        return () if op in ("in", "const") else tuple(args)
+
+    def live(self, outputs: Iterable[Any]) -> list[int]:
+        """Nodes the outputs depend on, each after its operands, depth first.
+
+        Depth first because a value computed just before its use seldom has to be stored: where the
+        source walks the whole tree down and then up, this order finishes one subtree at a time.
+        """
+        order: list[int] = []
+        done = bytearray(len(self.nodes))
+        for out in outputs:
+            if type(out) is not Sym or done[out.i]:
+                continue
+            stack = [(out.i, iter(self.operands(out.i)))]
+            done[out.i] = 1
+            while stack:
+                i, rest = stack[-1]
+                for a in rest:
+                    if not done[a]:
+                        done[a] = 1
+                        stack.append((a, iter(self.operands(a))))
+                        break
+                else:
+                    order.append(i)
+                    stack.pop()
+        return order
+
+    def count(self, outputs: Iterable[Any]) -> dict[str, int]:
+        """How often each operation occurs in what the outputs need; "flops" sums + - * inv."""
+        total: dict[str, int] = {}
+        for i in self.live(outputs):
+            op = self.nodes[i][0]
+            total[op] = total.get(op, 0) + 1
+        total["flops"] = sum(total.get(op, 0) for op in ("+", "-", "*", "inv"))
+        return total
+
+
+class Sym:
+    """A scalar that remembers how it was computed."""
+
+    __slots__ = ("graph", "i")
+    __array_ufunc__ = None
+
+    def __init__(self, graph: Graph, i: int) -> None:
+        self.graph, self.i = graph, i
+
+    def __repr__(self) -> str:
+        return f"<{self.graph.nodes[self.i][0]} {self.i}>"
+
+    @property
+    def real(self) -> Sym:
+        return self
+
+    def _new(self, *key: Any) -> Sym:
+        return Sym(self.graph, self.graph.node(*key))
+
+    def _positive(self) -> Sym | None:
+        """x, where this is -x."""
+        op, *args = self.graph.nodes[self.i]
+        return Sym(self.graph, args[0]) if op == "neg" else None
+
+    def __neg__(self) -> Any:
+        op, *args = self.graph.nodes[self.i]
+        if op == "neg":
+            return Sym(self.graph, args[0])
+        if op == "-":
+            return self._new("-", args[1], args[0])
+        return self._new("neg", self.i)
+
+    def __add__(self, b: Any) -> Any:
+        if type(b) is not Sym:
+            return self._with_constant(b, "+")
+        x, y = self._positive(), b._positive()
+        if y is not None:
+            return self - y
+        if x is not None:
+            return b - x
+        if self.i == b.i:
+            return self * 2.0
+        return self._new("+", *sorted((self.i, b.i)))
+
+    def __sub__(self, b: Any) -> Any:
+        if type(b) is not Sym:
+            return self._with_constant(b, "-")
+        if self.i == b.i:
+            return 0.0
+        x, y = self._positive(), b._positive()
+        if y is not None:
+            return self + y
+        if x is not None:
+            return -(x + b)
+        opposite = self.graph.known("-", b.i, self.i)
+        return self._new("-", self.i, b.i) if opposite is None else self._new("neg", opposite)
+
+    def __rsub__(self, b: Any) -> Any:
+        return -self + b
+
+    def _with_constant(self, b: Any, op: str) -> Any:
+        c = _number(b)
+        if c is None:
+            return NotImplemented
+        if c == 0:
+            return self
+        x = self._positive()
+        if x is not None:  # c - x, and -x - c = -(x + c)
+            return self.graph.constant(c) - x if op == "+" else -(x + c)
+        return self + self.graph.constant(c) if op == "+" else self - self.graph.constant(c)
+
+    def __mul__(self, b: Any) -> Any:
+        if type(b) is not Sym:
+            return self._scaled(b)
+        x, y = self._positive(), b._positive()
+        if x is not None:
+            return -(x * b)
+        if y is not None:
+            return -(self * y)
+        return self._new("*", *sorted((self.i, b.i)))
+
+    def _scaled(self, b: Any) -> Any:
+        c = _number(b)
+        if c is None:
+            return NotImplemented
+        if c == 0:
+            return 0.0
+        if c < 0:
+            return -self._scaled(-c)
+        if c == 1:
+            return self
+        op, *args = self.graph.nodes[self.i]
+        if op == "neg":
+            return -Sym(self.graph, args[0])._scaled(c)
+        if op == "*" and self.graph.nodes[args[0]][0] == "const":  # c (d x) = (c d) x
+            return Sym(self.graph, args[1])._scaled(c * self.graph.nodes[args[0]][1])
+        # the constant's node first, so that the line above finds it
+        return self._new("*", self.graph.node("const", c), self.i)
+
+    def __truediv__(self, b: Any) -> Any:
+        if type(b) is Sym:  # one reciprocal serves all that is divided by b
+            x = b._positive()
+            return self * b._new("inv", b.i) if x is None else -(self / x)
+        c = _number(b)
+        return NotImplemented if c is None else self * (1.0 / c)
+
+    def __rtruediv__(self, b: Any) -> Any:
+        c = _number(b)
+        if c is None:
+            return NotImplemented
+        x = self._positive()
+        return -(c / x) if x is not None else self._new("inv", self.i) * c
+
+    def __pow__(self, n: int) -> Any:
+        if not isinstance(n, int) or n < 1:
+            return NotImplemented
+        return self if n == 1 else self * self ** (n - 1)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def _undecided(self, *_: Any) -> bool:
+        raise UntraceableError("a comparison of symbols has no answer: this term chooses its way by its numbers")
+
+    __bool__ = __lt__ = __gt__ = __le__ = __ge__ = _undecided
+
+
+def _number(x: Any) -> float | None:
+    kind = type(x)
+    if kind is float or kind is int:
+        return x
+    if kind is Exact:
+        return float(x.n)
+    return float(x) if isinstance(x, float) else None
+
+
+# --- elementary functions of symbols -------------------------------------------------------------
+
+
+def select(x: Any, y: Any, a: Any, b: Any) -> Any:
+    """a where x < y, else b."""
+    graph = next(s.graph for s in (x, y, a, b) if type(s) is Sym)
+    args = (s if type(s) is Sym else graph.constant(float(s)) for s in (x, y, a, b))
+    return Sym(graph, graph.node("select", *(s.i for s in args)))
+
+
+def _stumpff(k: int, y: Sym) -> Any:
+    near, far = select(y, 1.0, y, 0.0), select(y, 1.0, 1.0, y)
+    return select(y, 1.0, _stumpff_series(k, near), _stumpff_closed(k, far, LIBRARY))
+
+
+class _Library(SimpleNamespace):
+    def __getattr__(self, name: str) -> Any:
+        raise UntraceableError(f"{name} of a symbol cannot be compiled")
+
+
+LIBRARY = _Library(
+    sin=lambda x: x._new("sin", x.i), cos=lambda x: x._new("cos", x.i), sqrt=lambda x: x._new("sqrt", x.i),
+    stumpff=_stumpff,
+)  # fmt: skip
+register(Sym, LIBRARY)
+
+
+# --- a term of a robot ----------------------------------------------------------------------------
+
+
+class Trace:
+    """The straight-line program of one term: its graph, the sizes of its inputs, and its outputs.
+
+    Attributes
+    ----------
+    outputs : list
+        Symbols, or plain numbers where the result does not depend on the inputs.
+    """
+
+    def __init__(self, graph: Graph, sizes: Sequence[int], outputs: Sequence[Any]) -> None:
+        self.graph, self.sizes = graph, list(sizes)
+        self.outputs = [x if type(x) is Sym else float(x) for x in outputs]
+
+    @property
+    def flops(self) -> int:
+        return self.graph.count(self.outputs)["flops"]
+
+
+def trace(robot: Robot, term: Term, options: Options) -> Trace:
+    """The term, run on symbols.
+
+    Raises
+    ------
+    UntraceableError
+        If the term chooses its way by the numbers it meets.
+    """
+    graph, sizes = Graph(), term.sizes(robot)
+    symbols = [graph.inputs(k, n) for k, n in enumerate(sizes)]
+    outputs = list(flat(term.compute(robot, *symbols, **options)))
+    if not all(type(x) is Sym or _number(x) is not None for x in outputs):
+        kind = next(type(x).__name__ for x in outputs if type(x) is not Sym and _number(x) is None)
+        raise UntraceableError(f"{term.name} of {robot.name} computes {kind}, not symbols: its constants are no floats")
+    return Trace(graph, sizes, outputs)
+
+
+def evaluate(program: Trace, inputs: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
+    """The outputs for given inputs, node by node in their own arithmetic: the meaning of a graph."""
+    nodes, value = program.graph.nodes, {}
+    for i in program.graph.live(program.outputs):
+        op, *args = nodes[i]
+        if op == "in":
+            value[i] = inputs[args[0]][args[1]]
+        elif op == "const":
+            value[i] = args[0]
+        elif op == "select":
+            x, y, a, b = (value[j] for j in args)
+            value[i] = a if x < y else b
+        else:
+            value[i] = _MEANING[op](functions, *(value[j] for j in args))
+    return [value[x.i] if type(x) is Sym else x for x in program.outputs]
+
+
+_MEANING: dict[str, Any] = {
+    "+": lambda _, a, b: a + b,
+    "-": lambda _, a, b: a - b,
+    "*": lambda _, a, b: a * b,
+    "inv": lambda _, a: 1 / a,
+    "neg": lambda _, a: -a,
+    "sqrt": lambda f, a: f.sqrt(a),
+    "sin": lambda f, a: f.sin(a),
+    "cos": lambda f, a: f.cos(a),
+}
