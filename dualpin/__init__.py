@@ -18,6 +18,7 @@ _HOMES = {
         "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
         "UrdfError",
     ),
+    "dualpin.forms": ("from_dh", "from_screws", "to_dh", "to_screws"),
     "dualpin.functions": (
         "aba", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba", "difference", "fk",
         "frame_acceleration", "frame_velocity", "gravity", "inertial_parameters", "integrate", "jacobian",

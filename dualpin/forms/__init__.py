@@ -1,7 +1,13 @@
 """Other forms of a robot: Denavit-Hartenberg tables and products of exponentials, to and fro."""
 
 from .build import from_dh
+from .build_screws import from_screws
 from .dh import to_dh
+from .khalil import KhalilRow, KhalilTable
+from .screws import Screws, ScrewTree, to_screws
 from .table import DHEnd, DHRow, DHStep, DHTable
 
-__all__ = ["DHEnd", "DHRow", "DHStep", "DHTable", "from_dh", "to_dh"]
+__all__ = [
+    "DHEnd", "DHRow", "DHStep", "DHTable", "KhalilRow", "KhalilTable", "ScrewTree", "Screws", "from_dh",
+    "from_screws", "to_dh", "to_screws",
+]  # fmt: skip

@@ -135,13 +135,13 @@ def chain(robot: Robot, base: str | Frame | None = None, tip: str | Frame | None
     start = root(robot) if base is None else robot.frame(base)
     end = _only_leaf(robot, what) if tip is None else robot.frame(tip)
     up, down = _ways(start.joint, end.joint)
-    world = {j: X for j, X in _home(robot, [*_path(start.joint), *_path(end.joint)]).items()}
+    world = {j: X for j, X in homes(robot, [*_path(start.joint), *_path(end.joint)]).items()}
     inverse = (world[start.joint] @ start.placement).inverse
     axes: list[Axis] = []
     for joint in up:
-        axes += [Axis(joint, -a.line, a.units, a.q) for a in reversed(_axes(joint, inverse @ world[joint], what))]
+        axes += [Axis(joint, -a.line, a.units, a.q) for a in reversed(axes_of(joint, inverse @ world[joint], what))]
     for joint in down:
-        axes += _axes(joint, inverse @ world[joint], what)
+        axes += axes_of(joint, inverse @ world[joint], what)
     return Chain(robot, start, end, tuple(axes), inverse @ world[end.joint] @ end.placement)
 
 
@@ -168,7 +168,7 @@ def _ways(start: Joint | None, end: Joint | None) -> tuple[list[Joint], list[Joi
     return a[n:][::-1], b[n:]
 
 
-def _home(robot: Robot, joints: list[Joint]) -> dict[Joint | None, Pose]:
+def homes(robot: Robot, joints: list[Joint]) -> dict[Joint | None, Pose]:
     """Poses of the joints' moving frames at zero; a floating base stands at the world's origin."""
     world: dict[Joint | None, Pose] = {None: GROUND}
     for b in joints:
@@ -180,7 +180,7 @@ def _home(robot: Robot, joints: list[Joint]) -> dict[Joint | None, Pose]:
     return world
 
 
-def _axes(joint: Joint, X: Pose, what: str) -> list[Axis]:
+def axes_of(joint: Joint, X: Pose, what: str) -> list[Axis]:
     """The axes of a joint whose moving frame is X at home, in the order they act."""
     model, q = joint.model, joint.q
     if isinstance(model, Axial):

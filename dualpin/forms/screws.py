@@ -1,0 +1,361 @@
+"""Products of exponentials: the home pose of the tip, and one screw for each freedom."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algorithms.kinematics import frame_pose
+from ..boundary import choice
+from ..errors import ArgumentError, FrameNotFoundError, nearest
+from ..functions import fk, jacobian
+from ..model.joints import Planar
+from ..model.robot import Frame, Joint, Robot
+from ..scalars import Scalar
+from ..spatial.pose import Pose
+from .chain import Chain, chain, leaves, whole_q
+
+FRAMES = ("space", "body")
+
+
+def as_matrix(X: Pose) -> np.ndarray:
+    """The homogeneous matrix in floats."""
+    return np.array([[float(x) for x in row] for row in X.rows])
+
+
+def adjoint(T: np.ndarray) -> np.ndarray:
+    """[R 0; [p]R R]: twists [w; v] of the inner frame, seen from the outer one, (6, 6)."""
+    R, p = T[:3, :3], T[:3, 3]
+    skew = np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
+    return np.block([[R, np.zeros((3, 3))], [skew @ R, R]])
+
+
+@dataclass(frozen=True, eq=False)
+class Screws:
+    """A serial chain as a product of exponentials.
+
+        T(q) = exp(S_1 q_1) ... exp(S_n q_n) M      (space)
+        T(q) = M exp(B_1 q_1) ... exp(B_n q_n)      (body)
+
+    Attributes
+    ----------
+    home : ndarray, shape (4, 4)
+        M, pose of the tip in the base at q = 0.
+    frame : "space" or "body"
+        Which of the two `screws` holds.
+    joint_names : tuple of str
+        For each screw the joint it belongs to; a cylindrical joint has two screws, a planar three.
+    columns : tuple of int
+        For each screw the coordinate of the whole robot it goes with.
+
+    References
+    ----------
+    Brockett (1984); Lynch & Park (2017), 4.1 and 5.1.
+    """
+
+    home: np.ndarray
+    Slist: np.ndarray
+    frame: str
+    joint_names: tuple[str, ...]
+    columns: tuple[int, ...]
+    chain: Chain
+
+    def __repr__(self) -> str:
+        return f"<Screws of {self.chain.robot.name!r}: {len(self)}, {self.frame}, tip {self.chain.tip.name!r}>"
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @property
+    def screws(self) -> np.ndarray:
+        """Screws [w; v] as columns in the chosen frame, shape (6, n)."""
+        return self.Slist if self.frame == "space" else self.Blist
+
+    @property
+    def M(self) -> np.ndarray:
+        """The home pose, under the name the Modern Robotics package takes, shape (4, 4)."""
+        return self.home
+
+    @cached_property
+    def Blist(self) -> np.ndarray:
+        """Body screws B = Ad(M^-1) S as columns, shape (6, n)."""
+        return adjoint(np.linalg.inv(self.home)) @ self.Slist
+
+    @cached_property
+    def _bodies(self) -> tuple[list[np.ndarray], list[np.ndarray]]:
+        """Home poses of centre-of-mass frames, and inertias there, one for each screw."""
+        poses, inertias = [], []
+        base = np.linalg.inv(as_matrix(_home_of(self.chain, self.chain.base.joint) @ self.chain.base.placement))
+        axes = self.chain.axes
+        for i, axis in enumerate(axes):
+            X = base @ as_matrix(_home_of(self.chain, axis.joint))
+            last = i + 1 == len(axes) or axes[i + 1].joint is not axis.joint
+            count = len(axis.units)
+            G = np.zeros((6, 6))
+            body = axis.joint.inertia
+            m = float(body.mass)
+            if last:
+                h = np.array([float(x) for x in body.moment])
+                J = np.array([[float(x) for x in row] for row in body.rotational.rows])
+                c = h / m if m > 0 else np.zeros(3)
+                G[:3, :3] = J - m * (c @ c * np.eye(3) - np.outer(c, c))
+                G[3:, 3:] = m * np.eye(3)
+                shift = np.eye(4)
+                shift[:3, 3] = c
+                X_com = X @ shift
+            else:
+                X_com = X
+            # of the screws of one joint, the last moves the body
+            poses += [X] * (count - 1) + [X_com]
+            inertias += [np.zeros((6, 6))] * (count - 1) + [G]
+        return poses, inertias
+
+    @property
+    def Mlist(self) -> np.ndarray:
+        """Poses M_{i-1,i} of the centre-of-mass frames {i} at home; the last is the tip's, shape (n + 1, 4, 4).
+
+        {i} has the axes of the joint's moving frame.
+        """
+        before, out = np.eye(4), []
+        for X in [*self._bodies[0], self.home]:
+            out.append(np.linalg.inv(before) @ X)
+            before = X
+        return np.array(out)
+
+    @property
+    def Glist(self) -> np.ndarray:
+        """Spatial inertias diag(J_c, m 1) in the frames {i} of `Mlist`, shape (n, 6, 6).
+
+        Of the bodies on the chain; what other branches carry is not in it.  Screws of one joint
+        share its body: the last has it.
+        """
+        return np.array(self._bodies[1]).reshape(-1, 6, 6)
+
+    # motion
+
+    @cached_property
+    def robot(self) -> Robot:
+        """The product of exponentials as a robot of its own, one joint for each screw."""
+        from .build_screws import from_screws
+
+        return from_screws(self.home, self.Slist, name=self.chain.robot.name, unit=False)
+
+    def pose(self, q: Sequence[Scalar]) -> Pose:
+        """T(q) over any scalar; q of the whole robot."""
+        return frame_pose(self.robot, [q[i] for i in self.columns], self.robot.frames[-1])
+
+    def fk(self, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+        """Pose of the tip in the base, shape (..., 4, 4); q (..., nq) of the whole robot.
+
+        Examples
+        --------
+        >>> import numpy as np, dualpin as dp
+        >>> poe = dp.to_screws(dp.load("ur5"), tip="tool0")
+        >>> bool(np.allclose(poe.fk(np.zeros(6)), poe.home))
+        True
+        """
+        x = whole_q(self.chain.robot, q, "Screws.fk: q")
+        return fk(self.robot, x[..., list(self.columns)], self.robot.frames[-1], engine=engine)
+
+    def jacobian(self, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+        """Twist of the tip relative to the base for unit velocities, rows [w; v], shape (..., 6, nv).
+
+        About the base frame's origin in its axes ("space"), or the tip's in its own ("body").
+        Columns are of the whole robot's velocities; those off the chain are zero.
+
+        Raises
+        ------
+        ArgumentError
+            If a planar joint is on the chain, whose velocities are those of the body and not of
+            its coordinates.
+        """
+        for joint in (axis.joint for axis in self.chain.axes):
+            if isinstance(joint.model, Planar):
+                raise ArgumentError(
+                    f"Screws.jacobian: the velocities of the planar joint {joint.name!r} are not the rates of its "
+                    "coordinates; dualpin.jacobian has its columns"
+                )
+        x = whole_q(self.chain.robot, q, "Screws.jacobian: q")
+        reference = "world" if self.frame == "space" else "local"
+        own = jacobian(self.robot, x[..., list(self.columns)], self.robot.frames[-1], reference, engine=engine)
+        J = np.zeros((*own.shape[:-1], self.chain.robot.nv))
+        for k, v in enumerate(self._velocities):
+            J[..., v] += own[..., k]
+        return J
+
+    @cached_property
+    def _velocities(self) -> list[int]:
+        """For each screw the velocity of the whole robot it goes with."""
+        offset = {i: a.joint.v.start + i - a.joint.q.start for a in self.chain.axes for i in a.q}
+        return [offset[i] for i in self.columns]
+
+    @cached_property
+    def residual(self) -> float:
+        """Largest entry of |T_screws - T_robot| over 16 random q."""
+        q = self.chain.sample(16)
+        return float(np.abs(self.fk(q, engine="numpy") - self.chain.fk(q, engine="numpy")).max())
+
+    # text
+
+    def table(self, digits: int | None = None) -> str:
+        """Home pose and screws as aligned text."""
+        return self.export("table", digits=digits)
+
+    def export(self, format: str = "table", *, degrees: bool = False, digits: int | None = None) -> str:
+        """As text: "table", "csv", "json", "yaml", "markdown", "latex", "python" or "matlab".
+
+        Code holds M, Slist, Blist, Mlist, Glist as the Modern Robotics packages take them.  With
+        `degrees`, screws are per degree: w and v of a revolute joint times pi / 180.
+        """
+        from .export_screws import screws_text
+
+        return screws_text(self, format, degrees, digits)
+
+    def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
+        """Write `export("csv")` to a file."""
+        Path(path).write_text(self.export("csv", **options), encoding="utf-8")
+
+    def to_json(self, path: str | PathLike[str], **options: Any) -> None:
+        """Write `export("json")` to a file."""
+        Path(path).write_text(self.export("json", **options), encoding="utf-8")
+
+
+def _home_of(links: Chain, joint: Joint | None) -> Pose:
+    from .chain import homes
+
+    return homes(links.robot, [] if joint is None else list(joint.chain)[::-1])[joint]
+
+
+class ScrewTree(Mapping[str, Screws]):
+    """Products of exponentials of a whole tree: for each leaf link its `Screws`, from one root.
+
+    ``tree[link]`` works for every link.  A joint's space screw is the same in all of them.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> tree = dp.to_screws(dp.load("allegro_left"))
+    >>> len(tree), tree.screws.shape
+    (4, (6, 16))
+    """
+
+    def __init__(self, robot: Robot, base: str | Frame | None, frame: str) -> None:
+        self.robot, self.base, self.frame = robot, base, frame
+        self._tips = [f.name for f in leaves(robot) if f.joint is not None]
+        self._made: dict[str, Screws] = {}
+
+    def __repr__(self) -> str:
+        return f"<ScrewTree of {self.robot.name!r}: {len(self._tips)} tips>"
+
+    def __len__(self) -> int:
+        return len(self._tips)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tips)
+
+    def __getitem__(self, link: str) -> Screws:
+        if link not in self._made:
+            try:
+                self._made[link] = to_screws(self.robot, link, self.frame, base=self.base)
+            except FrameNotFoundError:
+                raise FrameNotFoundError(f"{link!r} is no tip; {nearest(link, self._tips, 'tips')}") from None
+        return self._made[link]
+
+    @property
+    def home(self) -> dict[str, np.ndarray]:
+        """Home pose of each leaf."""
+        return {tip: self[tip].home for tip in self}
+
+    @cached_property
+    def _columns(self) -> dict[tuple[str, int], np.ndarray]:
+        """(joint, coordinate) -> space screw, in the robot's order."""
+        found: dict[tuple[str, int], np.ndarray] = {}
+        for tip in self:
+            poe = self[tip]
+            for name, column, S in zip(poe.joint_names, poe.columns, poe.Slist.T, strict=True):
+                found.setdefault((name, column), S)
+        order = {j.name: j.index for j in self.robot}
+        return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], item[0][1])))
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """For each column of `screws` its joint."""
+        return tuple(name for name, _ in self._columns)
+
+    @property
+    def screws(self) -> np.ndarray:
+        """Space screws [w; v] of all joints as columns, in the robot's order, shape (6, n)."""
+        return np.array(list(self._columns.values())).reshape(-1, 6).T
+
+    def fk(self, q: ArrayLike, tip: str, *, engine: str = "auto") -> np.ndarray:
+        """Pose of a link, shape (..., 4, 4)."""
+        return self[tip].fk(q, engine=engine)
+
+    def jacobian(self, q: ArrayLike, tip: str, *, engine: str = "auto") -> np.ndarray:
+        """Jacobian of a link, shape (..., 6, nv)."""
+        return self[tip].jacobian(q, engine=engine)
+
+    def export(self, format: str = "table", *, degrees: bool = False, digits: int | None = None) -> str:
+        """The forms of all tips as text, as `Screws.export` writes them."""
+        from .export_screws import tree_text
+
+        return tree_text(self, format, degrees, digits)
+
+
+def to_screws(
+    robot: Robot, tip: str | Frame | None = None, frame: str = "space", *, base: str | Frame | None = None
+) -> Any:
+    """Product of exponentials of a chain, or of a whole tree.
+
+        T(q) = exp(S_1 q_1) ... exp(S_n q_n) M
+
+    Parameters
+    ----------
+    tip, base : str or Frame, optional
+        Links (or frames); base is the root by default.  Without a tip: the only leaf, or, of a
+        robot that branches, all of them.
+    frame : "space" or "body"
+        Screws about the base frame's origin in its axes, or the tip's in its own.
+
+    Returns
+    -------
+    Screws or ScrewTree
+        ``.home`` (4, 4), ``.screws`` (6, n) with columns [w; v] in rad, m, ``.fk(q)``, ``.jacobian(q)``.
+
+    Raises
+    ------
+    FrameNotFoundError, ArgumentError
+
+    References
+    ----------
+    Brockett (1984); Lynch & Park (2017), 4.1.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> poe = dp.to_screws(dp.load("panda"), tip="panda_hand")
+    >>> poe.screws.shape, poe.residual < 1e-14
+    ((6, 7), True)
+    """
+    choice("to_screws: frame", frame, FRAMES)
+    if tip is None and isinstance(robot, Robot) and len(leaves(robot)) > 1:
+        return ScrewTree(robot, base, frame)
+    links = chain(robot, base, tip, "to_screws")
+    S: list[list[float]] = []
+    names: list[str] = []
+    columns: list[int] = []
+    for axis in links.axes:
+        for unit, column in zip(axis.units, axis.q, strict=True):
+            screw = axis.line * unit
+            S.append([*map(float, screw.real), *map(float, screw.dual)])
+            names.append(axis.joint.name)
+            columns.append(column)
+    Slist = np.array(S).reshape(-1, 6).T
+    return Screws(as_matrix(links.home), Slist, frame, tuple(names), tuple(columns), links)
