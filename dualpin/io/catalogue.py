@@ -85,17 +85,21 @@ def find(name: str | os.PathLike[str]) -> Path:
     known = robots.get(ALIASES.get(text, text))
     if known is not None and not (isinstance(name, os.PathLike) and Path(text).exists()):
         return known
-    path = Path(text).expanduser()
-    if path.is_file():
-        return path
-    if path.exists():
-        raise UrdfError(f"{text}: a URDF file expected, this is {'a folder' if path.is_dir() else 'not a regular file'}")
+    try:
+        path = Path(text).expanduser()
+        if path.is_file():
+            return path
+        if path.exists():
+            raise UrdfError(
+                f"{text}: a URDF file expected, this is {'a folder' if path.is_dir() else 'not a regular file'}"
+            )
+    except (OSError, RuntimeError, ValueError) as e:  # too long, not permitted, no such user's home, null bytes
+        shown = text if len(text) <= 60 else text[:57] + "..."
+        raise UrdfError(f"{shown!r}: not a path that can be opened ({getattr(e, 'strerror', None) or e})") from None
     if path.suffix.lower() in (".urdf", ".xml", ".xacro", ".sdf"):
         raise UrdfError(f"{text}: no such file")
     if not robots:
-        raise UrdfError(
-            f"{text!r} is no file, and robots by name need the package {PACKAGE} (pip install {PACKAGE})"
-        )
+        raise UrdfError(f"{text!r} is no file, and robots by name need the package {PACKAGE} (pip install {PACKAGE})")
     raise UrdfError(
         f"{text!r} is neither a file nor a robot of {PACKAGE}; {nearest(text, [*ALIASES, *robots], 'robots')}; "
         "`dualpin list` prints them all"

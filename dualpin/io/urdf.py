@@ -147,6 +147,9 @@ def _model(joint: Any) -> JointModel:
 
 def _axis(xyz: Any) -> Vector3:
     u = np.array([1.0, 0.0, 0.0] if xyz is None else xyz, dtype=float)
+    largest = float(np.abs(u).max())
+    if not 1e-100 < largest < 1e100:
+        u = u / largest  # squares would overflow
     for unit, exact_axis in zip(np.eye(3), AXES, strict=True):
         for sign in (1, -1):
             if np.linalg.norm(u - sign * unit) <= _AXIS_TOLERANCE:

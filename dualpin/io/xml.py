@@ -25,7 +25,8 @@ MAX_JOINTS = 100_000
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 RESERVED = ("universe", "root_joint")
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+_BLANKS = re.compile(r"[ \t\r\n]+")  # of XML; others are part of a word
 # what a robot's motion depends on; meshes, materials, transmissions and simulator blocks do not
 _KEPT = {
     "robot": {"link", "joint"},
@@ -54,19 +55,25 @@ class Document:
     # reading one element
 
     def one(self, parent: etree._Element, tag: str, what: str) -> etree._Element | None:
-        """The only child of that tag, or None."""
+        """The only child of that tag, or None; of several the first, and the others are removed."""
         found = parent.findall(tag)
         if len(found) > 1:
-            self.notes.append(f"{what} has {len(found)} <{tag}> elements (line {found[1].sourceline}); the first is used")
+            self.notes.append(
+                f"{what} has {len(found)} <{tag}> elements (line {found[1].sourceline}); the first is used"
+            )
+            for other in found[1:]:
+                parent.remove(other)
         return found[0] if found else None
 
-    def numbers(self, e: etree._Element, attribute: str, count: int, what: str, default: str | None = None) -> list[float]:
+    def numbers(
+        self, e: etree._Element, attribute: str, count: int, what: str, default: str | None = None
+    ) -> list[float]:
         """`count` finite decimal numbers of an attribute."""
         text = e.get(attribute, default)
         shown = f"{what}: <{e.tag} {attribute}>"
         if text is None:
             self.fail(e, f"{what}: <{e.tag}> without the attribute {attribute!r}; {_counted(count)} expected")
-        words = text.split()
+        words = [word for word in _BLANKS.split(text) if word]
         if len(words) != count:
             self.fail(e, f"{shown} is {_short(text)}; {_counted(count)} expected, got {len(words)}")
         values = []
@@ -74,6 +81,8 @@ class Document:
             if not _NUMBER.fullmatch(word) or not math.isfinite(float(word)):
                 self.fail(e, f"{shown} is {_short(text)}; {_short(word)} is not a finite decimal number")
             values.append(float(word))
+        if attribute in e.attrib:  # whoever reads it next finds the numbers that were checked
+            e.set(attribute, " ".join(map(repr, values)))
         return values
 
     def number(self, e: etree._Element, attribute: str, what: str, default: str | None = None) -> float:
@@ -124,7 +133,11 @@ def _root(data: bytes, source: str) -> etree._Element:
         raise UrdfError(f"{source}: the file is empty")
     try:
         tree = etree.parse(BytesIO(data), parser)
-    except (etree.XMLSyntaxError, ValueError, LookupError) as e:
+    except etree.XMLSyntaxError as e:
+        line = f":{e.lineno}" if e.lineno else ""
+        hint = "; run xacro on the file first" if "prefix xacro" in str(e.msg) else ""
+        raise UrdfError(f"{source}{line}: not well-formed XML: {str(e.msg).split(', line')[0]}{hint}") from None
+    except (ValueError, LookupError) as e:
         raise UrdfError(f"{source}: not well-formed XML: {e}") from None
     if tree.docinfo.doctype or tree.docinfo.internalDTD is not None:
         raise UrdfError(f"{source}: a DOCTYPE (entities) has no place in a URDF and is refused")
@@ -132,13 +145,19 @@ def _root(data: bytes, source: str) -> etree._Element:
     name = etree.QName(root)
     if root.tag != "robot":
         if name.namespace and name.localname == "robot":
-            raise UrdfError(f"{source}:{root.sourceline}: <robot> is in the namespace {name.namespace!r}; a URDF has none")
+            raise UrdfError(
+                f"{source}:{root.sourceline}: <robot> is in the namespace {name.namespace!r}; a URDF has none"
+            )
         hint = {"sdf": " (SDF is not URDF)", "mujoco": " (MJCF is not URDF)"}.get(name.localname, "")
         raise UrdfError(f"{source}:{root.sourceline}: root element is <{name.localname}>, <robot> expected{hint}")
-    xacro = next((e for e in root.iter() if isinstance(e.tag, str) and "xacro" in (etree.QName(e).namespace or e.prefix or "")), None)
+    xacro = next(
+        (e for e in root.iter() if isinstance(e.tag, str) and "xacro" in (etree.QName(e).namespace or e.prefix or "")),
+        None,
+    )
     if xacro is not None:
         raise UrdfError(
-            f"{source}:{xacro.sourceline}: <xacro:{etree.QName(xacro).localname}> is not expanded; run xacro on the file first"
+            f"{source}:{xacro.sourceline}: <xacro:{etree.QName(xacro).localname}> is not expanded; "
+            "run xacro on the file first"
         )
     if not root.get("name"):
         raise UrdfError(f"{source}:{root.sourceline}: <robot> has no name")
@@ -216,7 +235,9 @@ def _read_joints(document: Document) -> None:
         if len(document.joints) > MAX_JOINTS:
             document.fail(joint, f"more than {MAX_JOINTS} joints")
         if name in RESERVED:
-            document.fail(joint, f"{what}: the name is reserved for the {'world' if name == 'universe' else 'floating base'}")
+            document.fail(
+                joint, f"{what}: the name is reserved for the {'world' if name == 'universe' else 'floating base'}"
+            )
         kind = joint.get("type")
         if kind not in JOINT_TYPES:
             document.fail(joint, f"{what}: type is {kind!r}; {nearest(str(kind), JOINT_TYPES, 'types')}")
@@ -226,7 +247,9 @@ def _read_joints(document: Document) -> None:
             if not link:
                 document.fail(joint, f"{what}: no {role} link")
             if link not in document.links:
-                document.fail(e, f"{what}: {role} link {link!r} is not defined; {nearest(link, document.links, 'links')}")
+                document.fail(
+                    e, f"{what}: {role} link {link!r} is not defined; {nearest(link, document.links, 'links')}"
+                )
         child = joint.find("child").get("link")
         if child in child_of:
             document.fail(
@@ -248,13 +271,14 @@ def _check_axis(document: Document, joint: etree._Element, kind: str, what: str)
     axis = document.one(joint, "axis", what)
     if axis is None or kind in ("fixed", "floating"):
         return
+    text = axis.get("xyz")
     xyz = document.numbers(axis, "xyz", 3, what)
     norm = math.hypot(*xyz)
     if kind == "planar":
         if [x / norm if norm else x for x in xyz] != [0, 0, 1]:
             document.notes.append(f"{what}: the axis of a planar joint is ignored; it moves in its own xy-plane")
     elif norm < 1e-6:
-        document.fail(axis, f"{what}: <axis xyz> is {_short(axis.get('xyz'))}; a direction expected, this is zero")
+        document.fail(axis, f"{what}: <axis xyz> is {_short(text)}; a direction expected, this is zero")
     elif abs(norm - 1) > 1e-6:
         document.notes.append(f"{what}: the axis has length {norm:.6g} and was normalised")
 
@@ -297,14 +321,19 @@ def _check_tree(document: Document) -> None:
     moved = {c for cs in children.values() for c in cs}
     roots = [link for link in document.links if link not in moved]
     if len(roots) != 1:
-        found = f"{len(roots)} root links ({', '.join(roots[:4])})" if roots else "no root link (the joints form a loop)"
-        raise UrdfError(f"{document.source}: {found}; one tree expected")
-    stack, seen = [roots[0]], 0
+        found = (
+            f"{len(roots)} root links ({', '.join(roots[:4])})" if roots else "no root link (the joints form a loop)"
+        )
+        document.fail(document.links[roots[1]] if roots else None, f"{found}; one tree expected")
+    stack, seen = [roots[0]], set()
     while stack:
-        seen += 1
-        stack.extend(children.get(stack.pop(), ()))
-    if seen != len(document.links):
-        raise UrdfError(
-            f"{document.source}: {len(document.links) - seen} links are not connected to {roots[0]!r} (a closed loop)"
+        link = stack.pop()
+        seen.add(link)
+        stack.extend(children.get(link, ()))
+    lost = [link for link in document.links if link not in seen]
+    if lost:
+        document.fail(
+            document.links[lost[0]],
+            f"{len(lost)} links ({', '.join(lost[:4])}) are not connected to {roots[0]!r} (a closed loop)",
         )
     document.base = roots[0]
