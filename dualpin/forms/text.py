@@ -1,0 +1,123 @@
+"""Writing tables: aligned text, CSV, Markdown, LaTeX, YAML, and numbers in full."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from math import pi
+from typing import Any
+
+from ..errors import ArgumentError
+
+Rows = Sequence[Sequence[str]]
+
+
+def number(x: float, digits: int | None = None) -> str:
+    """x with as many digits as it takes to read the same number back, or with `digits` significant ones."""
+    x = float(x) + 0.0  # no negative zero
+    return repr(x) if digits is None else f"{x:.{digits}g}"
+
+
+def checked_digits(digits: int | None) -> None:
+    if digits is not None and (not isinstance(digits, int) or not 1 <= digits <= 17):
+        raise ArgumentError(f"export: digits = {digits!r}; a number from 1 to 17, or None for all, expected")
+
+
+def with_pi(x: float, digits: int | None, symbol: str) -> str:
+    """Multiples of pi / 4, exact to the last bit, as such; other numbers as they are."""
+    for k in (1, 2, 3, 4):
+        if abs(x) == k * pi / 4:
+            numerator, denominator = {1: ("", "/4"), 2: ("", "/2"), 3: ("3*", "/4"), 4: ("", "")}[k]
+            if symbol != "pi":
+                numerator = numerator.replace("*", "")
+            return f"{'-' if x < 0 else ''}{numerator}{symbol}{denominator}"
+    return number(x, digits)
+
+
+def aligned(header: Sequence[str], rows: Rows) -> str:
+    """Columns padded to one width, numbers to the right."""
+    cells = [list(header), *map(list, rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    lines = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells]
+    return "\n".join([lines[0], "-" * max(map(len, lines)), *lines[1:]])
+
+
+def markdown(header: Sequence[str], rows: Rows) -> str:
+    """A pipe table."""
+    lines = [header, ["---:"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |" for line in lines)
+
+
+def comma_separated(header: Sequence[str], rows: Rows) -> str:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return out.getvalue()
+
+
+def latex(columns: str, header: Sequence[str], rows: Rows) -> str:
+    """A tabular environment that needs no packages."""
+    body = [" & ".join(row) + r" \\" for row in rows]
+    head = " & ".join(header) + r" \\"
+    return "\n".join([rf"\begin{{tabular}}{{{columns}}}", r"\hline", head, r"\hline", *body, r"\hline", r"\end{tabular}"])
+
+
+def tex(name: str) -> str:
+    """A name that LaTeX prints as it is."""
+    return "".join("\\" + c if c in "_&%$#{}" else c for c in name)
+
+
+def rounded(data: Any, digits: int | None) -> Any:
+    """Nested data with every float to `digits` significant digits."""
+    if isinstance(data, float):
+        return float(number(data, digits))
+    if isinstance(data, dict):
+        return {k: rounded(v, digits) for k, v in data.items()}
+    return [rounded(v, digits) for v in data] if isinstance(data, (list, tuple)) else data
+
+
+def as_json(data: Any) -> str:
+    return json.dumps(data, indent=2, ensure_ascii=False)
+
+
+def yaml(data: Any, indent: int = 0) -> str:
+    """Nested dicts and lists of scalars as YAML 1.1."""
+    pad, lines = "  " * indent, []
+    if isinstance(data, dict):
+        for key, value in data.items():
+            if isinstance(value, (dict, list)) and value and not _flat(value):
+                lines += [f"{pad}{key}:", yaml(value, indent + 1)]
+            else:
+                lines.append(f"{pad}{key}: {_scalar(value)}")
+    else:
+        for value in data:
+            if isinstance(value, dict):
+                block = yaml(value, indent + 1)
+                lines.append(f"{pad}- {block.lstrip()}")
+            else:
+                lines.append(f"{pad}- {_scalar(value)}")
+    return "\n".join(lines)
+
+
+def _flat(value: Any) -> bool:
+    return isinstance(value, list) and not any(isinstance(v, (dict, list)) for v in value)
+
+
+def _scalar(x: Any) -> str:
+    if isinstance(x, list):
+        return "[" + ", ".join(map(_scalar, x)) + "]"
+    if isinstance(x, float):  # YAML 1.1 wants a point in the mantissa
+        text = repr(x)
+        return text if "." in text or "e" not in text else text.replace("e", ".0e")
+    return json.dumps(x, ensure_ascii=False)
+
+
+def array(name: str, values: Any, brackets: str, digits: int | None) -> str:
+    """A matrix as source text: `brackets` "python" or "matlab"."""
+    rows = [[number(x, digits) for x in row] for row in values]
+    if brackets == "matlab":
+        return f"{name} = [" + ";\n    ".join(" ".join(row) for row in rows) + "];"
+    return f"{name} = np.array([\n" + "".join(f"    [{', '.join(row)}],\n" for row in rows) + "])"
