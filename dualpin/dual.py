@@ -70,7 +70,8 @@ class Dual(Parts):
         self.real, self.dual = real, dual
 
     def __repr__(self) -> str:
-        return f"Dual({self.real!r}, {self.dual!r})"
+        a, b = (float(x) if type(x) is np.float64 else x for x in (self.real, self.dual))
+        return f"Dual({a!r}, {b!r})"
 
     # the ring
 
@@ -190,7 +191,7 @@ class Dual(Parts):
 
 
 def _ambiguous(x: Dual) -> bool:
-    raise ArgumentError(f"a dual array of shape {x.shape} is neither true nor false; use np.any or np.all of a comparison")
+    raise ArgumentError(f"a dual array of shape {x.shape} is neither true nor false; take np.any or np.all of it")
 
 
 def refuse(x: Scalar, message: str, shown: object, bad: complex = 0) -> None:

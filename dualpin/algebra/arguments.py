@@ -1,0 +1,74 @@
+"""What goes into the dual algebra, and what is said when it cannot be computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..dual import Dual
+from ..errors import ArgumentError, DualDivisionError, DualpinError, ShapeError
+
+EPSILON = float(np.finfo(float).eps)
+
+
+class AssumptionError(DualpinError, np.linalg.LinAlgError):
+    """A decomposition that has no dual value here; the message names the assumption that failed."""
+
+
+class SingularError(AssumptionError, DualDivisionError):
+    """A matrix whose real part is singular (or lacks full rank): a divisor that is purely dual."""
+
+
+def dual_array(what: str, x: Any, ndim: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Both parts, as float or complex arrays of one shape with at least `ndim` axes.
+
+    `x` is a `Dual`, something with `.real` and `.dual` (a motor), a plain array, or nested lists of dual numbers.
+    """
+    x = gathered(x)
+    a, b = x.arrays if isinstance(x, Dual) else (np.asarray(x), None)
+    if a.dtype.kind not in "biufc" or (b is not None and b.dtype.kind not in "biufc"):
+        raise ArgumentError(f"{what}: float or complex parts expected, got {a.dtype}")
+    if a.ndim < ndim:
+        raise ShapeError(f"{what}: an array of at least {ndim} axes expected, got shape {a.shape}")
+    kind = np.result_type(a, a if b is None else b, np.float64)
+    a = a.astype(kind, copy=False)
+    return a, np.zeros(a.shape, kind) if b is None else b.astype(kind, copy=False)
+
+
+def gathered(x: Any) -> Any:
+    """Nested lists of dual numbers as one dual array; motors as what they hold."""
+    if isinstance(x, (list, tuple)) and any(hasattr(i, "dual") for i in _leaves(x)):
+        return np.stack([g if isinstance(g, Dual) else Dual(np.asarray(g)) for g in map(gathered, x)])  # type: ignore[call-overload]
+    return Dual(x.real, x.dual) if hasattr(x, "dual") and not isinstance(x, Dual) else x
+
+
+def _leaves(x: Any) -> Any:
+    for i in x:
+        if isinstance(i, (list, tuple)):
+            yield from _leaves(i)
+        else:
+            yield i
+
+
+def matrices(what: str, A: Any, *, square: bool = False) -> tuple[np.ndarray, np.ndarray]:
+    """Both parts of (..., m, n) matrices."""
+    a, b = dual_array(what, A, 2)
+    if square and a.shape[-1] != a.shape[-2]:
+        raise ShapeError(f"{what}: square matrices (..., n, n) expected, got {a.shape}")
+    return a, b
+
+
+def H(A: np.ndarray) -> np.ndarray:
+    """The conjugate transpose of each matrix."""
+    return A.swapaxes(-1, -2).conj() if A.dtype.kind == "c" else A.swapaxes(-1, -2)
+
+
+def diagonals(A: np.ndarray) -> np.ndarray:
+    return np.diagonal(A, axis1=-2, axis2=-1)
+
+
+def where(wrong: np.ndarray) -> str:
+    """' at index (...)' of the first wrong matrix of a batch."""
+    index = tuple(int(i) for i in np.argwhere(wrong)[0])
+    return f" at index {index}" if index else ""

@@ -1,0 +1,198 @@
+"""Displacements as dual orthogonal matrices, dual Euler parameters and finite screws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..dual import Dual, atan, tan
+from ..errors import ArgumentError, DualDivisionError, ShapeError
+from ..spatial import Matrix3, Quaternion, Rotation, Vector3, compose, from_matrix, inverse
+from ..spatial import log as twist_of
+from .arguments import EPSILON, matrices, where
+from .motors import Line, Motor, as_motor
+
+
+def dual_matrix(T: ArrayLike) -> Dual:
+    """The dual orthogonal matrix R + eps [p] R of homogeneous matrices, shape (..., 3, 3).
+
+    It carries motors from the child frame to the parent: composition is the product, inversion the transpose.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> T = np.eye(4); T[:3, 3] = 1, 2, 3
+    >>> dp.algebra.dual_matrix(T).dual.tolist()
+    [[0.0, -3.0, 2.0], [3.0, 0.0, -1.0], [-2.0, 1.0, 0.0]]
+    """
+    M = np.asarray(T, dtype=float)
+    if M.shape[-2:] != (4, 4):
+        raise ShapeError(f"dual_matrix: T of shape (..., 4, 4) expected, got {M.shape}")
+    R, p = M[..., :3, :3], M[..., :3, 3]
+    return Dual(R, np.cross(p[..., None, :], R.swapaxes(-1, -2)).swapaxes(-1, -2) + 0.0)
+
+
+def homogeneous(A: Any) -> np.ndarray:
+    """The homogeneous matrix of a dual orthogonal one: [p] = A' R^T, shape (..., 4, 4)."""
+    R, D = matrices("homogeneous: A", A)
+    S = D @ R.swapaxes(-1, -2)
+    T = np.zeros((*R.shape[:-2], 4, 4))
+    T[..., :3, :3], T[..., 3, 3] = R, 1.0
+    T[..., 0, 3], T[..., 1, 3], T[..., 2, 3] = (
+        (S[..., i, j] - S[..., j, i]) / 2 for i, j in ((2, 1), (0, 2), (1, 0))
+    )
+    return T
+
+
+def euler_parameters(A: Any) -> Dual:
+    """Dual Euler parameters e_0 ... e_3 of a dual orthogonal matrix: its dual quaternion, shape (..., 4).
+
+    The largest of the four squares 4 e_i^2 is rooted, the other three follow from it by division:
+
+        4 e0^2 = 1 + a11 + a22 + a33,   4 e1^2 = 1 + a11 - a22 - a33,   ...
+        a32 - a23 = 4 e0 e1,   a21 + a12 = 4 e1 e2,   ...
+
+    Parameters
+    ----------
+    A : Dual, shape (..., 3, 3); or array_like, homogeneous matrices (..., 4, 4)
+
+    Returns
+    -------
+    Dual, shape (..., 4), with e_0 >= 0
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), Table 4.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> A = dp.Dual([[0, 0, 1], [1, 0, 0], [0, 1, 0]], [[-1, 0, 0], [0, -1, 1], [1, 0, 0]])
+    >>> dp.algebra.euler_parameters(A).dual.tolist()
+    [-0.5, 0.0, 0.0, 0.5]
+    """
+    A = A if isinstance(A, Dual) or np.shape(A)[-2:] != (4, 4) else dual_matrix(A)
+    a, b = matrices("euler_parameters: A", A)
+    if a.shape[-2:] != (3, 3):
+        raise ShapeError(f"euler_parameters: dual matrices (..., 3, 3) or poses (..., 4, 4) expected, got {a.shape}")
+    _check_orthogonal("euler_parameters", a, b)
+    R = Matrix3(*(Vector3(*(Dual(a[..., i, j], b[..., i, j]) for j in range(3))) for i in range(3)))
+    return np.stack(list(Quaternion.from_rotation(R)), axis=-1)  # type: ignore[call-overload]
+
+
+def _check_orthogonal(what: str, a: np.ndarray, b: np.ndarray) -> None:
+    G = Dual(a, b).mT @ Dual(a, b)
+    off = np.maximum(np.abs(G.real - np.eye(3)).max(axis=(-1, -2)), np.abs(G.dual).max(axis=(-1, -2)))
+    wrong = off > 1e-6 * np.maximum(1.0, np.abs(b).max(axis=(-1, -2)))
+    if np.any(wrong):
+        at = f"{float(np.max(off)):.3g}{where(wrong)}"
+        raise ArgumentError(f"{what}: a dual orthogonal matrix expected; |A^T A - 1| is {at}")
+
+
+def screw_matrix(axis: Any, angle: Any) -> Dual:
+    """The dual matrix of a turn by t and slide by d along a line, for the dual angle t + eps d: shape (..., 3, 3).
+
+        A = E E^T + cos(t) (1 - E E^T) + sin(t) [E]
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> A = dp.algebra.screw_matrix(dp.algebra.line([1, 0, 0], [0, 0, 1]), dp.Dual(0.5, 2.0))
+    >>> dp.algebra.homogeneous(A)[:3, 3].round(4).tolist()
+    [0.1224, -0.4794, 2.0]
+    """
+    E = as_motor("screw_matrix", axis).axis.vector
+    R = Rotation.about(Vector3(*(E[..., i] for i in range(3))), _angle(angle))
+    return np.stack([np.stack(list(row), axis=-1) for row in R.rows], axis=-2)  # type: ignore[call-overload]
+
+
+def _angle(angle: Any) -> Dual:
+    return angle if isinstance(angle, Dual) else Dual(np.asarray(angle, dtype=float), 0.0)
+
+
+def rodrigues(axis: Any, angle: Any) -> Motor:
+    """The dual Rodrigues vector T = E tan(t / 2) of a finite screw with dual angle t about the line E."""
+    return as_motor("rodrigues", axis).axis * tan(_angle(angle) / 2)
+
+
+def compose_screws(first: Any, second: Any, *, body: bool = False) -> Motor:
+    """The dual Rodrigues vector of two finite screws in turn.
+
+        T = (T1 + T2 - T1 x T2) / (1 - T1.T2)
+
+    Parameters
+    ----------
+    first, second : Motor, Dual (..., 3) or array_like (..., 6)
+        Rodrigues vectors, see `rodrigues`.
+    body : bool
+        False: both axes are given in the fixed frame (R = R2 R1).  True: the second moves with the body, and
+        the sign of the cross product is plus.
+
+    Returns
+    -------
+    Motor
+
+    Raises
+    ------
+    DualDivisionError
+        If 1 - T1.T2 has no real part: the result turns by pi, where tan(t / 2) has no value.
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), eq 50.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> E, line = dp.algebra.rodrigues, dp.algebra.line
+    >>> z = line([0, 0, 0], [0, 0, 1])
+    >>> angle, axis = dp.algebra.screw_of(dp.algebra.compose_screws(E(z, dp.Dual(1.0, 2.0)), E(z, dp.Dual(0.5, 1.0))))
+    >>> round(float(angle.real), 12), round(float(angle.dual), 12)
+    (1.5, 3.0)
+    """
+    a, b = as_motor("compose_screws", first), as_motor("compose_screws", second)
+    bottom = 1 - a.dot(b)
+    # the half turn leaves the rounding of T1.T2
+    lost = np.asarray(np.abs(bottom.real) <= 4 * EPSILON * (1 + np.abs(a.dot(b).real)))
+    if np.any(lost):
+        raise DualDivisionError(
+            f"compose_screws: 1 - T1.T2{where(lost)} has no real part: the screws make a half turn, which has no "
+            "Rodrigues vector; compose dual quaternions instead (dualpin.spatial.compose)"
+        )
+    across = a.cross(b)
+    return (a + b + (across if body else -across)) * (1 / bottom)
+
+
+def screw_of(rodrigues_vector: Any) -> tuple[Dual, Line]:
+    """The dual angle t in (0, pi) and the axis of T = E tan(t / 2)."""
+    T = as_motor("screw_of", rodrigues_vector)
+    size = T.magnitude
+    return atan(size) * 2, T.axis
+
+
+def twist_between(T0: ArrayLike, T1: ArrayLike, dt: float = 1.0) -> Motor:
+    """The constant twist w + eps v, about the world's origin, that carries the pose T0 to T1 in the time dt.
+
+        T1 = exp(dt V) T0
+
+    Its axis and pitch are the screw of the motion; for small dt the instantaneous screw axis.
+
+    Parameters
+    ----------
+    T0, T1 : array_like
+        Homogeneous matrices (..., 4, 4) or dual quaternions (..., 8).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> T1 = dp.spatial.to_matrix(dp.spatial.exp([0, 0, 1, 0, -2, 0.5]))
+    >>> m = dp.algebra.twist_between(np.eye(4), T1)
+    >>> (m.point.round(12) + 0.0).tolist(), round(float(m.pitch), 12)
+    ([2.0, 0.0, 0.0], 0.5)
+    """
+    x0, x1 = (from_matrix(x) if np.shape(x)[-2:] == (4, 4) else np.asarray(x, dtype=float) for x in (T0, T1))
+    twist = twist_of(compose(x1, inverse(x0))) / dt
+    return Motor(twist[..., :3], twist[..., 3:])
+

@@ -1,0 +1,203 @@
+"""Newton's method in dual numbers, for one equation or a system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from .. import dual as functions
+from ..dual import Dual
+from ..errors import ArgumentError
+from ..scalars import NAMES, register
+from .arguments import AssumptionError, dual_array
+from .linear import lstsq, solve
+
+
+class Jet:
+    """A number and its gradient: a part of a dual number that is being differentiated."""
+
+    __slots__ = ("gradient", "value")
+    __array_ufunc__ = None
+
+    def __init__(self, value: Any, gradient: Any) -> None:
+        self.value, self.gradient = value, gradient
+
+    def __neg__(self) -> Jet:
+        return Jet(-self.value, -self.gradient)
+
+    def __add__(self, b: Any) -> Jet:
+        v, g = _split(b)
+        return Jet(self.value + v, self.gradient + g)
+
+    def __sub__(self, b: Any) -> Jet:
+        return self + -b
+
+    def __rsub__(self, b: Any) -> Jet:
+        return -self + b
+
+    def __mul__(self, b: Any) -> Jet:
+        v, g = _split(b)
+        return Jet(self.value * v, self.value * g + self.gradient * v)
+
+    def __truediv__(self, b: Any) -> Jet:
+        v, g = _split(b)
+        q = self.value / v
+        return Jet(q, (self.gradient - q * g) / v)
+
+    def __rtruediv__(self, b: Any) -> Jet:
+        return Jet(b, 0 * self.gradient) / self
+
+    def __pow__(self, n: float) -> Jet:
+        return Jet(self.value**n, n * self.value ** (n - 1) * self.gradient)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def _split(b: Any) -> tuple[Any, Any]:
+    return (b.value, b.gradient) if type(b) is Jet else (float(b) if hasattr(b, "n") else b, 0.0)
+
+
+def _atan2(y: Any, x: Any) -> Jet:
+    (s, ds), (c, dc) = _split(y), _split(x)
+    return Jet(functions.atan2(s, c), (ds * c - dc * s) / (s * s + c * c))
+
+
+def _lifted(f: functions.Function) -> Callable[[Jet], Jet]:
+    return lambda x: Jet(f(x.value), f.derivative(x.value) * x.gradient)
+
+
+register(Jet, SimpleNamespace(atan2=_atan2, **{name: _lifted(getattr(functions, name)) for name in NAMES}))
+
+
+@dataclass
+class NewtonResult:
+    """The solution and the way to it."""
+
+    x: Dual
+    converged: bool
+    iterates: list[Dual] = field(default_factory=list)
+    """x_0, x_1, ..., the last of them `x`."""
+    values: list[Dual] = field(default_factory=list)
+    """f at the iterates before the last; see `residual` for the last."""
+    residual: float = np.inf
+    """max |f(x)| over both parts."""
+
+    @property
+    def iterations(self) -> int:
+        return len(self.iterates) - 1
+
+
+def newton(
+    f: Callable[[Any], Any],
+    x0: Any,
+    *,
+    tol: float = 1e-13,
+    max_iterations: int = 50,
+    real_only: Sequence[int] = (),
+    jacobian: Callable[[Any], Any] | None = None,
+) -> NewtonResult:
+    """Solve f(x) = 0 by Newton's method in dual numbers:  x <- x - J^-1 f, or x - J^+ f if not square.
+
+    Parameters
+    ----------
+    f : callable
+        Of a scalar dual number; or of a list of n of them, with a sequence of m dual numbers as its result.
+        Written in the operations and functions of dual numbers (``np.sin``, ...): it is differentiated
+        exactly, by running it on derivatives.
+    x0 : Dual or sequence of Dual
+        Where to begin; a sequence or a dual array (n,) for a system.
+    tol : float
+        Stop when a step changes no part by more than tol max(1, |x|).
+    real_only : sequence of int
+        Unknowns that are real: their dual parts are no unknowns and stay as given.  Then the real and the
+        dual equations are solved together.
+    jacobian : callable, optional
+        The dual derivative (or matrix) instead of the exact differentiation.
+
+    Returns
+    -------
+    NewtonResult
+
+    Raises
+    ------
+    SingularError
+        Where the real part of the derivative is singular.
+    AssumptionError
+        If the iteration does not converge.
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), sec. 10.2-10.3.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> r = dp.algebra.newton(lambda x: x * x - dp.Dual(2.0, 1.0), dp.Dual(1.0))
+    >>> round(float(r.x.real), 12), round(float(r.x.dual), 12), r.converged
+    (1.414213562373, 0.353553390593, True)
+    """
+    scalar = isinstance(x0, (int, float, complex)) or (isinstance(x0, Dual) and not x0.shape)
+    start = [x0] if scalar else x0
+    a, b = dual_array("newton: x0", start if isinstance(start, Dual) else [_dual(x) for x in start], 1)
+    x = Dual(a.copy(), b.copy())
+    n = x.shape[0]
+    if any(not 0 <= i < n for i in real_only):
+        raise ArgumentError(f"newton: real_only {tuple(real_only)} must name unknowns 0 to {n - 1}")
+    result = NewtonResult(x, False)
+    result.iterates.append(x[0] if scalar else x)
+    for _ in range(max_iterations):
+        F, J = _linearized(f, x, scalar, jacobian)
+        result.values.append(F[0] if scalar else F)
+        step = _step(F, J, list(real_only))
+        x = x - step
+        result.iterates.append(x[0] if scalar else x)
+        size = max(1.0, float(np.abs(x.real).max()), float(np.abs(x.dual).max()))
+        if max(np.abs(step.real).max(), np.abs(step.dual).max()) <= tol * size:
+            result.converged = True
+            break
+    F, _ = _linearized(f, x, scalar, jacobian)
+    result.x, result.residual = result.iterates[-1], float(max(np.abs(F.real).max(), np.abs(F.dual).max()))
+    if not result.converged:
+        raise AssumptionError(
+            f"newton: not converged in {max_iterations} iterations (residual {result.residual:.3g}); "
+            "begin nearer to a root"
+        )
+    return result
+
+
+def _dual(x: Any) -> Dual:
+    return x if isinstance(x, Dual) else Dual(np.asarray(x, dtype=float), 0.0)
+
+
+def _linearized(f: Any, x: Dual, scalar: bool, jacobian: Any) -> tuple[Dual, Dual]:
+    """f(x), shape (m,), and its dual derivative, shape (m, n)."""
+    if jacobian is not None:
+        argument = x[0] if scalar else x
+        F, J = f(argument), jacobian(argument)
+        return (np.stack([F]), np.stack([np.stack([_dual(J)])])) if scalar else (Dual(*dual_array("f", F)), J)
+    n = x.shape[0]
+    seeds = np.eye(n)
+    unknowns = [Dual(Jet(x.real[i], seeds[i]), Jet(x.dual[i], np.zeros(n))) for i in range(n)]
+    values = f(unknowns[0] if scalar else unknowns)
+    rows = [_dual(v) for v in ([values] if scalar else values)]
+    real, dual = ([_split(getattr(v, part)) for v in rows] for part in ("real", "dual"))
+    zero = np.zeros(n)
+    F = Dual(np.array([v for v, _ in real]), np.array([v for v, _ in dual]))
+    return F, Dual(np.array([g + zero for _, g in real]), np.array([g + zero for _, g in dual]))
+
+
+def _step(F: Dual, J: Dual, real_only: list[int]) -> Dual:
+    m, n = J.shape
+    if not real_only:
+        return solve(J, F) if m == n else lstsq(J, F)
+    # (J dx; J' dx + J dx') with the columns of the dual unknowns that do not exist left out
+    free = [i for i in range(n) if i not in real_only]
+    big = np.block([[J.real, np.zeros((m, len(free)))], [J.dual, J.real[:, free]]])
+    y = np.linalg.lstsq(big, np.concatenate((F.real, F.dual)), rcond=None)[0]
+    dx = np.zeros(n, dtype=y.dtype)
+    dx[free] = y[n:]
+    return Dual(y[:n], dx)
