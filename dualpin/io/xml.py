@@ -112,15 +112,21 @@ def read(path: Path) -> Document:
 def parse(data: bytes, source: str = "<bytes>") -> Document:
     """The checked document of bytes."""
     document = Document(_root(data, source), source)
-    for e in document.root.iter():
-        if isinstance(e.tag, str) and e.tag in _KEPT:
-            for child in [c for c in e if c.tag not in _KEPT[e.tag]]:
-                e.remove(child)
+    _strip(document.root)
     _read_links(document)
     _read_joints(document)
     _check_mimics(document)
     _check_tree(document)
     return document
+
+
+def _strip(e: etree._Element) -> None:
+    """Remove all that a robot's motion does not depend on, so that nobody has to be able to read it."""
+    for child in list(e):
+        if child.tag in _KEPT.get(e.tag, ()):
+            _strip(child)
+        else:
+            e.remove(child)
 
 
 def _root(data: bytes, source: str) -> etree._Element:
