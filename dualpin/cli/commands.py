@@ -59,7 +59,9 @@ def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, jso
 @app.command()
 def fk(
     robot: RobotName,
-    q: Annotated[str, typer.Option("--q", help="Configuration, numbers between commas or spaces; zero by default.")] = "",
+    q: Annotated[
+        str, typer.Option("--q", help="Configuration, numbers between commas or spaces; zero by default.")
+    ] = "",
     frame: Annotated[str, typer.Option("--frame", help="Link or joint; the last frame by default.")] = "",
     dual_quaternion: Annotated[bool, typer.Option("--dual-quaternion", help="Print w x y z | w x y z.")] = False,
     floating: Floating = False,

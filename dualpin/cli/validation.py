@@ -20,14 +20,21 @@ EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
 @app.command()
 def validate(
     robots: Annotated[list[str] | None, typer.Argument(metavar="ROBOT...", help="Names or paths.")] = None,
-    all_: Annotated[bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")] = False,
+    all_: Annotated[
+        bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")
+    ] = False,
     samples: Annotated[int, typer.Option("--samples", "-n", min=1, help="Random states a robot.")] = 100,
     seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
     terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
-    out: Annotated[Path | None, typer.Option("--out", help="Write report.json, .md and .html into this folder.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Write report.json, .md and .html into this folder.")
+    ] = None,
     floating: Floating = False,
     mimic: Mimic = False,
     engine: Annotated[str, typer.Option("--engine", help="auto, numpy or compiled.")] = "auto",
+    arbitrate: Annotated[
+        bool, typer.Option("--arbitrate", help="Where libraries differ in the last digits, ask 50 digits who is right.")
+    ] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,
     json: Json = False,
 ) -> None:
@@ -38,14 +45,17 @@ def validate(
     """
     from ..crosscheck.campaign import all_cases, campaign
     from ..crosscheck.run import Case
+    from ..io.catalogue import find
 
     if all_ == bool(robots):
         raise ArgumentError("validate: name robots, or give --all (not both)")
+    for name in robots or []:
+        find(name)  # a name that is nothing at all is no file to refuse
     cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
     workers = min(jobs or os.cpu_count() or 1, len(cases))
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     with _progress(len(cases)) as tick:
-        report = campaign(cases, samples, seed, chosen, engine, workers, out, tick)
+        report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick)
     written = report.write(out, ("json", "md", "html")) if out else []
     if json:
         print(report.to_json())
@@ -89,7 +99,8 @@ class _progress:
     """A bar on stderr with rate and remaining time; nothing where stderr is no terminal."""
 
     def __init__(self, total: int) -> None:
-        self.total, self.bar = total, None
+        self.total = total
+        self.bar: Any = None
 
     def __enter__(self) -> Callable[[Any, int, int], None]:
         if self.total > 1 and sys.stderr.isatty():
@@ -97,7 +108,7 @@ class _progress:
             from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
             columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-            self.bar: Any = Progress(*columns, console=Console(stderr=True), transient=True)
+            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
             self.bar.start()
             self.task = self.bar.add_task("validating", total=self.total)
         return self.tick
@@ -125,7 +136,7 @@ def _print(report: Any) -> None:
         for name in ("term", "max scaled error", "tolerance", "", "oracle", ""):
             table.add_column(name, justify="right" if "e" in name and name not in ("oracle", "term") else "left")
         for name, t in r.terms.items():
-            table.add_row(name, f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}", _mark(t.passed), t.oracle, t.note)
+            table.add_row(name, f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}", _mark(t.passed), t.oracle, t.remark)
     else:
         for name in ("robot", "nv", "worst scaled error", "in", "", "remark"):
             table.add_column(name, justify="right" if name in ("nv", "worst scaled error") else "left")
@@ -134,7 +145,9 @@ def _print(report: Any) -> None:
             worst = max(compared, key=lambda k: compared[k], default="-")
             failed = [k for k, t in r.terms.items() if not t.passed]
             remark = r.error or ("out of tolerance: " + ", ".join(failed) if failed else "")
-            table.add_row(r.label, str(r.nv), f"{compared.get(worst, float('nan')):.1e}", worst, _mark(r.passed), remark)
+            table.add_row(
+                r.label, str(r.nv), f"{compared.get(worst, float('nan')):.1e}", worst, _mark(r.passed), remark
+            )
     console.print(table)
     for refusal in report.refused:
         who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"

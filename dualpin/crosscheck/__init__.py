@@ -1,6 +1,6 @@
 """Every term against an independent library, on random states."""
 
 from .results import Report, RobotResult, TermResult
-from .run import CHECKS, Case, validate, validate_cases
+from .run import CHECKS, Case, validate
 
-__all__ = ["CHECKS", "Case", "Report", "RobotResult", "TermResult", "validate", "validate_cases"]
+__all__ = ["CHECKS", "Case", "Report", "RobotResult", "TermResult", "validate"]

@@ -16,14 +16,14 @@ from ..errors import ArgumentError, DualpinError, DualpinWarning
 from ..io.catalogue import catalogue
 from ..io.urdf import load
 from .results import Refusal, Report, RobotResult, TermResult, versions
-from .run import Case, Check, _chosen, attempt
+from .run import Case, Check, attempt, chosen, pinocchio_version
 
 PARTIAL = "partial.jsonl"
 Result = RobotResult | Refusal
 
 
 def all_cases() -> list[Case]:
-    """Every URDF file of the installed example-robot-data, on a fixed and a floating base, and with mimic where it has any."""
+    """Every URDF file of example-robot-data, on a fixed and a floating base, and with mimic where it has any."""
     names = list(catalogue())
     if not names:
         raise ArgumentError("--all needs the robots of example-robot-data (pip install example-robot-data)")
@@ -47,6 +47,7 @@ def campaign(
     seed: int,
     terms: Iterable[str] | None = None,
     engine: str = "auto",
+    arbitrate: bool = False,
     jobs: int = 1,
     folder: Path | None = None,
     progress: Callable[[Result, int, int], None] | None = None,
@@ -56,14 +57,21 @@ def campaign(
     With a folder, every result is kept there as it comes, and a run with the same settings takes up
     what an interrupted one left.
     """
-    checks = _chosen(terms)
-    settings = {"samples": samples, "seed": seed, "terms": [c.term for c in checks], "engine": engine, **_versions()}
+    checks = chosen(terms)
+    settings: dict[str, Any] = {
+        "samples": samples,
+        "seed": seed,
+        "terms": [c.term for c in checks],
+        "engine": engine,
+        "arbitrate": arbitrate,
+    }
+    settings["versions"] = versions(pinocchio=pinocchio_version())
     done = _kept(folder, settings) if folder else {}
     waiting = [c for c in cases if _key(c) not in done]
     log = _open(folder, settings, done) if folder else None
     report = Report(versions=settings["versions"])
     try:
-        for case, result in _results(waiting, samples, seed, checks, engine, jobs):
+        for case, result in _results(waiting, (samples, seed, checks, engine, arbitrate), jobs):
             done[_key(case)] = result
             if log:
                 log.write(json.dumps({"key": _key(case), **_packed(result)}) + "\n")
@@ -84,26 +92,21 @@ def campaign(
     return report
 
 
-def _versions() -> dict[str, Any]:
-    from .run import _pinocchio_version
-
-    return {"versions": versions(pinocchio=_pinocchio_version())}
-
-
 def _key(case: Case) -> str:
     return f"{case.name}|{case.floating}|{case.mimic}"
 
 
-def _results(
-    cases: Sequence[Case], samples: int, seed: int, checks: list[Check], engine: str, jobs: int
-) -> Iterable[tuple[Case, Result]]:
+Settings = tuple[int, int, list[Check], str, bool]
+
+
+def _results(cases: Sequence[Case], settings: Settings, jobs: int) -> Iterable[tuple[Case, Result]]:
     if jobs <= 1 or len(cases) <= 1:
         for case in cases:
-            yield case, attempt(case, samples, seed, checks, engine)
+            yield case, attempt(case, *settings)
         return
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(cases)), context, initializer=_ignore_interrupts) as pool:
-        futures = {pool.submit(attempt, c, samples, seed, checks, engine): c for c in cases}
+        futures = {pool.submit(attempt, c, *settings): c for c in cases}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()

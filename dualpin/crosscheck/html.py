@@ -30,13 +30,16 @@ def html(report: Report) -> str:
         f"<li>{escape(r.name)} ({'both libraries' if r.by_pinocchio else 'dualpin only'}): {escape(r.reason)}</li>"
         for r in report.refused
     )
-    remarks = "".join(f"<li>{escape(r.label)}: {escape(n)}</li>" for r in report.robots for n in [*r.notes, r.error] if n)
+    remarks = "".join(
+        f"<li>{escape(r.label)}: {escape(n)}</li>" for r in report.robots for n in [*r.notes, r.error] if n
+    )
     versions = "".join(f"<li>{escape(k)}: {escape(v)}</li>" for k, v in report.versions.items())
     samples = sorted({f"{r.samples} samples, seed {r.seed}" for r in report.robots})
     return (
         f"<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>"
         f"<title>dualpin validation: {verdict}</title><style>{_STYLE}</style>"
-        f"<h1>Validation against Pinocchio</h1><p class='verdict {verdict}'>{verdict}{' (partial)' if report.partial else ''}"
+        f"<h1>Validation against Pinocchio</h1><p class='verdict {verdict}'>{verdict}"
+        f"{' (partial)' if report.partial else ''}"
         f"</p><p>{len(report.robots)} robots; {escape('; '.join(samples))}. Each cell is the largest scaled error, "
         "max|x - ref| / max(1, max|ref|); its shade is the error's distance to the tolerance, which a hover shows.</p>"
         f"<div class=scroll><table><thead><tr><th scope=col>robot</th><th scope=col>nv</th>{head}</tr></thead>"
@@ -50,7 +53,7 @@ def html(report: Report) -> str:
 def _cell(t: TermResult | None) -> str:
     if t is None or not t.compared:
         return f"<td class=none title='{escape(t.note if t else '', quote=True)}'>-</td>"
-    title = escape(f"tolerance {t.tolerance:.1e}: {t.reason}. {t.oracle}. {t.note}", quote=True)
+    title = escape(f"tolerance {t.tolerance:.1e}: {t.reason}. {t.oracle}. {t.remark}", quote=True)
     if not t.passed:
         return f"<td class=bad title='{title}'>{t.max_scaled_error:.1e}</td>"
     ratio = t.max_scaled_error / t.tolerance if t.tolerance else 0.0

@@ -35,7 +35,9 @@ def markdown(report: Report) -> str:
             f"| {r.name} | {'both' if r.by_pinocchio else 'dualpin only'} | {r.reason.replace('|', '/')} |"
             for r in report.refused
         ]
-    remarks = [(r.label, note) for r in report.robots for note in r.notes if "mimic:" in note or len(report.robots) == 1]
+    remarks = [
+        (r.label, note) for r in report.robots for note in r.notes if "mimic:" in note or len(report.robots) == 1
+    ]
     if remarks:
         lines += ["", "## Remarks", "", *(f"- {label}: {note}" for label, note in remarks)]
     return "\n".join(lines) + "\n"
@@ -43,7 +45,8 @@ def markdown(report: Report) -> str:
 
 def _one(r: RobotResult) -> list[str]:
     rows = [
-        f"| {name} | {t.max_scaled_error:.1e} | {t.tolerance:.1e} | {'yes' if t.passed else '**NO**'} | {t.oracle} | {t.note} |"
+        f"| {name} | {t.max_scaled_error:.1e} | {t.tolerance:.1e} | {'yes' if t.passed else '**NO**'} "
+        f"| {t.oracle} | {t.remark} |"
         for name, t in r.terms.items()
     ]
     head = ["| term | max scaled error | tolerance | passed | oracle | note |", "|---|---|---|---|---|---|"]
@@ -63,7 +66,12 @@ def _terms(report: Report) -> list[str]:
 
 
 def _robots(report: Report) -> list[str]:
-    rows = ["## Robots", "", "| robot | nv | worst scaled error | in | passed | not compared |", "|---|---|---|---|---|---|"]
+    rows = [
+        "## Robots",
+        "",
+        "| robot | nv | worst scaled error | in | passed | not compared |",
+        "|---|---|---|---|---|---|",
+    ]
     for r in report.robots:
         compared = {k: t for k, t in r.terms.items() if t.compared}
         worst = max(compared, key=lambda k: compared[k].max_scaled_error, default="-")

@@ -31,6 +31,15 @@ class TermResult:
     note: str = ""
     worst: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def remark(self) -> str:
+        """What could not be compared, and who is nearer the truth where that was asked."""
+        exact = self.worst.get("against_50_digits")
+        nearer = (
+            f"off 50 digits by: dualpin {exact['dualpin']:.1e}, {self.oracle} {exact['oracle']:.1e}" if exact else ""
+        )
+        return "; ".join(x for x in (self.note, nearer) if x)
+
 
 @dataclass
 class RobotResult:
@@ -97,7 +106,9 @@ class Report:
     def terms(self) -> dict[str, TermResult]:
         """The terms of the only robot; see `robots` where there are several."""
         if len(self.robots) != 1:
-            raise ArgumentError(f"the report holds {len(self.robots)} robots; report.robots[i].terms has the terms of one")
+            raise ArgumentError(
+                f"the report holds {len(self.robots)} robots; report.robots[i].terms has the terms of one"
+            )
         return self.robots[0].terms
 
     # writing

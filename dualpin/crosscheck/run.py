@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,9 +20,13 @@ from ..io.urdf import load
 from ..model.robot import Robot
 from ..terms import TERMS
 from . import tolerance
+from .arbiter import arbitrate as _fifty_digits
 from .oracles.pinocchio import Pinocchio, build
 from .results import Refusal, Report, RobotResult, TermResult, versions
 from .sampling import batches, frames, states
+
+LAST_DIGITS = 1e-13
+"""A scaled error from which it is worth knowing who is right."""
 
 Variants = Callable[[Robot, int], list[dict[str, Any]]]
 
@@ -45,11 +49,12 @@ def _accelerated(robot: Robot, seed: int) -> list[dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Check:
-    """A term to compare: in which variants, and whether a linear system is solved in it."""
+    """A term to compare: in which variants, whether a linear system is solved in it, and whether it divides by mass."""
 
     term: str
     variants: Variants = _plain
     solves: bool = False
+    weighs: bool = False
 
 
 CHECKS = {
@@ -59,7 +64,8 @@ CHECKS = {
         Check("frame_velocity", _seen), Check("frame_acceleration", _accelerated),
         Check("rnea"), Check("rnea_f_ext"), Check("bias"), Check("gravity"), Check("crba"), Check("coriolis"),
         Check("aba", solves=True), Check("minv", solves=True), Check("kinetic_energy"), Check("potential_energy"),
-        Check("com"), Check("com_jacobian"), Check("centroidal_momentum_matrix"), Check("joint_torque_regressor"),
+        Check("com", weighs=True), Check("com_jacobian", weighs=True), Check("centroidal_momentum_matrix", weighs=True),
+        Check("joint_torque_regressor"),
         Check("difference"),
     )
 }  # fmt: skip
@@ -87,6 +93,7 @@ def validate(
     floating: bool = False,
     mimic: bool = False,
     engine: str = "auto",
+    arbitrate: bool = False,
 ) -> Report:
     """Compare every term of a robot with Pinocchio on random states.
 
@@ -101,6 +108,9 @@ def validate(
         Some of `dualpin.crosscheck.CHECKS`; all by default.
     floating, mimic : bool
         As in `dualpin.load`, where a name or path is given.
+    arbitrate : bool
+        At the worst sample of every term that is off by more than `LAST_DIGITS`, run the same
+        algorithm with 50 digits and record in ``worst`` how far each library is from the truth.
 
     Returns
     -------
@@ -123,21 +133,21 @@ def validate(
     True
     """
     case = Case(robot, floating, mimic)
-    checks = _chosen(terms)
+    checks = chosen(terms)
     if not isinstance(samples, (int, np.integer)) or samples < 1:
         raise ArgumentError(f"validate: samples is {samples!r}; a whole number from 1 expected")
-    report = Report([compare(case, int(samples), seed, checks, engine)])
-    report.versions = versions(pinocchio=_pinocchio_version())
+    report = Report([compare(case, int(samples), seed, checks, engine, arbitrate)])
+    report.versions = versions(pinocchio=pinocchio_version())
     return report
 
 
-def _pinocchio_version() -> str:
+def pinocchio_version() -> str:
     from .oracles.pinocchio import import_pinocchio
 
     return str(import_pinocchio().__version__)
 
 
-def _chosen(terms: Iterable[str] | None) -> list[Check]:
+def chosen(terms: Iterable[str] | None) -> list[Check]:
     if terms is None:
         return list(CHECKS.values())
     for term in terms:
@@ -146,19 +156,12 @@ def _chosen(terms: Iterable[str] | None) -> list[Check]:
     return [CHECKS[t] for t in terms]
 
 
-def validate_cases(
-    cases: Sequence[Case], samples: int, seed: int, terms: Sequence[str] | None = None, engine: str = "auto"
-) -> Iterator[RobotResult | Refusal]:
-    """One result a case, as it is ready.  A file that cannot be read becomes a `Refusal`, not an exception."""
-    checks = _chosen(terms)
-    for case in cases:
-        yield attempt(case, samples, seed, checks, engine)
-
-
-def attempt(case: Case, samples: int, seed: int, checks: list[Check], engine: str) -> RobotResult | Refusal:
+def attempt(
+    case: Case, samples: int, seed: int, checks: Sequence[Check], engine: str, arbitrate: bool = False
+) -> RobotResult | Refusal:
     """One case; a robot that fails is reported as failed, never skipped."""
     try:
-        return compare(case, samples, seed, checks, engine)
+        return compare(case, samples, seed, checks, engine, arbitrate)
     except DualpinError as e:
         if isinstance(case.robot, str) and _loads(case) is None:
             return Refusal(case.name, str(e), by_pinocchio=not _pinocchio_builds(case))
@@ -191,10 +194,14 @@ class _Tally:
     errors: list[np.ndarray] = field(default_factory=list)
     bounds: list[np.ndarray] = field(default_factory=list)
     where: list[np.ndarray] = field(default_factory=list)
+    samples: list[int] = field(default_factory=list)
+    variants: list[int] = field(default_factory=list)
     reason: str = ""
 
 
-def compare(case: Case, samples: int, seed: int, checks: Sequence[Check], engine: str) -> RobotResult:
+def compare(
+    case: Case, samples: int, seed: int, checks: Sequence[Check], engine: str, arbitrate: bool = False
+) -> RobotResult:
     """All checks of one robot."""
     start = time.perf_counter()
     with warnings.catch_warnings():
@@ -204,15 +211,23 @@ def compare(case: Case, samples: int, seed: int, checks: Sequence[Check], engine
     coupled = case.mimic or robot.coupled
     with tempfile.TemporaryDirectory() as folder:
         oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)
-    given = states(robot, samples, seed)
+    given = states(robot, samples, seed) | {"sample": np.arange(samples)}
     largest = max(int(np.prod(TERMS[c.term].shape(robot, **c.variants(robot, seed)[0]), dtype=int)) for c in checks)
-    tallies = {c.term: _Tally() for c in checks}
+    tallies = {c.term: _Tally() for c in checks if robot.mass > 0 or not c.weighs}
     for part in batches(samples, largest):
         batch = {key: x[part] for key, x in given.items()}
-        for check in checks:
-            _gather(tallies[check.term], check, robot, oracle, batch, seed, engine)
-    results = {c.term: _judged(tallies[c.term], c, robot, oracle, given) for c in checks}
-    notes = [*robot.notes, *([f"mimic: {oracle.refusal}; projected from the uncoupled model"] if oracle.refusal else [])]
+        for term, tally in tallies.items():
+            _gather(tally, CHECKS[term], robot, oracle, batch, seed, engine)
+    results = {c.term: TermResult(0.0, 0.0, True, note="no moving body has mass") for c in checks}
+    results |= {term: _judged(tally, oracle.source(term), given) for term, tally in tallies.items()}
+    if arbitrate:
+        for term, result in results.items():
+            if result.max_scaled_error > LAST_DIGITS and term != "difference":
+                _arbitrate(result, CHECKS[term], robot, oracle, given, seed)
+    notes = [
+        *robot.notes,
+        *([f"mimic: {oracle.refusal}; projected from the uncoupled model"] if oracle.refusal else []),
+    ]
     return RobotResult(
         case.name, floating, coupled, robot.nv, samples, seed, all(r.passed for r in results.values()),
         results, notes, seconds=round(time.perf_counter() - start, 3),
@@ -231,7 +246,7 @@ def _gather(
     keys = ["q", "q1"] if check.term == "difference" else list(TERMS[check.term].inputs)
     inputs = {key: batch[key] for key in keys}
     named = {"q0": batch["q"], "q1": batch["q1"]} if check.term == "difference" else inputs
-    for options in check.variants(robot, seed):
+    for variant, options in enumerate(check.variants(robot, seed)):
         ours = call(robot, check.term, named, engine=engine, **options)
         theirs = oracle.compute(check.term, inputs, **options)
         n = len(batch["q"])
@@ -253,14 +268,28 @@ def _gather(
         tally.errors.append(error)
         tally.bounds.append(bound.value)
         tally.where.append(difference.argmax(axis=1) if difference.shape[1] else np.zeros(n, int))
+        tally.samples += batch["sample"].tolist()
+        tally.variants += [variant] * n
         tally.reason = bound.reason
 
 
-def _judged(tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, given: dict[str, np.ndarray]) -> TermResult:
-    variants = len(tally.errors) // max(1, len(tally.errors))
+def _arbitrate(
+    result: TermResult, check: Check, robot: Robot, oracle: Pinocchio, given: dict[str, np.ndarray], seed: int
+) -> None:
+    """Record how far each library is from 50 digits, at the worst sample and in its variant."""
+    one = slice(result.worst["sample"], result.worst["sample"] + 1)
+    options = check.variants(robot, seed)[result.worst["variant"]]
+    state = {key: given[key][one] for key in TERMS[check.term].inputs}
+    theirs = oracle.compute(check.term, state, **options)
+    result.worst["against_50_digits"] = _fifty_digits(
+        robot, check.term, {k: x[0] for k, x in state.items()}, theirs, **options
+    )
+
+
+def _judged(tally: _Tally, oracle: str, given: dict[str, np.ndarray]) -> TermResult:
     error, bound, where = map(np.concatenate, (tally.errors, tally.bounds, tally.where))
     compared = ~np.isnan(error)
-    result = TermResult(0.0, 0.0, True, tally.reason, oracle.source(check.term), int(compared.sum()) * variants)
+    result = TermResult(0.0, 0.0, True, tally.reason, oracle, int(compared.sum()))
     if not compared.all():
         result.note = f"{int((~compared).sum())} of {len(error)} not compared: M is singular to working precision"
     if not compared.any():
@@ -270,9 +299,9 @@ def _judged(tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, given:
     result.max_scaled_error = float(np.nanmax(error))
     result.tolerance = float(bound[worst])
     result.passed = bool(ratio[worst] <= 1.0)
-    sample = worst % len(given["q"])
+    sample = tally.samples[worst]
     result.worst = {
-        "sample": sample, "ratio": float(ratio[worst]), "entry": int(where[worst]),
+        "sample": sample, "variant": tally.variants[worst], "ratio": float(ratio[worst]), "entry": int(where[worst]),
         "q": given["q"][sample].tolist(), "v": given["v"][sample].tolist(), "a": given["a"][sample].tolist(),
     }  # fmt: skip
     return result

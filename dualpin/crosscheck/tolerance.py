@@ -38,21 +38,23 @@ def recursion(robot: Robot, n: int) -> Tolerance:
     """PER_BODY roundings a body along the longest path, at most the ceiling."""
     bodies = depth(robot)
     value = min(CEILING, PER_BODY * EPS * (bodies + 1))
-    return Tolerance(np.full(n, value), f"eps x {PER_BODY} roundings a body x {bodies} bodies and the base, at most {CEILING:g}")
+    return Tolerance(
+        np.full(n, value), f"eps x {PER_BODY} roundings a body x {bodies} bodies and the base, at most {CEILING:g}"
+    )
 
 
 def inverse(robot: Robot, M: np.ndarray) -> Tolerance:
-    """Of M^-1: the recursion's error of M, times the condition number.
+    """Of M^-1: the recursion's error of M, times its condition number.
 
-    M is scaled to a unit diagonal first: a factorisation does not notice the units of a joint, and
-    its error follows the scaled condition (van der Sluis 1969; Demmel 1989).
+    Not the smaller one of M scaled to a unit diagonal, which our sparse factors follow: Pinocchio
+    inverts the blocks of a floating base as they are, metres beside radians (50 digits show it).
     """
-    value = recursion(robot, len(M)).value * scaled_condition(M)
-    return Tolerance(value, "the recursion's x cond(M), M scaled to a unit diagonal")
+    value = recursion(robot, len(M)).value * condition(M)
+    return Tolerance(value, "the recursion's x cond(M)")
 
 
 def solution(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray) -> Tolerance:
-    """Of a = M^-1 f, entry by entry:  |da| <= |M^-1| (|dM| |a| + |df|)  (Skeel 1979).
+    """Of a = M^-1 f, entry by entry:  |da| <= |M^-1| (|dM| |a| + |df|)  (Skeel 1979), or as `inverse`.
 
     |dM| and |df| are the recursion's relative error of M and of the forces that cancel in f.
     """
@@ -62,20 +64,25 @@ def solution(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray) -> 
         load = forces + np.einsum("nij,nj->ni", np.abs(M), np.abs(a))
         error = np.einsum("nij,nj->ni", np.abs(M_inverse), load).max(axis=-1, initial=0.0)
         relative = error / np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
-    value = recursion(robot, len(M)).value * np.maximum(1.0, relative)
-    return Tolerance(value, "the recursion's x |M^-1| (|M| |a| + |forces|) / |a|")
+    value = recursion(robot, len(M)).value * np.maximum(condition(M), relative)
+    return Tolerance(value, "the recursion's x the larger of cond(M) and |M^-1| (|M| |a| + |forces|) / |a|")
+
+
+def condition(M: np.ndarray) -> np.ndarray:
+    """The condition number of M; infinite where that is not finite."""
+    if M.shape[-1] == 0:
+        return np.ones(len(M))
+    good = np.isfinite(M).all(axis=(-2, -1))
+    with np.errstate(all="ignore"):
+        values = np.linalg.svd(np.where(good[:, None, None], M, 0.0), compute_uv=False)
+        return np.where(good & (values[:, -1] > 0), values[:, 0] / values[:, -1], np.inf)
 
 
 def scaled_condition(M: np.ndarray) -> np.ndarray:
-    """The condition number of D^-1/2 M D^-1/2, D = diag M; infinite where that is not finite."""
-    if M.shape[-1] == 0:
-        return np.ones(len(M))
+    """The condition number of D^-1/2 M D^-1/2, D = diag M: what remains when units do not matter."""
     with np.errstate(all="ignore"):
         d = np.sqrt(np.diagonal(M, axis1=-2, axis2=-1))
-        S = M / (d[..., :, None] * d[..., None, :])
-        good = np.isfinite(S).all(axis=(-2, -1))
-        values = np.linalg.svd(np.where(good[:, None, None], S, 0.0), compute_uv=False)
-        return np.where(good, values[:, 0] / values[:, -1], np.inf)
+        return condition(M / (d[..., :, None] * d[..., None, :]))
 
 
 SINGULAR = 1 / (64 * EPS)

@@ -15,12 +15,14 @@ import contextlib
 import os
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...errors import DualpinError
 from ...model.robot import Frame, Joint, Robot
+from ...terms import TERMS
 
 ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
 # what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
@@ -61,7 +63,7 @@ def build(path: str, floating: bool, mimic: bool) -> Any:
         try:
             return pin.buildModelFromUrdf(path, *root, mimic=mimic)
         except Exception as e:  # whatever the binding throws is its refusal
-            raise OracleError(f"Pinocchio refuses {os.path.basename(path)}: {str(e).strip().splitlines()[0]}") from None
+            raise OracleError(f"Pinocchio refuses {Path(path).name}: {str(e).strip().splitlines()[0]}") from None
 
 
 class Layout:
@@ -155,6 +157,9 @@ class Pinocchio:
 
     def compute(self, term: str, states: dict[str, np.ndarray], **options: Any) -> np.ndarray:
         """A term on states (n, size), in dualpin's conventions, shape (n, ...)."""
+        shape = TERMS[term].shape(self.robot, **options)
+        if 0 in shape:  # a robot without joints: Pinocchio 4.1 crashes on Jacobians without columns
+            return np.zeros((len(states["q"]), *shape))
         layout = self.coupled if self._native(term) and self.coupled is not None else self.free
         one = getattr(self, "_" + term)
         data, G = layout.model.createData(), layout.G

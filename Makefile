@@ -1,0 +1,53 @@
+# Two commands on a fresh clone: `make validate` and `make test`.
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+STAMP  := $(VENV)/.installed
+# tests share the cores by files; a benchmark or a campaign takes them alone
+JOBS   ?= 2
+
+.PHONY: help venv validate test lint campaign papers integrators dh bench wheel clean
+
+help:            ## print the targets
+	@grep -E '^[a-z]+: *[^#]*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 14
+
+venv: $(STAMP)   ## the environment, with everything in it
+
+$(STAMP): pyproject.toml
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade pip
+	$(BIN)/python -m pip install --quiet --editable '.[dev]'
+	touch $(STAMP)
+
+validate: $(STAMP)   ## validate panda against Pinocchio; the report is in out/
+	$(BIN)/dualpin validate panda --samples 1000 --out out
+
+test: $(STAMP) lint  ## everything but the long campaigns
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+
+lint: $(STAMP)       ## style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+campaign: $(STAMP)   ## the long tests, and every robot: writes validation/results
+	$(BIN)/python -m pytest -m campaign --timeout 5400
+	$(BIN)/dualpin validate --all --samples 100 --out validation/results
+
+papers: $(STAMP)     ## the papers' tables, examples and claims: writes validation/papers
+	$(BIN)/python -m validation.papers
+
+integrators: $(STAMP) ## the study of integrators: writes validation/integrators
+	$(BIN)/python -m validation.integrators
+
+dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
+	$(BIN)/python -m validation.dh
+
+bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
+	$(BIN)/python -m validation.benchmarks
+
+wheel: $(STAMP)      ## build the wheel and the source distribution
+	$(BIN)/python -m build
+
+clean:               ## remove the environment and what was built
+	rm -rf $(VENV) build dist out
