@@ -33,7 +33,7 @@ def aba(
         h = bias(robot, q, v, f_ext)
         return solve_inertia(crba(robot, q), [t - b for t, b in zip(tau, h, strict=True)])
     X = joint_poses(robot, q)
-    I: dict[Joint | None, Articulated] = {}  # noqa: E741
+    I: dict[Joint | None, Articulated] = {}
     V: dict[Joint | None, Vector3] = {None: REST}
     P: dict[Joint | None, Vector3] = {None: REST}
     c: dict[Joint, Vector3] = {}

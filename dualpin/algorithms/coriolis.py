@@ -24,7 +24,7 @@ def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
     """
     X = joint_poses(robot, q)
     V: dict[Joint | None, Vector3] = {None: REST}
-    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}  # noqa: E741
+    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
     B: dict[Joint | None, Connection] = {}
     for b in robot:
         V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])

@@ -25,9 +25,7 @@ def jacobian(robot: Robot, q: Sequence[Scalar], frame: Frame, reference: str) ->
     return J
 
 
-def jacobian_dot(
-    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str
-) -> list[Vector3]:
+def jacobian_dot(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> list[Vector3]:
     """Columns dJ_k/dt = X_f^-1 ((V_k - V_f) x s_k): a screw fixed in body k, seen by an observer.
 
     The observer moves with V_f: nothing for `world`, the frame's twist for `local`, and the

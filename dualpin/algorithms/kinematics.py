@@ -24,7 +24,9 @@ def path(joint: Joint | None) -> list[Joint]:
     return [] if joint is None else list(joint.chain)[::-1]
 
 
-def forward_kinematics(robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None) -> dict[Joint | None, Pose]:
+def forward_kinematics(
+    robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None
+) -> dict[Joint | None, Pose]:
     """Each body's pose in the world, of all joints or of a parents-first part of them.   X_b = X_parent X"""
     world: dict[Joint | None, Pose] = {None: GROUND}
     for b in robot if joints is None else joints:

@@ -34,8 +34,8 @@ def motions(
 ) -> tuple[dict[Joint | None, Vector3], dict[Joint | None, Vector3]]:
     """Twists and accelerations, the observer riding along.
 
-        V = X^-1 V_parent + S v
-        A = X^-1 A_parent + S a + V x S v              A_ground = -gravity
+    V = X^-1 V_parent + S v
+    A = X^-1 A_parent + S a + V x S v              A_ground = -gravity
     """
     V: dict[Joint | None, Vector3] = {None: REST}
     A: dict[Joint | None, Vector3] = {None: robot.at_rest}
@@ -75,7 +75,9 @@ def rnea(
     return tau
 
 
-def bias(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Vector3] | None = None) -> list[Scalar]:
+def bias(
+    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Vector3] | None = None
+) -> list[Scalar]:
     """C v + g, what inverse dynamics asks for without acceleration."""
     return rnea(robot, q, v, [ZERO] * robot.nv, f_ext)
 

@@ -29,7 +29,15 @@ def summary(robot: Robot) -> str:
 def _table(robot: Robot) -> list[str]:
     rows = [("", "joint", "kind", "parent", "q", "v", "limits")]
     rows += [
-        (str(j.index), j.name, j.kind + _following(j), j.parent.name if j.parent else "-", _span(j.q), _span(j.v), _limits(j))
+        (
+            str(j.index),
+            j.name,
+            j.kind + _following(j),
+            j.parent.name if j.parent else "-",
+            _span(j.q),
+            _span(j.v),
+            _limits(j),
+        )
         for j in robot
     ]
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]

@@ -13,7 +13,7 @@ from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY, Matrix3, Rotation
 from ..spatial.vector import NOUGHT, Vector3, motor
-from .joints import Axial, JointModel
+from .joints import Axial
 from .robot import Frame, Joint, Link, Robot
 
 

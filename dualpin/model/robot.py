@@ -187,7 +187,7 @@ class Robot:
         """The frame of that name (a link's before a joint's) or index, or a `FrameNotFoundError`."""
         if isinstance(name, Frame):
             if not any(f is name for f in self.frames):
-                raise FrameNotFoundError(f"frame {name.name!r} belongs to another robot than {self.name}; give its name")
+                raise FrameNotFoundError(f"frame {name.name!r} is of another robot than {self.name}; give its name")
             return name
         if isinstance(name, (int, np.integer)):
             if -len(self.frames) <= name < len(self.frames):
@@ -292,6 +292,58 @@ class Robot:
         from .lift import lifted
 
         return lifted(self, scalar)
+
+    # compiled terms
+
+    def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
+        """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
+
+        Parameters
+        ----------
+        name : str
+            A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
+        dtype : float64 or float32
+            What it computes in and returns; other arrays are converted.
+        **options
+            What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``.
+
+        Returns
+        -------
+        callable
+            Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
+            an array for the result.  One configuration in contiguous arrays of `dtype` takes the
+            shortest way; batches, lists and whatever else come out the same, a few microseconds later.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no such term.
+
+        Examples
+        --------
+        >>> import numpy as np, dualpin as dp
+        >>> robot = dp.load("ur5")
+        >>> inverse_dynamics, tau = robot.kernel("rnea"), np.empty(6)
+        >>> q, v, a = robot.sample(seed=0)
+        >>> inverse_dynamics(q, v, a, out=tau) is tau
+        True
+        >>> bool(np.array_equal(tau, dp.rnea(robot, q, v, a)))
+        True
+        """
+        from ..engine import bind
+
+        if "frame" in options:
+            options["frame"] = self.frame(options["frame"])
+        return bind(self, name, dtype, **options)
+
+    def to_urdf(self, path: Any = None) -> str:
+        """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`.
+
+        Cylindrical joints are split into two with a warning, helical ones refused.
+        """
+        from ..io.write import to_urdf
+
+        return to_urdf(self, path)
 
     # description
 

@@ -83,9 +83,7 @@ class Articulated:
         """I - U U^T / d: what is left to feel when the screw with U = I(s), d = power(s, U) is let go."""
         f, n = U.real, U.dual
         kf, kn = f * (1 / d), n * (1 / d)
-        return Articulated(
-            (self.M - kf.outer(f)).mirrored, self.H - kf.outer(n), (self.J - kn.outer(n)).mirrored
-        )
+        return Articulated((self.M - kf.outer(f)).mirrored, self.H - kf.outer(n), (self.J - kn.outer(n)).mirrored)
 
     def moved(self, X: Pose) -> Articulated:
         """Turn each block, then shift:  H' = H - M [p],  J' = J + [p] H' - H^T [p]"""
@@ -110,7 +108,7 @@ class Connection:
         self.p, self.B = p, B
 
     @classmethod
-    def of(cls, I: Inertia, V: Vector3) -> Connection:  # noqa: E741
+    def of(cls, I: Inertia, V: Vector3) -> Connection:
         P = I(V)
 
         def column(a: Vector3) -> Vector3:

@@ -13,7 +13,6 @@ from .quaternion import Quaternion, displaced
 from .rotation import IDENTITY, Rotation
 from .vector import AXES, NOUGHT, UX, UZ, Vector3, motor
 
-
 EPSILON = float_info.epsilon
 
 

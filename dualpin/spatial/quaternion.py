@@ -96,7 +96,9 @@ class Quaternion(Compound):
 
     @classmethod
     def from_rotation(cls, R: Matrix3) -> Quaternion:
-        """Euler parameters of a rotation, w >= 0.  (Shepperd 1978; over dual numbers, Pennestri & Stefanelli 2007, Table 4)
+        """Euler parameters of a rotation, w >= 0.
+
+        Shepperd (1978); over dual numbers, Pennestri & Stefanelli (2007), Table 4.
 
         4 q q^T is linear in R; of its four rows the one with the largest diagonal entry is used,
         so nothing is lost for angles near 0 or near pi.
