@@ -76,8 +76,15 @@ def _accept(name: str, old: str, new: str) -> Case:
 
 AXIS, ORIGIN, MASS = '<axis xyz="0 1 0"/>', '<origin xyz="0 0 0.5" rpy="0 0 0"/>', '<mass value="1.0"/>'
 INERTIA = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>'
-LIMIT, WRIST_LIMIT = '<limit lower="-1" upper="1" effort="10" velocity="2"/>', '<limit lower="0" upper="0.2" effort="10" velocity="2"/>'
-SHOULDER, WRIST, HAND = '<joint name="shoulder" type="revolute">', '<joint name="wrist" type="prismatic">', '<link name="hand"/>'
+LIMIT, WRIST_LIMIT = (
+    '<limit lower="-1" upper="1" effort="10" velocity="2"/>',
+    '<limit lower="0" upper="0.2" effort="10" velocity="2"/>',
+)
+SHOULDER, WRIST, HAND = (
+    '<joint name="shoulder" type="revolute">',
+    '<joint name="wrist" type="prismatic">',
+    '<link name="hand"/>',
+)
 END = "</robot>"
 
 

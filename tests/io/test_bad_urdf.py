@@ -153,7 +153,11 @@ def test_mimics_that_cannot_be_followed_are_refused_only_where_asked_for(tag, ma
 
 def test_mimic_chains_follow_to_the_end(tmp_path):
     text = chain(3).replace('<axis xyz="0 0 1"/></joint>', '<axis xyz="0 0 1"/><m/></joint>')
-    for tag in ("<none/>", '<mimic joint="j0" multiplier="2" offset="0.5"/>', '<mimic joint="j1" multiplier="-3" offset="1"/>'):
+    for tag in (
+        "<none/>",
+        '<mimic joint="j0" multiplier="2" offset="0.5"/>',
+        '<mimic joint="j1" multiplier="-3" offset="1"/>',
+    ):
         text = text.replace("<m/>", tag, 1)
     robot = dp.load(written(tmp_path, text), mimic=True)
     assert (robot.nq, robot.nv) == (1, 1)
