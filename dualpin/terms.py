@@ -44,8 +44,17 @@ class Term:
         return [input_size(robot, name) for name in self.inputs]
 
 
+# inputs whose size is the same for every robot: [R p] row by row, a twist, single numbers
+_SIZES = {"pose": 12, "twist": 6, "gain": 1, "damping": 1, "h": 1}
+
+
 def input_shape(robot: Robot, name: str) -> tuple[int, ...]:
-    """The shape of one sample of an input."""
+    """The shape of one sample of an input; "name*3" is three of them in a row."""
+    base, _, times = name.partition("*")
+    if times:
+        return (int(times) * input_size(robot, base),)
+    if base in _SIZES:
+        return (_SIZES[base],)
     if name == "f_ext":
         return (len(robot), 6)
     return (robot.nq,) if name.startswith("q") else (robot.nv,)
@@ -156,9 +165,7 @@ def _frame_quaternion(robot: Robot, q: Any, frame: Frame) -> Any:
 
 def _link_terms(robot: Robot, q: Any, v: Any) -> Any:
     # one row of M, C, g a joint and link:  (njoints, nv, 2 nv + 1)
-    return [
-        [[*M[k], *C[k], g[k]] for k in range(robot.nv)] for M, C, g in link_terms.link_terms(robot, q, v)
-    ]
+    return [[[*M[k], *C[k], g[k]] for k in range(robot.nv)] for M, C, g in link_terms.link_terms(robot, q, v)]
 
 
 def _vector(robot: Robot, **_: Any) -> tuple[int, ...]:
@@ -200,4 +207,3 @@ TERMS: dict[str, Term] = {
         Term("difference", ("q0", "q1"), _difference, _vector),
     )
 }  # fmt: skip
-

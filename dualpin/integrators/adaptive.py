@@ -1,0 +1,83 @@
+"""Embedded Runge-Kutta pairs with a controlled step and dense output."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..errors import ArgumentError
+from .methods import RungeKutta
+from .space import Space
+from .step import combination, stages
+
+SAFETY, SMALLEST, LARGEST = 0.9, 0.2, 10.0  # usual bounds on the change of the step (Hairer et al., II.4)
+TINY = 1e-12  # of the whole time: a step this small does not get anywhere
+
+
+def adaptive_steps(
+    method: RungeKutta,
+    f: Callable[[float, np.ndarray], np.ndarray],
+    y0: np.ndarray,
+    dt: float,
+    n: int,
+    space: Space,
+    rtol: float,
+    atol: float,
+) -> tuple[np.ndarray, int, int]:
+    """Values (n + 1, ..., size) at the multiples of dt, evaluations, steps.
+
+    One step for the whole batch, so small that the local error of every member stays below
+    atol + rtol |displacement| in every coordinate's rate; the values between come from the pair's
+    own interpolant, which on a group lives in the Lie algebra of the step's start.
+    """
+    t_end, out = n * dt, np.empty((n + 1, *y0.shape))
+    out[0] = y0
+    if n == 0:
+        return out, 0, 0
+    weights = np.array(method.error)
+    y, t, done, steps = y0, 0.0, 0, 0
+    k0 = f(0.0, y)
+    evaluations = 1
+    h = min(dt, _first_step(k0, rtol, atol, t_end))
+    while done < n:
+        h = min(h, t_end - t) if t_end - t > 1.01 * h else t_end - t
+        first = k0
+        K = stages(
+            method, lambda i, x, t=t, h=h, first=first: f(t + method.nodes[i] * h, x) if i else first, y, h, space
+        )
+        evaluations += method.evaluations - 1
+        u = combination(method.b, K, h)
+        error = np.abs(h * np.tensordot(weights, np.stack(K), 1))
+        size = np.sqrt(np.mean((error / (atol + rtol * np.maximum(np.abs(u), 1.0))) ** 2, axis=-1)).max(initial=0.0)
+        if not np.isfinite(size) or (size > 1 and h <= TINY * t_end):
+            raise ArgumentError(
+                f"{method.name}: the step fell to {h:.3g} s at t = {t:.6g} s; the rate is not smooth there"
+            )
+        factor = LARGEST if size == 0 else SAFETY * size ** (-1 / method.order)
+        if size > 1:
+            h *= max(SMALLEST, factor)
+            continue
+        steps += 1
+        reached = t + h
+        while done < n and (done + 1) * dt <= reached * (1 + 1e-14):
+            done += 1
+            theta = min((done * dt - t) / h, 1.0)
+            out[done] = space.move(y, dense_displacement(method, K, h, theta))
+        y, t = space.move(y, u), reached
+        k0 = K[-1] if space.additive else f(t, y)  # first same as last
+        evaluations += not space.additive
+        h *= min(LARGEST, max(SMALLEST, factor))
+    return out, evaluations, steps
+
+
+def dense_displacement(method: RungeKutta, K: tuple[np.ndarray, ...], h: float, theta: float) -> np.ndarray:
+    """u(theta) = h sum_i b_i(theta) k_i: the displacement at a fraction theta of the step."""
+    powers = theta ** np.arange(1, len(method.dense[0]) + 1)
+    return h * np.tensordot(np.array(method.dense) @ powers, np.stack(K), 1)
+
+
+def _first_step(k: np.ndarray, rtol: float, atol: float, t_end: float) -> float:
+    """A step that moves a hundredth, or a thousandth of the whole."""
+    speed = float(np.abs(k).max(initial=0.0))
+    return min(0.01 / speed if speed > 0 else t_end, t_end) * max(min((rtol + atol) ** 0.2 * 50, 1.0), 1e-3)

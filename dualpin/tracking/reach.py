@@ -1,0 +1,139 @@
+"""Can the robot get there at all?  A bound that needs no search.
+
+A point on a joint's axis is fixed in both bodies that the joint joins.  Choose one point on each
+axis of the chain: whatever the joints do, the distance from the first (fixed on the ground) to the
+last (fixed in the frame) is at most the sum of the distances between neighbours, and at least the
+longest less all others.  The points are chosen to make that sum small; any choice gives a true bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from ..model.joints import Axial
+from ..model.robot import Frame, Joint, Robot
+from ..spatial.pose import Pose
+
+ROUNDS = 100  # of reweighted least squares; the bound holds after any number of them
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far a point of the frame can be from a point of the ground.
+
+    Attributes
+    ----------
+    base : ndarray, shape (3,)
+        A point on the first axis, in the world [m].
+    tip : ndarray, shape (3,)
+        A point on the last axis, in the frame [m].
+    nearest, farthest : float
+        Bounds on their distance [m].
+    first, last : str
+        The joints of these axes.
+    """
+
+    base: np.ndarray
+    tip: np.ndarray
+    nearest: float
+    farthest: float
+    first: str
+    last: str
+
+    def distance(self, poses: np.ndarray) -> np.ndarray:
+        """From base to tip, were the frame at these poses (..., 4, 4) [m]."""
+        there = np.einsum("...ij,j->...i", poses[..., :3, :3], self.tip) + poses[..., :3, 3]
+        return np.linalg.norm(there - self.base, axis=-1)
+
+    def excess(self, poses: np.ndarray) -> np.ndarray:
+        """By how much the poses are out of reach [m]; 0 where nothing is known against them."""
+        d = self.distance(poses)
+        allowed = 1e-9 * (1 + self.farthest)  # rounding of the poses and of the chain's constants
+        miss = np.maximum(d - self.farthest, self.nearest - d)
+        return np.where(miss > allowed, miss, 0.0)
+
+
+def reach(robot: Robot, frame: Frame) -> Reach | None:
+    """The bound for a frame; None where the chain has no axis, or a joint travels without limit.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.tracking import reach
+    >>> robot = dp.load("ur5")
+    >>> bound = reach(robot, robot.frame("tool0"))
+    >>> bound.first, bound.last, round(bound.farthest, 3)
+    ('shoulder_pan_joint', 'wrist_3_joint', 0.953)
+    """
+    if frame.joint is None:
+        return None
+    pivots: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []  # point and direction before, direction after
+    names: list[str] = []
+    slack, T = 0.0, np.eye(4)
+    for joint in reversed(list(frame.joint.chain)):
+        if not isinstance(joint.model, Axial):
+            return None
+        T = T @ _matrix(joint.placement)
+        axis = np.array([float(x) for x in joint.model.axis])
+        low, high = _travel(joint)
+        if not (isfinite(low) and isfinite(high)):
+            return None
+        if any(float(u.real) for u in joint.model.units):
+            pivots.append((T[:3, 3].copy(), T[:3, :3] @ axis, axis))
+            names.append(joint.name)
+            slack += max(abs(low), abs(high))
+            T = np.eye(4)
+        else:
+            T[:3, 3] += T[:3, :3] @ axis * (low + high) / 2
+            slack += (high - low) / 2
+    if not pivots:
+        return None
+    s, lengths = _short_chain(pivots)
+    base = pivots[0][0] + s[0] * pivots[0][1]
+    tip = np.linalg.inv(T @ _matrix(frame.placement)) @ np.append(s[-1] * pivots[-1][2], 1.0)
+    total, longest = float(lengths.sum()), float(lengths.max(initial=0.0))
+    nearest = max(0.0, 2 * longest - total - slack)
+    return Reach(base, tip[:3], nearest, total + slack, names[0], names[-1])
+
+
+def _short_chain(pivots: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Points s_i along the axes that make the sum of the distances small, and the distances.
+
+    Weiszfeld's iteration: least squares, each distance weighted by its inverse.
+    """
+    n = len(pivots)
+    rows = np.zeros((n - 1, 3, n))
+    fixed = np.zeros((n - 1, 3))
+    for i in range(n - 1):
+        rows[i, :, i] = -pivots[i][2]
+        rows[i, :, i + 1] = pivots[i + 1][1]
+        fixed[i] = pivots[i + 1][0]
+    s = np.zeros(n)
+    for _ in range(ROUNDS):
+        lengths = np.linalg.norm(rows @ s + fixed, axis=-1)
+        weight = 1 / np.sqrt(np.maximum(lengths, 1e-9))
+        A = np.vstack([(rows * weight[:, None, None]).reshape(-1, n), 1e-6 * np.eye(n)])
+        b = np.append(-(fixed * weight[:, None]).ravel(), np.zeros(n))
+        s = np.linalg.lstsq(A, b, rcond=None)[0]
+    return s, np.linalg.norm(rows @ s + fixed, axis=-1)
+
+
+def _travel(joint: Joint) -> tuple[float, float]:
+    """The least and greatest slide along the axis [m]."""
+    assert isinstance(joint.model, Axial)
+    low = high = float(joint.model.offset.dual)
+    for i, u in enumerate(joint.model.units):
+        per = float(u.dual)
+        if per:
+            source = joint.limits
+            bounds = [source.lower[i] if source.lower else -np.inf, source.upper[i] if source.upper else np.inf]
+            ends = sorted(per * x for x in bounds)
+            low, high = low + ends[0], high + ends[1]
+    return low, high
+
+
+def _matrix(X: Pose) -> np.ndarray:
+    return np.array([[float(x) for x in row] for row in X.rows])

@@ -1,0 +1,306 @@
+"""Forward dynamics over time: by any method, on the group, with energy and momentum watched."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import engine as engines
+from ..boundary import as_array, check_robot
+from ..errors import ArgumentError, ShapeError
+from ..functions import aba, centroidal_momentum_matrix, crba, kinetic_energy, minv, potential_energy
+from ..integrators.methods import Mechanical, Method
+from ..integrators.solve import Cost, Kernel, check_multistep, run_steps, step_count
+from ..integrators.space import StateSpace
+from ..integrators.tableaus import method_named
+from ..model.robot import Robot
+from .loop import whole_steps
+from .rates import VARIATIONAL_SWEEP, dynamics_step
+
+Controller = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
+SWEEPS = 60  # at most, for the implicit equations: contraction is proportional to dt, so a few suffice
+CONVERGED = 4e-16  # relative change of the velocity at which a further sweep changes rounding only
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A simulated motion.
+
+    Attributes
+    ----------
+    t : ndarray, shape (n + 1,)
+        [s]
+    q, v : ndarray, shapes (..., n + 1, nq), (..., n + 1, nv)
+    energy : ndarray, shape (..., n + 1)
+        Kinetic and potential [J]; constant for passive motion.
+    momentum : ndarray, shape (..., n + 1, 6)
+        [l; p] about the centre of mass, world axes [N m s, N s]; constant for a free-floating
+        robot without gravity, whatever the joints do.
+    energy_drift, momentum_drift : float
+        The largest departure from the start.
+    cost : Cost
+    method : Method
+    """
+
+    t: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    momentum: np.ndarray
+    cost: Cost
+    method: Method
+
+    @property
+    def energy_drift(self) -> float:
+        return float(np.abs(self.energy - self.energy[..., :1]).max(initial=0.0))
+
+    @property
+    def momentum_drift(self) -> float:
+        return float(np.abs(self.momentum - self.momentum[..., :1, :]).max(initial=0.0))
+
+
+def simulate(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike | Controller | None = None,
+    *,
+    method: str | Method = "rk4",
+    dt: float = 1e-3,
+    t_end: float = 1.0,
+    hold: bool = False,
+    passive: Sequence[str] = (),
+    every: int = 1,
+    rtol: float = 1e-9,
+    atol: float = 1e-12,
+    engine: str = "auto",
+) -> Motion:
+    """Let a robot move under joint torques and gravity.
+
+        dv/dt = M^-1 (tau - C v - g),   dq/dt = q v   (on the group where a base floats)
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
+        The start; leading axes are a batch.
+    tau : array_like (..., nv), or callable, optional
+        Constant torques, or a controller (t, q, v) -> tau over the batch; none without it.
+    method : str
+        Runge-Kutta methods work on the group by themselves; "semi_implicit_euler" and
+        "variational" are for mechanics and symplectic, the latter implicit, of second order, for
+        robots without a floating or planar base.
+    dt, t_end : float
+        Step and duration [s].
+    hold : bool
+        Sample a controller once a step (as a computer does) rather than at every evaluation.
+    passive : sequence of str
+        Joints that get no torque, whatever tau says: they swing.
+    every : int
+        Keep every so many-th step only.
+    rtol, atol : float
+        Of adaptive methods and SciPy's.
+
+    Returns
+    -------
+    Motion
+
+    Raises
+    ------
+    ArgumentError, ShapeError, FrameNotFoundError
+
+    Notes
+    -----
+    The variational method extremises the action sum of h L(q + h v / 2, v).  With the momentum p
+    and dL/dq = C^T v - g, which holds for the Christoffel C,
+
+        p_k = M v - h/2 F,   p_{k+1} = M v + h/2 F,   q_{k+1} = q_k + h v,   F = C^T v - g + tau
+
+    with M, C, g in the middle of the step.
+
+    References
+    ----------
+    Featherstone (2008), 7.3; Munthe-Kaas (1998); Marsden & West (2001), 2.6.1.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> run = dp.simulate(robot, np.zeros(6), np.zeros(6), dt=1e-2, t_end=0.2)
+    >>> run.q.shape, bool(run.energy_drift < 1e-3)
+    ((21, 6), True)
+    """
+    check_robot(robot, "simulate")
+    chosen = method_named(method)
+    n = step_count("simulate", dt, t_end)
+    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1 or n % every:
+        raise ArgumentError(f"simulate: every = {every!r}, a whole number that divides the {n} steps expected")
+    q_, v_ = as_array(robot, "simulate", "q", q), as_array(robot, "simulate", "v", v)
+    for name, x in (("q", q_), ("v", v_)):
+        if not np.isfinite(x).all():
+            raise ArgumentError(f"simulate: {name} has entries that are not finite")
+    constant = None if callable(tau) else np.zeros(robot.nv) if tau is None else as_array(robot, "simulate", "tau", tau)
+    try:
+        shapes = [q_.shape[:-1], v_.shape[:-1]] + ([] if constant is None else [constant.shape[:-1]])
+        batch = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ShapeError(f"simulate: the leading axes of q {q_.shape}, v {v_.shape} and tau do not broadcast") from None
+    run = _Run(robot, batch, constant if constant is not None else tau, dt, hold, passive, engine)
+    start = np.concatenate([run.flat(q_), run.flat(v_)], axis=-1)
+    check_multistep("simulate", chosen, run.space)
+    begun = time.perf_counter()
+    if isinstance(chosen, Mechanical):
+        values, evaluations, steps = _MECHANICAL[chosen.name](run, start, n, every)
+    else:
+        if hold and not whole_steps(chosen):
+            raise ArgumentError(f"simulate: hold needs equal steps, which method {chosen.name!r} does not take")
+        values, evaluations, steps = _in_pieces(run, chosen, start, n, every, rtol, atol)
+    cost = Cost(evaluations, steps, time.perf_counter() - begun)
+    y = values.swapaxes(0, 1).reshape(*batch, len(values), -1)
+    found_q, found_v = np.ascontiguousarray(y[..., : robot.nq]), np.ascontiguousarray(y[..., robot.nq :])
+    energy = kinetic_energy(robot, found_q, found_v, engine=engine) + potential_energy(robot, found_q, engine=engine)
+    A = centroidal_momentum_matrix(robot, found_q, engine=engine)
+    momentum = np.einsum("...ij,...j->...i", A, found_v)
+    return Motion(np.arange(len(values)) * (dt * every), found_q, found_v, energy, momentum, cost, chosen)
+
+
+class _Run:
+    """The equations of motion over a flat batch (B, nq + nv)."""
+
+    def __init__(
+        self, robot: Robot, batch: tuple[int, ...], tau: Any, dt: float, hold: bool, passive: Sequence[str], engine: str
+    ) -> None:
+        self.robot, self.batch, self.dt, self.hold, self.engine = robot, batch, dt, hold, engine
+        self.n, self.space = int(np.prod(batch, dtype=int)), StateSpace(robot)
+        self.active = np.ones(robot.nv)
+        for name in passive:
+            self.active[robot.joint(name).v] = 0.0
+        self.controller: Controller | None = tau if callable(tau) else None
+        self.constant = None if callable(tau) else self.flat(tau) * self.active
+        self._held: tuple[int, np.ndarray] | None = None
+
+    def flat(self, x: np.ndarray) -> np.ndarray:
+        return np.ascontiguousarray(np.broadcast_to(x, (*self.batch, x.shape[-1]))).reshape(self.n, -1)
+
+    def torque(self, t: float, y: np.ndarray) -> np.ndarray:
+        if self.constant is not None:
+            return self.constant
+        assert self.controller is not None
+        nq, nv = self.robot.nq, self.robot.nv
+        z = y.reshape(*self.batch, -1)
+        tau = np.asarray(self.controller(t, z[..., :nq], z[..., nq:]), dtype=float)
+        if tau.shape not in ((*self.batch, nv), (nv,)):
+            raise ShapeError(
+                f"simulate: controller({t:g}, q, v) of shape {(*self.batch, nv)} expected, got {tau.shape}"
+            )
+        return self.flat(tau) * self.active
+
+    def rate(self, k: int, c: float, y: np.ndarray) -> np.ndarray:
+        """(v, dv/dt) at the time (k + c) dt."""
+        if self.hold:
+            if self._held is None or self._held[0] != k:
+                self._held = k, self.torque(k * self.dt, y)
+            tau = self._held[1]
+        else:
+            tau = self.torque((k + c) * self.dt, y)
+        q, v = y[:, : self.robot.nq], y[:, self.robot.nq :]
+        return np.concatenate([v, aba(self.robot, q, v, tau, engine=self.engine)], axis=-1)
+
+    def kernel(self, method: Method) -> Kernel | None:
+        """A whole step as one term, where the torque stays the same during it."""
+        if method.depth or not whole_steps(method) or not (self.hold or self.constant is not None):
+            return None
+        term, nq, h = dynamics_step(method), self.robot.nq, np.full((self.n, 1), self.dt)
+
+        def advance(k: int, y: np.ndarray, past: tuple[np.ndarray, ...]) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
+            tau = self.torque(k * self.dt, y)
+            q, v = np.ascontiguousarray(y[:, :nq]), np.ascontiguousarray(y[:, nq:])
+            return engines.run(self.robot, term, {}, [q, v, tau, h], engine=self.engine), ()
+
+        return advance
+
+
+def _in_pieces(
+    run: _Run, method: Method, start: np.ndarray, n: int, every: int, rtol: float, atol: float
+) -> tuple[np.ndarray, int, int]:
+    """All steps, keeping every so many-th; in pieces only where that saves memory and forgets no past."""
+    dt = run.dt
+    kernel = run.kernel(method)
+
+    def go(y: np.ndarray, first: int, count: int) -> tuple[np.ndarray, int, int]:
+        shifted: Kernel | None = None if kernel is None else lambda k, x, past: kernel(first + k, x, past)
+        return run_steps(
+            method, lambda t, x: run.rate(first, t / dt, x), y, dt, count, run.space, "rk4", rtol, atol,
+            kernel=shifted, rate=lambda k, c, x: run.rate(first + k, c, x),
+        )  # fmt: skip
+
+    if every == 1 or method.depth or not whole_steps(method):
+        values, evaluations, steps = go(start, 0, n)
+        return values[::every], evaluations, steps
+    piece = every * max(1, 10_000 // every)
+    kept, evaluations, y = [start[None]], 0, start
+    for first in range(0, n, piece):
+        values, more, _ = go(y, first, min(piece, n - first))
+        kept.append(values[every::every].copy())
+        y, evaluations = values[-1], evaluations + more
+    return np.concatenate(kept), evaluations, n
+
+
+def _semi_implicit(run: _Run, start: np.ndarray, n: int, every: int) -> tuple[np.ndarray, int, int]:
+    """v' = v + h a(q, v),  q' = q exp(h v')."""
+    nq, nv, dt, y = run.robot.nq, run.robot.nv, run.dt, start
+    out = np.empty((n // every + 1, *start.shape))
+    out[0] = start
+    for k in range(n):
+        v = y[:, nq:] + dt * run.rate(k, 0.0, y)[:, nv:]
+        moved = run.space.move(y, np.concatenate([dt * v, np.zeros_like(v)], axis=-1))
+        y = np.concatenate([moved[:, :nq], v], axis=-1)
+        if (k + 1) % every == 0:
+            out[(k + 1) // every] = y
+    return out, n, n
+
+
+def _variational(run: _Run, start: np.ndarray, n: int, every: int) -> tuple[np.ndarray, int, int]:
+    """Sweep the discrete Euler-Lagrange equations of each step until the velocity stands still."""
+    robot, dt = run.robot, run.dt
+    nq = robot.nq
+    if not run.space.additive:
+        raise ArgumentError(
+            "simulate: method 'variational' needs coordinates that add, not a floating or planar base; "
+            "did you mean 'rkmk4'?"
+        )
+    sweeps = 3 if robot.nv <= 3 else 1
+    h = np.full((run.n, 1), dt)
+    q, v = start[:, :nq].copy(), start[:, nq:].copy()
+    p = np.einsum("bij,bj->bi", crba(robot, q, engine=run.engine), v)
+    qs, ps = np.empty((n // every + 1, *q.shape)), np.empty((n // every + 1, *p.shape))
+    qs[0], ps[0], evaluations = q, p, 0
+    before = v
+    for k in range(n):
+        tau = run.torque((k + 0.5) * dt, np.concatenate([q, v], axis=-1))
+        v, before = 2 * v - before, v  # the first guess: the last two velocities, continued
+        for _ in range(SWEEPS):
+            out = engines.run(robot, VARIATIONAL_SWEEP, {"sweeps": sweeps}, [q, p, v, tau, h], engine=run.engine)
+            change = np.abs(out[:, : robot.nv] - v).max(initial=0.0)
+            v, force = out[:, : robot.nv], out[:, robot.nv :]
+            evaluations += sweeps
+            if not change > CONVERGED * (1 + np.abs(v).max(initial=0.0)):
+                break
+        else:
+            if change > 1e-10 * (1 + np.abs(v).max(initial=0.0)):
+                raise ArgumentError(
+                    f"simulate: the implicit step at t = {k * dt:.6g} s does not converge; a smaller dt is needed"
+                )
+        q, p = q + dt * v, p + dt * force
+        if (k + 1) % every == 0:
+            qs[(k + 1) // every], ps[(k + 1) // every] = q, p
+    inverse = minv(robot, qs, engine=run.engine)
+    return np.concatenate([qs, np.einsum("...ij,...j->...i", inverse, ps)], axis=-1), evaluations, n
+
+
+_MECHANICAL = {"semi_implicit_euler": _semi_implicit, "variational": _variational}
