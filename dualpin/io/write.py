@@ -1,0 +1,293 @@
+"""`Robot` to URDF: what a reader finds again is the same robot."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from math import atan2, cos, hypot, inf, sin
+from pathlib import Path
+from sys import float_info
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from ..errors import ArgumentError, DualpinWarning, UrdfError
+from ..model.joints import Axial, Floating, Planar
+from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
+from ..spatial.inertia import Inertia
+from ..spatial.pose import GROUND, Pose
+
+UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
+TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
+_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+
+
+def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
+    """Write the robot as a URDF file, and return its text.
+
+    Numbers are written in full: reading the file again gives the same robot to the last digits
+    (rotations pass through roll, pitch and yaw).
+
+    Parameters
+    ----------
+    path : str or path, optional
+        Where to write; nothing is written without it.
+
+    Raises
+    ------
+    ArgumentError
+        For what URDF cannot hold: helical joints, names with control characters.
+
+    Warns
+    -----
+    DualpinWarning
+        Cylindrical joints are split into a continuous and a prismatic one with a massless link
+        between; a prismatic joint without limits gets -1 m ... 1 m; gravity, armature and a
+        floating base (read it back with ``floating=True``) are not in the file.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> arm = dp.from_dh([(0, 0, 0.5, 0)], joints="R", name="arm")
+    >>> arm.to_urdf().splitlines()[1]
+    '<robot name="arm">'
+    """
+    writer = _Writer(robot)
+    text = writer.text()
+    if writer.notes:
+        warnings.warn(f"{robot.name}: " + "; ".join(writer.notes), DualpinWarning, stacklevel=3)
+    if path is not None:
+        target = Path(path)
+        try:
+            target.write_text(text, encoding="utf-8")
+        except OSError as e:
+            raise UrdfError(f"{target}: cannot be written ({e.strerror or e})") from None
+    return text
+
+
+def roll_pitch_yaw(R: np.ndarray) -> tuple[float, float, float]:
+    """The angles with R = Rz(yaw) Ry(pitch) Rx(roll), exact to rounding also where pitch is +-90 degrees.
+
+    Each angle is read off what is left after undoing the ones before, so errors do not add up.
+    """
+    yaw = atan2(R[1, 0], R[0, 0]) if hypot(R[1, 0], R[0, 0]) > 4 * float_info.epsilon else 0.0
+    c, s = cos(yaw), sin(yaw)
+    R = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ R
+    pitch = atan2(-R[2, 0], R[0, 0])
+    c, s = cos(pitch), sin(pitch)
+    R = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]]) @ R
+    return atan2(R[2, 1], R[1, 1]), pitch, yaw
+
+
+def _numbers(values: Any) -> str:
+    return " ".join(repr(float(x) + 0.0) for x in values)
+
+
+class _Writer:
+    """The XML tree of a robot while it grows: its frames, parents first."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.notes: list[str] = []
+        self.root = etree.Element("robot", name=_checked(robot.name))
+        self.joints: list[Any] = []
+        self.links: list[Any] = []
+        self.names: set[str] = {j.name for j in robot} | {f.name for f in robot.frames if f.kind == "fixed_joint"}
+        self.link_names: set[str] = {k.name for k in robot.links}
+        self.bodies = {k.name: k.inertia for k in robot.links}
+
+    def text(self) -> str:
+        self._remarks()
+        link_of: dict[int, str] = {}
+        for i, frame in enumerate(self.robot.frames[1:], 1):
+            if frame.kind == "link":
+                link_of[i] = self._link(frame.name, self.bodies.get(frame.name))
+                # what is described in a joint's frame is fixed to the link that it moves
+                if frame.parent and self.robot.frames[frame.parent].kind != "link":
+                    link_of[frame.parent] = link_of[i]
+                elif not frame.parent:
+                    link_of[0] = link_of[i]
+        for i, frame in enumerate(self.robot.frames[1:], 1):
+            self._joint_frame(i, frame, link_of)
+        for element in (*self.links, *self.joints):
+            self.root.append(element)
+        etree.indent(self.root)
+        text = etree.tostring(self.root, encoding="unicode")
+        self._check_order()
+        return f'<?xml version="1.0"?>\n{text}\n'
+
+    def _remarks(self) -> None:
+        g = tuple(map(float, self.robot.gravity))
+        if g != STANDARD_GRAVITY:
+            self.notes.append(f"gravity {g} is not in the file")
+        turned = [j.name for j in self.robot if any(float(x) for x in j.armature)]
+        if turned:
+            self.notes.append(f"the armature of {', '.join(turned)} is not in the file")
+
+    # links
+
+    def _link(self, name: str, body: Inertia | None) -> str:
+        link = etree.Element("link", name=_checked(name))
+        self.links.append(link)
+        self.link_names.add(name)
+        if body is None:
+            return name
+        ten = np.array([float(x) for x in body.parameters])
+        if not ten.any():
+            return name
+        m, h = ten[0], ten[1:4]
+        xx, xy, yy, xz, yz, zz = ten[4:]
+        J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        if m == 0 and h.any():
+            raise ArgumentError(f"to_urdf: link {name!r} has a first moment {h.tolist()} kg m but no mass")
+        c = h / m if m else np.zeros(3)
+        J = J - m * (c @ c * np.eye(3) - np.outer(c, c))
+        inertial = etree.SubElement(link, "inertial")
+        etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
+        etree.SubElement(inertial, "mass", value=_numbers([m]))
+        keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        values = (J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2])
+        etree.SubElement(inertial, "inertia", **{k: _numbers([x]) for k, x in zip(keys, values, strict=True)})
+        return name
+
+    # joints
+
+    def _joint_frame(self, i: int, frame: Frame, link_of: dict[int, str]) -> None:
+        if frame.kind == "link":
+            return
+        joint = frame.joint if frame.kind == "joint" else None
+        if joint is not None and joint.name == "root_joint" and isinstance(joint.model, Floating):
+            self.notes.append("the floating base is not in the file: read it with floating=True")
+            return
+        parent = self._parent(frame, link_of)
+        above = self.robot.frames[frame.parent]
+        if joint is not None:
+            self._moving(joint, parent, link_of[i], above.placement.inverse @ joint.placement)
+            return
+        child = link_of.get(i)
+        name = frame.name
+        if child is None:  # a plain frame: a massless link
+            child = self._link(self._free(frame.name, self.link_names), None)
+            name = self._free(f"{frame.name}_joint", self.names)
+            link_of[i] = child
+        self._fixed(name, parent, child, above.placement.inverse @ frame.placement)
+
+    def _parent(self, frame: Frame, link_of: dict[int, str]) -> str:
+        if frame.parent not in link_of:
+            if frame.parent == 0:  # a robot without a base link
+                link_of[0] = self._link(self._free("base_link", self.link_names), None)
+            else:
+                raise ArgumentError(f"to_urdf: {frame.name!r} is fixed to {self.robot.frames[frame.parent].name!r}, which has no link")
+        return link_of[frame.parent]
+
+    @staticmethod
+    def _free(name: str, taken: set[str]) -> str:
+        while name in taken:
+            name += "_"
+        taken.add(name)
+        return name
+
+    def _element(self, name: str, kind: str, parent: str, child: str, origin: Pose) -> Any:
+        joint = etree.Element("joint", name=_checked(name), type=kind)
+        xyz = [float(x) for x in origin.position]
+        R = np.array([[float(x) for x in row] for row in origin.rotation.rows])
+        etree.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(roll_pitch_yaw(R)))
+        etree.SubElement(joint, "parent", link=parent)
+        etree.SubElement(joint, "child", link=child)
+        self.joints.append(joint)
+        return joint
+
+    def _fixed(self, name: str, parent: str, child: str, origin: Pose) -> None:
+        self._element(name, "fixed", parent, child, origin)
+
+    def _moving(self, joint: Joint, parent: str, child: str, origin: Pose) -> None:
+        model = joint.model.free
+        if isinstance(model, Planar):
+            e = self._element(joint.name, "planar", parent, child, origin)
+            etree.SubElement(e, "axis", xyz="0 0 1")
+            return
+        if isinstance(model, Floating):
+            self._element(joint.name, "floating", parent, child, origin)
+            return
+        assert isinstance(model, Axial)  # there are no other models
+        if model.kind == "helical":
+            raise ArgumentError(
+                f"to_urdf: joint {joint.name!r} is helical, and URDF has no such joint; write it as a revolute or prismatic "
+                "one, or split it into both and couple them outside the file"
+            )
+        if model.kind == "cylindrical":
+            between = self._link(self._free(f"{child}_turned", self.link_names), None)
+            slide = self._free(f"{joint.name}_slide", self.names)
+            self.notes.append(f"cylindrical joint {joint.name!r} is split into {joint.name!r} (angle) and {slide!r} (slide)")
+            lower, upper = joint.limits.lower or (-inf, -inf), joint.limits.upper or (inf, inf)
+            self._axial(joint, joint.name, "revolute", parent, between, origin, (lower[0], upper[0]), model)
+            self._axial(joint, slide, "prismatic", between, child, GROUND, (lower[1], upper[1]), model)
+            return
+        bounds = (joint.limits.lower or (-inf,))[0], (joint.limits.upper or (inf,))[0]
+        kind = "prismatic" if model.kind == "prismatic" else "revolute"
+        self._axial(joint, joint.name, kind, parent, child, origin, bounds, model)
+
+    def _axial(
+        self, joint: Joint, name: str, kind: str, parent: str, child: str, origin: Pose,
+        bounds: tuple[float, float], model: Axial,
+    ) -> None:  # fmt: skip
+        bounded = all(abs(b) < inf for b in bounds)
+        if kind == "prismatic" and not bounded:
+            self.notes.append(f"prismatic joint {name!r} has no limits, URDF demands them: -{TRAVEL:g} ... {TRAVEL:g} m written")
+            bounds, bounded = (-TRAVEL, TRAVEL), True
+        if kind == "revolute" and not bounded:
+            kind = "continuous"
+        e = self._element(name, kind, parent, child, origin)
+        factor = sum(abs(float(p)) for p in (model.units[0].real, model.units[0].dual)) if len(model.units) == 1 else 1.0
+        if abs(factor - 1) > 1e-12:
+            raise ArgumentError(f"to_urdf: the coordinate of joint {name!r} is scaled by {factor:g}; URDF joints are in rad and m")
+        etree.SubElement(e, "axis", xyz=_numbers(float(x) * _sign(model) for x in model.axis))
+        limits = joint.limits
+        if bounded or limits.velocity < inf or limits.effort < inf:
+            span = {"lower": _numbers([bounds[0]]), "upper": _numbers([bounds[1]])} if bounded else {}
+            most = {"effort": _numbers([min(limits.effort, UNBOUNDED)]), "velocity": _numbers([min(limits.velocity, UNBOUNDED)])}
+            etree.SubElement(e, "limit", **span, **most)
+        if limits.damping or limits.friction:
+            etree.SubElement(e, "dynamics", damping=_numbers([limits.damping]), friction=_numbers([limits.friction]))
+        if joint.mimic is not None:
+            m = joint.mimic
+            etree.SubElement(
+                e, "mimic", joint=m.joint, multiplier=_numbers([m.multiplier]), offset=_numbers([m.offset])
+            )  # fmt: skip
+
+    def _check_order(self) -> None:
+        """URDF readers walk the tree depth-first, siblings by name: q may come in another order."""
+        children: dict[str, list[Any]] = {}
+        for e in self.joints:
+            children.setdefault(e.find("parent").get("link"), []).append(e)
+        moved = {e.find("child").get("link") for e in self.joints}
+        base = next(e.get("name") for e in self.links if e.get("name") not in moved)
+        order = self._depth_first(children, base)
+        wanted = [e.get("name") for e in self.joints if e.get("type") != "fixed"]
+        if [n for n in order if n in set(wanted)] != wanted:
+            self.notes.append(f"readers order the joints by name: q will be {', '.join(n for n in order if n in set(wanted))}")
+
+    @staticmethod
+    def _depth_first(children: dict[str, list[Any]], base: str) -> list[str]:
+        out: list[str] = []
+        stack: list[Any] = sorted(children.get(base, ()), key=lambda e: e.get("name").encode(), reverse=True)
+        while stack:
+            e = stack.pop()
+            out.append(e.get("name"))
+            below = children.get(e.find("child").get("link"), ())
+            stack += sorted(below, key=lambda e: e.get("name").encode(), reverse=True)
+        return out
+
+
+def _sign(model: Axial) -> float:
+    """-1 where the unit is negative: the axis is reversed instead."""
+    unit = model.units[0]
+    return -1.0 if float(unit.real) + float(unit.dual) < 0 else 1.0
+
+
+def _checked(name: str) -> str:
+    if not name or _CONTROL.search(name):
+        raise ArgumentError(f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected")
+    return name
