@@ -20,7 +20,10 @@ from .vector import Vector3, motor
 
 
 def _numbers(what: str, value: ArrayLike, tail: tuple[int, ...]) -> np.ndarray:
-    x = np.asarray(value)
+    try:
+        x = np.asarray(value)
+    except ValueError as e:
+        raise ShapeError(f"{what}: not an array ({e})") from None
     if x.dtype.kind not in "fiub":
         raise ArgumentError(f"{what}: real numbers expected, got {x.dtype}")
     if x.shape[max(x.ndim - len(tail), 0) :] != tail:
@@ -31,6 +34,30 @@ def _numbers(what: str, value: ArrayLike, tail: tuple[int, ...]) -> np.ndarray:
 def _dual_quaternion(what: str, value: ArrayLike) -> Quaternion:
     x = np.moveaxis(_numbers(what, value, (8,)), -1, 0)
     return Quaternion(*(Dual(x[i], x[i + 4]) for i in range(4)))
+
+
+_UNIT = 1e-6  # how far a norm may be from 1: more than any rounding, less than a mistake
+
+
+def _motion(what: str, value: ArrayLike) -> Quaternion:
+    """A unit dual quaternion: |r| = 1 and r . d = 0."""
+    q = _dual_quaternion(what, value)
+    norm, skew = np.sqrt(q.real.dot(q.real)), np.abs(q.real.dot(q.dual))
+    wrong = (np.abs(norm - 1) > _UNIT) | (skew > _UNIT * (1 + np.sqrt(q.dual.dot(q.dual))))
+    if np.any(wrong):
+        at = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise ArgumentError(
+            f"{what}: a unit dual quaternion r | d with |r| = 1 and r . d = 0 expected; they are "
+            f"{float(norm[at]):.9g} and {float(skew[at]):.3g}" + (f" at index {at}" if at else "")
+        )
+    return q
+
+
+def _together(what: str, *shapes: tuple[int, ...]) -> None:
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ShapeError(f"{what}: the leading axes {', '.join(map(str, shapes))} do not broadcast together") from None
 
 
 def _stack(q: Quaternion) -> np.ndarray:
@@ -84,7 +111,7 @@ def to_matrix(x: ArrayLike) -> np.ndarray:
     >>> dp.spatial.to_matrix([1, 0, 0, 0, 0, 0, 0, 0.5])[:3, 3].tolist()
     [0.0, 0.0, 1.0]
     """
-    X = Pose.from_quaternion(_dual_quaternion("to_matrix: x", x))
+    X = Pose.from_quaternion(_motion("to_matrix: x", x))
     rows = [np.broadcast_arrays(*map(_float, row)) for row in X.rows[:3]]
     shape = np.shape(rows[0][0])
     T = np.zeros((*shape, 4, 4))
@@ -105,12 +132,14 @@ def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
     >>> bool(abs(dp.spatial.log(dp.spatial.compose(x, x)) - [0, 0, 2, 0, 0, 4]).max() < 1e-15)
     True
     """
-    return _stack(_dual_quaternion("compose: a", a) * _dual_quaternion("compose: b", b))
+    p, q = _dual_quaternion("compose: a", a), _dual_quaternion("compose: b", b)
+    _together("compose", np.shape(p.w.real), np.shape(q.w.real))
+    return _stack(p * q)
 
 
 def inverse(x: ArrayLike) -> np.ndarray:
     """Of a unit dual quaternion: its conjugate, shape (..., 8)."""
-    return _stack(_dual_quaternion("inverse: x", x).conjugate)
+    return _stack(_motion("inverse: x", x).conjugate)
 
 
 def exp(twist: ArrayLike) -> np.ndarray:
@@ -157,8 +186,11 @@ def _log(q: Quaternion) -> np.ndarray:
 
 
 def _either(what: str, x: ArrayLike) -> Quaternion:
-    shape = np.shape(x)
-    return _dual_quaternion(what, from_matrix(x) if shape[-2:] == (4, 4) else x)
+    try:
+        matrices = np.shape(x)[-2:] == (4, 4)
+    except ValueError:  # ragged: the next line says so
+        matrices = False
+    return _dual_quaternion(what, from_matrix(x)) if matrices else _motion(what, x)
 
 
 def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
@@ -182,8 +214,9 @@ def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
     >>> bool(abs(dp.spatial.sclerp(a, b, 0.5) - dp.spatial.exp([0, 0, 0.5, 0, 0, 1])).max() < 1e-15)
     True
     """
-    step = log(compose(inverse(a), b)) * np.asarray(s, dtype=float)[..., None]
-    return compose(a, exp(step))
+    step, share = log(compose(inverse(a), b)), _numbers("sclerp: s", s, ())
+    _together("sclerp", step.shape[:-1], share.shape)
+    return compose(a, exp(step * share[..., None]))
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """A table of URDFs that strangers write: what is wrong with each, and what a reader must say of it.
 
-# ruff: noqa: E501 -- a table reads better in lines than in blocks
-
 Every case is a small change of one good file, so the line of the fault is known.
 """
+
+# ruff: noqa: E501 -- a table reads better in lines than in blocks
 
 from __future__ import annotations
 

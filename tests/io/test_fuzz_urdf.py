@@ -74,8 +74,8 @@ def repeat(data: bytes, rng: np.random.Generator) -> bytes:
 # --- aware of it ---------------------------------------------------------------------------------
 
 VALUES = (
-    "nan", "inf", "-inf", "1e400", "1e308", "-1e308", "1e-320", "0", "-0", "", " ", "1_0", "0x1", "1,5", "true", "\u00e9",
-    "\u0661", "1e5", "-1", "3.4028236692093846346337460743177e38", "1 2", "1 2 3", "1 2 3 4", "0 0 0", "1e200 1e200 0",
+    "nan", "inf", "-inf", "1e400", "1e308", "-1e308", "1e-320", "0", "-0", "", " ", "1_0", "0x1", "1,5", "true",
+    "\u00e9", "\u0661", "1e5", "-1", "3.4028236692093846346337460743177e38", "1 2", "1 2 3", "1 2 3 4", "0 0 0", "1e200 1e200 0",
     "1e-200 0 0", "9" * 400, "universe", "base", "&lt;", "&#9;", "${x}", "1e308 1e308 1e308", "-1e308 1e308 0",
 )  # fmt: skip
 
@@ -159,8 +159,7 @@ def examine(data: bytes, rng: np.random.Generator) -> bool:
         warnings.filterwarnings("ignore", category=DeprecationWarning, module="yourdfpy")
         try:
             robot = loads(data, floating=floating, mimic=mimic)
-        except dp.DualpinError as e:
-            assert str(e)
+        except dp.DualpinError:
             return False
         repr(robot)
         robot.summary()
