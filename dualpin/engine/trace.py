@@ -217,10 +217,29 @@ class Sym:
 
     __radd__, __rmul__ = __add__, __mul__
 
+    def __lt__(self, b: Any) -> Choice:
+        return Choice(self, b)
+
+    def __gt__(self, b: Any) -> Choice:
+        return Choice(b, self)
+
     def _undecided(self, *_: Any) -> bool:
         raise UntraceableError("a comparison of symbols has no answer: this term chooses its way by its numbers")
 
-    __bool__ = __lt__ = __gt__ = __le__ = __ge__ = _undecided
+    __bool__ = __le__ = __ge__ = _undecided
+
+
+class Choice:
+    """x < y between symbols: no answer yet, but `dualpin.dual.where` can choose by it."""
+
+    def __init__(self, x: Any, y: Any) -> None:
+        self.x, self.y = x, y
+
+    def choose(self, a: Any, b: Any) -> Any:
+        """a where x < y, else b."""
+        return select(self.x, self.y, a, b)
+
+    __bool__ = Sym._undecided
 
 
 def _number(x: Any) -> float | None:
@@ -247,6 +266,26 @@ def _stumpff(k: int, y: Sym) -> Any:
     return select(y, 1.0, _stumpff_series(k, near), _stumpff_closed(k, far, LIBRARY))
 
 
+HALVINGS, ODD_TERMS = 3, 13  # tan of an eighth of the angle is below 0.2, and 0.2^26 / 27 below 1e-19
+
+
+def _atan2(y: Any, x: Any) -> Any:
+    """The angle of (x, y) by halving it, tan(a / 2) = t / (1 + sqrt(1 + t^2)), and Gregory's series.
+
+    Good to 4 eps where x^2 + y^2 neither overflows nor underflows; 0 at the origin.
+    """
+    length = LIBRARY.sqrt(x * x + y * y)
+    across = length + select(x, 0.0, -x, x)
+    t = y / select(0.0, across, across, 1.0)
+    for _ in range(HALVINGS - 1):
+        t = t / (1.0 + LIBRARY.sqrt(1.0 + t * t))
+    s, total = t * t, 0.0
+    for i in range(ODD_TERMS, -1, -1):
+        total = 1.0 / (2 * i + 1) - s * total
+    angle = t * total * 2.0**HALVINGS
+    return select(x, 0.0, select(y, 0.0, -math.pi, math.pi) - angle, angle)
+
+
 class _Library(SimpleNamespace):
     def __getattr__(self, name: str) -> Any:
         raise UntraceableError(f"{name} of a symbol cannot be compiled")
@@ -254,7 +293,7 @@ class _Library(SimpleNamespace):
 
 LIBRARY = _Library(
     sin=lambda x: x._new("sin", x.i), cos=lambda x: x._new("cos", x.i), sqrt=lambda x: x._new("sqrt", x.i),
-    stumpff=_stumpff,
+    stumpff=_stumpff, atan2=_atan2,
 )  # fmt: skip
 register(Sym, LIBRARY)
 
