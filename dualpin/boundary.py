@@ -18,21 +18,47 @@ from .terms import TERMS, Options, Term, input_shape
 _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
 
 
-def call(robot: Robot, name: str, arrays: Mapping[str, ArrayLike], *, engine: str = "auto", **options: Any) -> np.ndarray:
-    """One term on arrays (..., size), the leading axes broadcast; returns (..., *shape)."""
+def call(
+    robot: Robot,
+    name: str,
+    arrays: Mapping[str, ArrayLike],
+    *,
+    engine: str = "auto",
+    out: np.ndarray | None = None,
+    dtype: Any = np.float64,
+    **options: Any,
+) -> np.ndarray:
+    """One term on arrays (..., size), the leading axes broadcast; returns (..., *shape), in `out` if given."""
     from .engine import run
 
     term = TERMS[name]
     check_robot(robot, name)
     given = {key: as_array(robot, name, key, x) for key, x in arrays.items()}
     inputs, batch = flattened(robot, term, given)
-    result = run(robot, term, options, inputs, engine=engine)
-    return result.reshape(batch + result.shape[1:])
+    if out is None:
+        result = run(robot, term, options, inputs, engine=engine, dtype=dtype)
+        return result.reshape(batch + result.shape[1:])
+    check_out(name, out, batch + term.shape(robot, **options), np.dtype(dtype))
+    if out.flags.c_contiguous and out.size:
+        run(robot, term, options, inputs, engine=engine, dtype=dtype, out=out.reshape(len(inputs[0]), -1))
+    else:
+        out[...] = run(robot, term, options, inputs, engine=engine, dtype=dtype).reshape(out.shape)
+    return out
 
 
-def flattened(
-    robot: Robot, term: Term, given: Mapping[str, np.ndarray]
-) -> tuple[list[np.ndarray], tuple[int, ...]]:
+def check_out(term: str, out: object, shape: tuple[int, ...], dtype: np.dtype) -> None:
+    """An array of exactly this shape and type that may be written to, or an error that says so."""
+    if not isinstance(out, np.ndarray):
+        raise ArgumentError(f"{term}: out must be an array of {dtype}, got {type(out).__name__}")
+    if out.dtype != dtype:
+        raise ArgumentError(f"{term}: out of {dtype} expected, got {out.dtype}")
+    if out.shape != shape:
+        raise ShapeError(f"{term}: out of shape {shape} expected, got {out.shape}")
+    if not out.flags.writeable:
+        raise ArgumentError(f"{term}: out is read-only")
+
+
+def flattened(robot: Robot, term: Term, given: Mapping[str, np.ndarray]) -> tuple[list[np.ndarray], tuple[int, ...]]:
     """Inputs broadcast to one batch and reshaped to (n, size), and the batch's shape."""
     rank = {key: len(input_shape(robot, key)) for key in given}
     try:
@@ -88,8 +114,8 @@ def check_quaternions(robot: Robot, term: str, q: np.ndarray) -> None:
             if np.any(wrong):
                 at = tuple(int(i) for i in np.argwhere(wrong)[0])
                 raise ArgumentError(
-                    f"{term}: q[{j.q.start + 3}:{j.q.stop}] of joint {j.name!r} must be a unit quaternion (w, x, y, z); "
-                    f"its norm is {float(norm[at]):.9g}" + (f" at sample {at}" if at else "")
+                    f"{term}: q[{j.q.start + 3}:{j.q.stop}] of joint {j.name!r} must be a unit quaternion "
+                    f"(w, x, y, z); its norm is {float(norm[at]):.9g}" + (f" at sample {at}" if at else "")
                 )
 
 

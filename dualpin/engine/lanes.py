@@ -141,7 +141,6 @@ class Lanes:
             f"declare {V} @llvm.fabs.{self.suffix}({V})\n"
             f"declare {V} @llvm.masked.load.{self.suffix}.p0(ptr, i32, {self.mask}, {V})\n"
             f"declare void @llvm.masked.store.{self.suffix}.p0({V}, ptr, i32, {self.mask})\n"
-            "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
         )
 
     # arithmetic

@@ -18,22 +18,23 @@ from .lanes import Lanes, Number
 from .schedule import Schedule, Step
 
 UNROLLED = 4  # groups of columns up to this many are written out instead of looped over
+_LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
 
 
-def module(plan: Schedule, number: Number, host: Host) -> str:
-    """The kernel and all it calls, as text."""
-    width = host.lanes(number.size)
-    emit = _Emission(plan, number, width, host)
-    parts = [Lanes(number, width, host).declarations, emit.tables()]
+def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
+    """The kernel and all it calls, as text; with one lane, it is made for single configurations."""
+    emit = _Emission(plan, number, lanes, host)
+    widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes})
+    parts = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY, emit.tables()]
     calls: list[str] = []
     for k, stage in enumerate(plan.stages):
         for c, chunk in enumerate(stage.chunks):
             parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
             calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch)")
         if stage.angles:
-            calls.append(f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {len(stage.angles)})")
+            calls.append(f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {emit.rounds(stage.angles)})")
     if plan.sine:
         parts += [emit.cos_sin(), emit.cos_sin_far()]
     parts.append(emit.kernel(calls))
@@ -42,9 +43,9 @@ def module(plan: Schedule, number: Number, host: Host) -> str:
     return "\n".join(parts)
 
 
-def scratch_bytes(plan: Schedule, number: Number, host: Host) -> int:
+def scratch_bytes(plan: Schedule, number: Number, lanes: int) -> int:
     """How much memory a kernel needs to work in, aligned to 64 bytes."""
-    return (plan.slots + plan.output_slots) * host.lanes(number.size) * number.size
+    return (plan.slots + plan.output_slots) * lanes * number.size
 
 
 class _Emission:
@@ -95,28 +96,55 @@ class _Emission:
 
     # trigonometric functions
 
+    @property
+    def together(self) -> int:
+        """Angles handled at a time: one slot of many samples, or many slots of one sample."""
+        return self.host.lanes(self.number.size) if self.width == 1 else 1
+
+    def rounds(self, angles: list[int]) -> int:
+        return -(-len(angles) // self.together)
+
     def cos_sin(self) -> str:
         """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
-        e, W = self.lanes(), self.width
+        n = self.together
+        e = Lanes(self.number, self.width * n, self.host)
+        name = self.number.name
         e.do("br label %loop")
         e.label("loop")
         e.do("%k = phi i64 [0, %entry], [%next, %latch]")
-        where = e.value("getelementptr {i32, i32}, ptr %table, i64 %k")
-        source, target = (
-            e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64")
-            for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
-        )
-        x = e.load("%tile", source)
+        first = e.value(f"mul i64 %k, {n}")
+        places = []
+        for lane in range(n):
+            at = e.value(f"getelementptr {{i32, i32}}, ptr %table, i64 {e.value(f'add i64 {first}, {lane}')}")
+            pair = (at, e.value(f"getelementptr i32, ptr {at}, i64 1"))
+            places.append([e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64") for p in pair])
+        if n == 1:
+            (source, target), memory = places[0], "%tile"
+            source, target = e.slot(memory, source), e.slot(memory, target)
+            x = e.load(source, 0)
+        else:  # gather the angles, compute aside, scatter
+            x = "poison"
+            for lane, (slot, _) in enumerate(places):
+                one = e.value(f"load {name}, ptr {e.value(f'getelementptr {name}, ptr %tile, i64 {slot}')}")
+                x = e.value(f"insertelement {e.vector} {x}, {name} {one}, i32 {lane}")
+            source, target = "%aside", e.slot("%aside", 1)
+            e.store(source, 0, x)
         c, s, near = e.cos_sin(x)
-        at = e.slot("%tile", target)
-        e.store(at, 0, c)
-        e.store(at, 1, s)
-        all_near = e.value(f"icmp eq i{W} {e.value(f'bitcast {e.mask} {near} to i{W}')}, -1")
+        e.store(target, 0, c)
+        e.store(target, 1, s)
+        all_near = e.value(f"icmp eq i{e.width} {e.value(f'bitcast {e.mask} {near} to i{e.width}')}, -1")
         e.do(f"br i1 {all_near}, label %latch, label %far")
         e.label("far")
-        e.do(f"call void @cos_sin_far(ptr {e.slot('%tile', source)}, ptr {at})")
+        e.do(f"call void @cos_sin_far(ptr {source}, ptr {target})")
         e.do("br label %latch")
         e.label("latch")
+        if n > 1:
+            c, s = e.load(target, 0), e.load(target, 1)
+            for lane, (_, slot) in enumerate(places):
+                for k, v in enumerate((c, s)):
+                    one = e.value(f"extractelement {e.vector} {v}, i32 {lane}")
+                    p = e.value(f"getelementptr {name}, ptr %tile, i64 {e.value(f'add i64 {slot}, {k}')}")
+                    e.do(f"store {name} {one}, ptr {p}")
         e.do("%next = add i64 %k, 1")
         e.do("%more = icmp slt i64 %next, %count")
         e.do("br i1 %more, label %loop, label %done")
@@ -124,18 +152,19 @@ class _Emission:
         body = "\n".join(e.lines)
         return (
             "define internal void @cos_sin(ptr %tile, ptr %table, i64 %count) noinline #0 {\nentry:\n"
-            f"{body}\n  ret void\n}}\n"
+            f"  %aside = alloca [3 x {e.vector}], align {e.align}\n{body}\n  ret void\n}}\n"
         )
 
     def cos_sin_far(self) -> str:
         """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
         name, reach = self.number.name, self.lanes().number_text(self.number.reach)
+        lanes = self.width * self.together
         widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
         if self.number.size == 8:
             widen = narrow = "bitcast double {} to double"
         return f"""define internal void @cos_sin_far(ptr %angle, ptr %result) noinline #0 {{
 entry:
-  %sine = getelementptr {name}, ptr %result, i64 {self.width}
+  %sine = getelementptr {name}, ptr %result, i64 {lanes}
   br label %loop
 loop:
   %lane = phi i64 [0, %entry], [%next, %latch]
@@ -159,7 +188,7 @@ far:
   br label %latch
 latch:
   %next = add i64 %lane, 1
-  %more = icmp slt i64 %next, {self.width}
+  %more = icmp slt i64 %next, {lanes}
   br i1 %more, label %loop, label %done
 done:
   ret void
@@ -174,7 +203,8 @@ done:
         text = f"@outputs = internal constant [{len(padded)} x i32] [{', '.join(f'i32 {s}' for s in padded)}]\n"
         for k, stage in enumerate(plan.stages):
             if stage.angles:
-                pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
+                angles = stage.angles + stage.angles[:1] * (-len(stage.angles) % self.together)
+                pairs = [x for a in angles for x in (plan.slot[a], plan.cosine[a])]
                 entries = ", ".join(f"i32 {s}" for s in pairs)
                 text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
         return text

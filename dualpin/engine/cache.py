@@ -1,0 +1,171 @@
+"""Compiled kernels kept between runs.
+
+One file a kernel.  It holds machine code, so it is believed only if nobody else could have written
+it and every bit is in place: the folder is the user's own and closed to others' writing, the file
+names the machine, the compiler, the sources and the robot it was made for, and a checksum covers
+all.  Anything else is compiled again.  Files appear by an atomic rename, so processes that run at
+the same time cannot meet half of one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import os
+import stat
+import tempfile
+import warnings
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ..errors import DualpinWarning
+
+SUFFIX = ".kernel"
+_MAGIC = b"dualpin kernel 1\n"
+
+
+def folder() -> Path:
+    """Where kernels are kept: ``DUALPIN_CACHE_DIR``, or the platform's cache folder for dualpin."""
+    chosen = os.environ.get("DUALPIN_CACHE_DIR")
+    if chosen:
+        return Path(chosen).expanduser() / "kernels"
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("dualpin", appauthor=False)) / "kernels"
+
+
+def info() -> dict[str, Any]:
+    """The cache as plain data.
+
+    Returns
+    -------
+    dict
+        "folder" (str), "usable" (bool), "reason" (str, why it is not), "kernels" (int), "bytes" (int).
+
+    Examples
+    --------
+    >>> from dualpin.engine import cache
+    >>> sorted(cache.info())
+    ['bytes', 'folder', 'kernels', 'reason', 'usable']
+    """
+    place = folder()
+    reason = refusal(place) if place.exists() else ""
+    sizes = [f.stat().st_size for f in _files(place)]
+    return {
+        "folder": str(place), "usable": not reason, "reason": reason, "kernels": len(sizes), "bytes": sum(sizes),
+    }  # fmt: skip
+
+
+def clear() -> dict[str, Any]:
+    """Remove every kernel; returns {"folder", "removed" (int), "bytes" (int)}."""
+    place, removed, size = folder(), 0, 0
+    for f in _files(place):
+        with contextlib.suppress(OSError):
+            one = f.stat().st_size
+            f.unlink()
+            removed, size = removed + 1, size + one
+    return {"folder": str(place), "removed": removed, "bytes": size}
+
+
+def _files(place: Path) -> list[Path]:
+    try:
+        return sorted(f for f in place.iterdir() if f.suffix == SUFFIX and f.is_file())
+    except OSError:
+        return []
+
+
+def refusal(place: Path) -> str:
+    """Why the folder cannot be trusted with machine code, or an empty string."""
+    try:
+        about = place.lstat()
+    except OSError as e:
+        return f"{place}: {e.strerror or e}"
+    if not stat.S_ISDIR(about.st_mode):
+        return f"{place} is not a folder of its own"
+    if hasattr(os, "geteuid"):
+        if about.st_uid != os.geteuid():
+            return f"{place} belongs to another user"
+        if about.st_mode & 0o022:
+            return f"{place} may be written by others (mode {stat.S_IMODE(about.st_mode):04o}); chmod go-w would do"
+    return ""
+
+
+@cache
+def _announce(message: str) -> None:
+    warnings.warn(message, DualpinWarning, stacklevel=4)
+
+
+def load(key: str) -> tuple[dict[str, Any], bytes] | None:
+    """What was stored under this key, or None: then it has to be compiled."""
+    place = folder()
+    path = place / _name(key)
+    try:
+        with path.open("rb") as f:
+            about = os.fstat(f.fileno())
+            content = f.read()
+    except FileNotFoundError:
+        return None
+    except OSError as e:
+        _announce(f"kernel cache: {path.name} cannot be read ({e.strerror or e}); compiling instead")
+        return None
+    reason = refusal(place)
+    if not reason and hasattr(os, "geteuid") and (about.st_uid != os.geteuid() or about.st_mode & 0o022):
+        reason = f"{path} is not this user's alone"
+    if reason:
+        _announce(f"kernel cache not used: {reason}")
+        return None
+    try:
+        return unpacked(key, content)
+    except ValueError as e:
+        _announce(f"kernel cache: {path.name} is damaged ({e}); compiling again")
+        with contextlib.suppress(OSError):
+            path.unlink()
+        return None
+
+
+def store(key: str, about: dict[str, Any], code: bytes) -> None:
+    """Keep a kernel; where that is impossible, say so once and go on."""
+    place = folder()
+    try:
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        reason = refusal(place)
+        if reason:
+            _announce(f"kernel cache not used: {reason}")
+            return
+        handle, name = tempfile.mkstemp(dir=place, suffix=".new")  # mode 0600
+        try:
+            with os.fdopen(handle, "wb") as f:
+                f.write(packed(key, about, code))
+            Path(name).replace(place / _name(key))
+        except BaseException:
+            with contextlib.suppress(OSError):
+                Path(name).unlink()
+            raise
+    except OSError as e:
+        _announce(f"kernel cache not written: {place}: {e.strerror or e}")
+
+
+def _name(key: str) -> str:
+    return hashlib.sha256(key.encode()).hexdigest()[:40] + SUFFIX
+
+
+def packed(key: str, about: dict[str, Any], code: bytes) -> bytes:
+    """Magic line, checksum of the rest, one line of JSON, the object code."""
+    rest = json.dumps({"key": key, "about": about}).encode() + b"\n" + code
+    return _MAGIC + hashlib.sha256(rest).hexdigest().encode() + b"\n" + rest
+
+
+def unpacked(key: str, content: bytes) -> tuple[dict[str, Any], bytes]:
+    """The inverse of `packed`; `ValueError` for content that is not exactly that, for this key."""
+    magic, checksum, rest = content[: len(_MAGIC)], content[len(_MAGIC) : len(_MAGIC) + 65], content[len(_MAGIC) + 65 :]
+    if magic != _MAGIC:
+        raise ValueError("not a kernel of this format")
+    if hashlib.sha256(rest).hexdigest().encode() + b"\n" != checksum:
+        raise ValueError("the checksum does not fit")
+    header, _, code = rest.partition(b"\n")
+    entry = json.loads(header)
+    if entry["key"] != key:
+        raise ValueError("made for something else")
+    return entry["about"], code

@@ -1,0 +1,455 @@
+"""The way into a kernel for one configuration: a Python function written in LLVM IR.
+
+For a robot of a few joints the kernel takes less time than any Python code around it.  So the
+function that Python calls is emitted too: one for all kernels, told about its own by a `Spec` in the
+capsule that is its `self`.  It takes exactly what is certain - float64 (or float32) arrays, C-contiguous,
+of the right shape - and leaves everything else to a Python function that converts or explains.
+
+Only the stable ABI of CPython 3.11 and later is used: no structure of NumPy's or Python's is looked
+into.  All that may run Python code (attribute look-up, allocation) comes before the first buffer is held.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import sys
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from .host import binding, this_host
+from .kernel import Kernel, loaded, object_code
+
+STACK = 48 * 1024
+"""Bytes of scratch taken from the stack; more comes from the heap."""
+_MOST = 6  # arrays a call can have
+_FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
+_READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
+
+
+class Spec(ctypes.Structure):
+    """What the entry must know; each field takes eight bytes."""
+
+    _fields_ = [
+        ("kernel", ctypes.c_void_p),
+        ("inputs", ctypes.c_int64),
+        ("scratch", ctypes.c_int64),
+        ("dtype", ctypes.py_object),
+        ("dtype_name", ctypes.py_object),
+        ("allocate", ctypes.py_object),
+        ("allocate_args", ctypes.py_object),
+        ("slow", ctypes.py_object),
+        ("out_name", ctypes.py_object),
+        ("none", ctypes.py_object),
+        ("quaternions", ctypes.c_int64),
+        ("quaternion_at", ctypes.c_void_p),
+        ("shapes", ctypes.c_void_p),
+        ("strides", ctypes.c_void_p),
+        ("single", ctypes.c_int64),
+    ]
+
+
+class _Method(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_char_p), ("function", ctypes.c_void_p), ("flags", ctypes.c_int), ("doc", ctypes.c_char_p),
+    ]  # fmt: skip
+
+
+def supported() -> bool:
+    """Whether this Python has the stable ABI the entry relies on."""
+    return (
+        platform.python_implementation() == "CPython"
+        and sys.version_info >= (3, 11)
+        and ctypes.sizeof(ctypes.c_void_p) == 8
+    )
+
+
+def bound(
+    kernel: Kernel, name: str, shapes: list[tuple[int, ...]], quaternions: list[int], slow: Callable[..., Any], doc: str
+) -> Callable[..., np.ndarray]:
+    """A callable (*arrays, out=None) -> array; `slow` gets all calls that are not plainly right.
+
+    Parameters
+    ----------
+    shapes : list of tuple
+        Of each input and, last, of the result, for one sample.
+    quaternions : list of int
+        Where unit quaternions start in the first input: one whose norm is off goes to `slow`.
+    """
+    table = np.zeros((len(shapes), 6), np.int64)  # ndim, bytes, up to four axes
+    for row, shape in zip(table, shapes, strict=True):
+        row[0], row[1] = len(shape), int(np.prod(shape, dtype=int)) * kernel.dtype.itemsize
+        row[2 : 2 + len(shape)] = shape
+    at, strides = np.array([*quaternions, 0], np.int64), np.zeros(len(shapes), np.int64)
+    allocate_args = (shapes[-1], kernel.dtype)
+    spec = Spec(
+        kernel.address, len(shapes) - 1, kernel.scratch, np.dtype(kernel.dtype), "dtype", np.empty, allocate_args,
+        slow, "out", None, len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data,
+        kernel.dtype.itemsize == 4,
+    )  # fmt: skip
+    spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
+    method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
+    owner = (kernel, spec, method, table, at, strides, allocate_args, slow, kernel.dtype)
+    api = ctypes.pythonapi
+    new, set_context = api.PyCapsule_New, api.PyCapsule_SetContext
+    new.restype, new.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+    set_context.restype, set_context.argtypes = ctypes.c_int, [ctypes.py_object, ctypes.c_void_p]
+    capsule = new(ctypes.addressof(spec), None, addresses()["release"])
+    api.Py_IncRef(ctypes.py_object(owner))  # given back by `release`, when the capsule goes
+    set_context(capsule, id(owner))
+    make = api.PyCFunction_NewEx
+    make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
+    return make(ctypes.addressof(method), capsule, None)
+
+
+@cache
+def addresses() -> dict[str, int]:
+    """The emitted functions; compiled once in a process."""
+    llvm = binding()
+    for name in _API:
+        llvm.add_symbol(name, ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value)
+    engine = loaded(object_code(text(), this_host()))
+    found = {name: engine.get_function_address(name) for name in ("entry", "release")}
+    found["engine"] = engine  # keeps the memory
+    return found
+
+
+_API = {
+    "PyCapsule_GetPointer": "ptr (ptr, ptr)",
+    "PyCapsule_GetContext": "ptr (ptr)",
+    "PyObject_GetAttr": "ptr (ptr, ptr)",
+    "PyObject_GetBuffer": "i32 (ptr, ptr, i32)",
+    "PyBuffer_Release": "void (ptr)",
+    "PyObject_Call": "ptr (ptr, ptr, ptr)",
+    "PyTuple_New": "ptr (i64)",
+    "PyTuple_Size": "i64 (ptr)",
+    "PyTuple_GetItem": "ptr (ptr, i64)",
+    "PyTuple_SetItem": "i32 (ptr, i64, ptr)",
+    "PyDict_New": "ptr ()",
+    "PyDict_SetItem": "i32 (ptr, ptr, ptr)",
+    "PyErr_Clear": "void ()",
+    "PyErr_NoMemory": "ptr ()",
+    "PyMem_RawMalloc": "ptr (i64)",
+    "PyMem_RawFree": "void (ptr)",
+    "Py_IncRef": "void (ptr)",
+    "Py_DecRef": "void (ptr)",
+}
+
+
+def text() -> str:
+    """The module's IR."""
+    declarations = "".join(f"declare {kind.replace(' (', f' @{name}(', 1)}\n" for name, kind in _API.items())
+    fields = ""
+    for i, (name, kind) in enumerate(Spec._fields_):
+        ir_kind = "i64" if kind is ctypes.c_int64 else "ptr"
+        fields += f"  %at.{name} = getelementptr i64, ptr %spec, i64 {i}\n  %{name} = load {ir_kind}, ptr %at.{name}\n"
+    body = _ENTRY.replace("FIELDS\n", fields)
+    for word, value in (("MOST", _MOST + 1), ("READ", _READ), ("WRITE", _WRITE), ("STACK", STACK)):
+        body = body.replace(word, str(value))
+    return declarations + body + _SLOW + _RELEASE
+
+
+_RELEASE = """
+; the capsule goes: let its owner go too
+define void @release(ptr %capsule) nounwind {
+  %owner = call ptr @PyCapsule_GetContext(ptr %capsule)
+  call void @Py_DecRef(ptr %owner)
+  ret void
+}
+"""
+
+_SLOW = """
+; slow(*args, **keywords)
+define internal ptr @give_up(ptr %slow, ptr %args, i64 %nargs, ptr %names) nounwind noinline {
+  call void @PyErr_Clear()
+  %t = call ptr @PyTuple_New(i64 %nargs)
+  %t.null = icmp eq ptr %t, null
+  br i1 %t.null, label %fail, label %first
+first:
+  %any = icmp sgt i64 %nargs, 0
+  br i1 %any, label %fill, label %keywords
+fill:
+  %i = phi i64 [0, %first], [%i1, %fill]
+  %from = getelementptr ptr, ptr %args, i64 %i
+  %x = load ptr, ptr %from
+  call void @Py_IncRef(ptr %x)
+  %ignored = call i32 @PyTuple_SetItem(ptr %t, i64 %i, ptr %x)
+  %i1 = add i64 %i, 1
+  %more = icmp slt i64 %i1, %nargs
+  br i1 %more, label %fill, label %keywords
+keywords:
+  %no.names = icmp eq ptr %names, null
+  br i1 %no.names, label %go, label %dict
+dict:
+  %d = call ptr @PyDict_New()
+  %d.null = icmp eq ptr %d, null
+  br i1 %d.null, label %drop, label %count
+count:
+  %k.n = call i64 @PyTuple_Size(ptr %names)
+  br label %next
+next:
+  %k = phi i64 [0, %count], [%k1, %put]
+  %k.more = icmp slt i64 %k, %k.n
+  br i1 %k.more, label %put, label %go
+put:
+  %name = call ptr @PyTuple_GetItem(ptr %names, i64 %k)
+  %pos = add i64 %nargs, %k
+  %vp = getelementptr ptr, ptr %args, i64 %pos
+  %v = load ptr, ptr %vp
+  %ignored2 = call i32 @PyDict_SetItem(ptr %d, ptr %name, ptr %v)
+  %k1 = add i64 %k, 1
+  br label %next
+go:
+  %kw = phi ptr [null, %keywords], [%d, %next]
+  %r = call ptr @PyObject_Call(ptr %slow, ptr %t, ptr %kw)
+  call void @Py_DecRef(ptr %t)
+  %had = icmp ne ptr %kw, null
+  br i1 %had, label %drop.dict, label %end
+drop.dict:
+  call void @Py_DecRef(ptr %kw)
+  br label %end
+end:
+  ret ptr %r
+drop:
+  call void @Py_DecRef(ptr %t)
+  br label %fail
+fail:
+  ret ptr null
+}
+"""
+
+_ENTRY = """
+; struct Py_buffer: buf, obj, len, itemsize, readonly, ndim, format, shape, strides, suboffsets, internal
+%buffer = type {ptr, ptr, i64, i64, i32, i32, ptr, ptr, ptr, ptr, ptr}
+
+define ptr @entry(ptr %self, ptr %args, i64 %nargs, ptr %names) nounwind {
+  %buffers = alloca [MOST x %buffer], align 16
+  %pointers = alloca [MOST x ptr], align 16
+  %spec = call ptr @PyCapsule_GetPointer(ptr %self, ptr null)
+FIELDS
+  %named = icmp ne ptr %names, null
+  br i1 %named, label %one.name, label %count
+one.name:                                          ; at most the keyword `out`, after all inputs
+  %names.n = call i64 @PyTuple_Size(ptr %names)
+  %names.1 = icmp eq i64 %names.n, 1
+  %all.given = icmp eq i64 %nargs, %inputs
+  %plausible = and i1 %names.1, %all.given
+  br i1 %plausible, label %is.out, label %slow.call
+is.out:
+  %name = call ptr @PyTuple_GetItem(ptr %names, i64 0)
+  %name.ok = icmp eq ptr %name, %out_name
+  br i1 %name.ok, label %count, label %slow.call
+count:
+  %keywords = zext i1 %named to i64
+  %given = add i64 %nargs, %keywords
+  %with.out = add i64 %inputs, 1
+  %is.bare = icmp eq i64 %given, %inputs
+  %is.full = icmp eq i64 %given, %with.out
+  br i1 %is.full, label %look.out, label %bare
+look.out:                                          ; out=None is no out
+  %out.at = getelementptr ptr, ptr %args, i64 %inputs
+  %out.given = load ptr, ptr %out.at
+  %out.some = icmp ne ptr %out.given, %none
+  br label %types
+bare:
+  br i1 %is.bare, label %types, label %slow.call
+types:                                             ; every dtype the very one; may run Python code
+  %has.out = phi i1 [%out.some, %look.out], [false, %bare]
+  %has.out.n = zext i1 %has.out to i64
+  %arrays = add i64 %inputs, %has.out.n
+  br label %type
+type:
+  %k = phi i64 [0, %types], [%k1, %type.next]
+  %xp = getelementptr ptr, ptr %args, i64 %k
+  %x = load ptr, ptr %xp
+  %d = call ptr @PyObject_GetAttr(ptr %x, ptr %dtype_name)
+  %d.none = icmp eq ptr %d, null
+  br i1 %d.none, label %slow.call, label %type.got
+type.got:
+  call void @Py_DecRef(ptr %d)
+  %d.ok = icmp eq ptr %d, %dtype
+  br i1 %d.ok, label %type.next, label %slow.call
+type.next:
+  %k1 = add i64 %k, 1
+  %k.more = icmp slt i64 %k1, %arrays
+  br i1 %k.more, label %type, label %result
+result:                                            ; the result's array: given, or a new one
+  br i1 %has.out, label %borrow, label %make
+borrow:
+  %theirs.at = getelementptr ptr, ptr %args, i64 %inputs
+  %theirs = load ptr, ptr %theirs.at
+  call void @Py_IncRef(ptr %theirs)
+  br label %hold
+make:
+  %fresh = call ptr @PyObject_Call(ptr %allocate, ptr %allocate_args, ptr null)
+  %fresh.none = icmp eq ptr %fresh, null
+  br i1 %fresh.none, label %error, label %hold
+hold:
+  %out = phi ptr [%theirs, %borrow], [%fresh, %make]
+  br label %acquire
+acquire:                                           ; inputs, then the result
+  %j = phi i64 [0, %hold], [%j1, %taken]
+  %b = getelementptr %buffer, ptr %buffers, i64 %j
+  %is.result = icmp eq i64 %j, %inputs
+  %yp = getelementptr ptr, ptr %args, i64 %j
+  br i1 %is.result, label %the.result, label %an.input
+an.input:
+  %y.in = load ptr, ptr %yp
+  br label %get
+the.result:
+  br label %get
+get:
+  %y = phi ptr [%y.in, %an.input], [%out, %the.result]
+  %flags = phi i32 [READ, %an.input], [WRITE, %the.result]
+  %rc = call i32 @PyObject_GetBuffer(ptr %y, ptr %b, i32 %flags)
+  %rc.ok = icmp sge i32 %rc, 0
+  br i1 %rc.ok, label %check, label %let.go
+check:
+  %row = mul i64 %j, 6
+  %shape.at = getelementptr i64, ptr %shapes, i64 %row
+  %nd.p = getelementptr %buffer, ptr %b, i32 0, i32 5
+  %nd.32 = load i32, ptr %nd.p
+  %nd = sext i32 %nd.32 to i64
+  %nd.want = load i64, ptr %shape.at
+  %nd.ok = icmp eq i64 %nd, %nd.want
+  %len.p = getelementptr %buffer, ptr %b, i32 0, i32 2
+  %len = load i64, ptr %len.p
+  %len.at = getelementptr i64, ptr %shape.at, i64 1
+  %len.want = load i64, ptr %len.at
+  %len.ok = icmp eq i64 %len, %len.want
+  %both = and i1 %nd.ok, %len.ok
+  br i1 %both, label %axes, label %wrong
+axes:
+  %shape.p = getelementptr %buffer, ptr %b, i32 0, i32 7
+  %shape = load ptr, ptr %shape.p
+  br label %axis
+axis:
+  %i = phi i64 [0, %axes], [%i1, %axis.is]
+  %i.more = icmp slt i64 %i, %nd
+  br i1 %i.more, label %axis.is, label %take
+axis.is:
+  %s.p = getelementptr i64, ptr %shape, i64 %i
+  %s = load i64, ptr %s.p
+  %i2 = add i64 %i, 2
+  %want.p = getelementptr i64, ptr %shape.at, i64 %i2
+  %want = load i64, ptr %want.p
+  %s.ok = icmp eq i64 %s, %want
+  %i1 = add i64 %i, 1
+  br i1 %s.ok, label %axis, label %wrong
+take:
+  %buf = load ptr, ptr %b
+  %slot = getelementptr ptr, ptr %pointers, i64 %j
+  store ptr %buf, ptr %slot
+  %j1 = add i64 %j, 1
+  br label %taken
+taken:
+  %j.more = icmp sle i64 %j1, %inputs
+  br i1 %j.more, label %acquire, label %unit
+unit:                                              ; quaternions of norm 1, or somebody must say so
+  %q = load ptr, ptr %pointers
+  br label %unit.next
+unit.next:
+  %u = phi i64 [0, %unit], [%u1, %unit.ok]
+  %u.more = icmp slt i64 %u, %quaternions
+  br i1 %u.more, label %norm, label %run
+norm:
+  %u.at = getelementptr i64, ptr %quaternion_at, i64 %u
+  %at = load i64, ptr %u.at
+  br label %square
+square:
+  %c = phi i64 [0, %norm], [%c1, %squared]
+  %sum = phi double [-1.0, %norm], [%sum1, %squared]
+  %e = add i64 %at, %c
+  %is.single = icmp ne i64 %single, 0
+  br i1 %is.single, label %short, label %long
+short:
+  %e.p4 = getelementptr float, ptr %q, i64 %e
+  %e.4 = load float, ptr %e.p4, align 1
+  %e.48 = fpext float %e.4 to double
+  br label %squared
+long:
+  %e.p8 = getelementptr double, ptr %q, i64 %e
+  %e.8 = load double, ptr %e.p8, align 1
+  br label %squared
+squared:
+  %e.v = phi double [%e.48, %short], [%e.8, %long]
+  %e.2 = fmul double %e.v, %e.v
+  %sum1 = fadd double %sum, %e.2
+  %c1 = add i64 %c, 1
+  %c.more = icmp slt i64 %c1, 4
+  br i1 %c.more, label %square, label %unit.check
+unit.check:
+  %minus = fneg double %sum1
+  %high = fcmp ogt double %sum1, 1.0e-6
+  %low = fcmp ogt double %minus, 1.0e-6
+  %off = or i1 %high, %low
+  %u1 = add i64 %u, 1
+  br i1 %off, label %let.go.all, label %unit.ok
+unit.ok:
+  br label %unit.next
+run:
+  %small = icmp sle i64 %scratch, STACK
+  br i1 %small, label %stack, label %heap
+stack:
+  %memory = alloca i8, i64 %scratch, align 64
+  call void %kernel(i64 1, ptr %memory, ptr %pointers, ptr %strides)
+  br label %done
+heap:
+  %room = add i64 %scratch, 64
+  %block = call ptr @PyMem_RawMalloc(i64 %room)
+  %block.none = icmp eq ptr %block, null
+  br i1 %block.none, label %no.memory, label %heap.run
+heap.run:
+  %block.i = ptrtoint ptr %block to i64
+  %up = add i64 %block.i, 63
+  %aligned.i = and i64 %up, -64
+  %aligned = inttoptr i64 %aligned.i to ptr
+  call void %kernel(i64 1, ptr %aligned, ptr %pointers, ptr %strides)
+  call void @PyMem_RawFree(ptr %block)
+  br label %done
+done:
+  %r = phi i64 [0, %stack], [0, %heap.run], [%r1, %done]
+  %rb = getelementptr %buffer, ptr %buffers, i64 %r
+  call void @PyBuffer_Release(ptr %rb)
+  %r1 = add i64 %r, 1
+  %r.more = icmp sle i64 %r1, %inputs
+  br i1 %r.more, label %done, label %return
+return:
+  ret ptr %out
+no.memory:
+  %ignored = call ptr @PyErr_NoMemory()
+  br label %let.go.all
+wrong:                                             ; this buffer too, then those before it
+  call void @PyBuffer_Release(ptr %b)
+  br label %let.go
+let.go.all:
+  %failed = phi i1 [true, %no.memory], [false, %unit.check]
+  br label %release
+let.go:
+  br label %release
+release:
+  %held = phi i64 [%with.out, %let.go.all], [%j, %let.go]
+  %fatal = phi i1 [%failed, %let.go.all], [false, %let.go]
+  br label %release.next
+release.next:
+  %h = phi i64 [%held, %release], [%h1, %release.one]
+  %h.none = icmp eq i64 %h, 0
+  br i1 %h.none, label %released, label %release.one
+release.one:
+  %h1 = sub i64 %h, 1
+  %hb = getelementptr %buffer, ptr %buffers, i64 %h1
+  call void @PyBuffer_Release(ptr %hb)
+  br label %release.next
+released:
+  call void @Py_DecRef(ptr %out)
+  br i1 %fatal, label %error, label %slow.call
+slow.call:
+  %answer = call ptr @give_up(ptr %slow, ptr %args, i64 %nargs, ptr %names)
+  ret ptr %answer
+error:
+  ret ptr null
+}
+"""

@@ -1,0 +1,91 @@
+"""What a kernel depends on, in a few characters: the robot, the sources, the machine."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..model.robot import Frame, Robot
+from ..scalars import Exact
+from ..spatial.pose import Pose
+from ..terms import Options, Term
+from .host import Host, binding
+
+# what decides the numbers a kernel computes, or how it is called
+_SOURCES = ("algorithms", "engine", "model", "spatial", "dual.py", "scalars.py", "terms.py")
+
+
+@cache
+def sources() -> str:
+    """A hash of the source files that kernels are made from."""
+    root = Path(__file__).parent.parent
+    total = hashlib.sha256()
+    for name in _SOURCES:
+        place = root / name
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            total.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()
+
+
+def robot_key(robot: Robot) -> str | None:
+    """A hash of every constant of the robot; None if code from outside the package takes part."""
+    known = robot.__dict__.get("_fingerprint")
+    if known is None:
+        total = hashlib.sha256()
+        for text in _description(robot):
+            if text is None:
+                return None
+            total.update(text.encode() + b";")
+        known = robot.__dict__["_fingerprint"] = total.hexdigest()
+    return known
+
+
+def _description(robot: Robot) -> Iterator[str | None]:
+    yield _numbers(robot.gravity)
+    for j in robot:
+        kind = type(j.model)
+        # another's joint model: its source is not among those hashed
+        yield kind.__qualname__ if kind.__module__.startswith(__package__.partition(".")[0] + ".") else None
+        yield f"{-1 if j.parent is None else j.parent.index} {j.q} {j.v} {j.model.kind} {j.mimic}"
+        yield _pose(j.placement)
+        yield _numbers(j.inertia.parameters) + _numbers(j.armature)
+        for name, value in sorted(vars(j.model).items()):
+            yield name + _model_part(value)
+
+
+def _pose(X: Pose) -> str:
+    return _numbers(X.position) + "".join(_numbers(row) for row in X.rotation.rows)
+
+
+def _numbers(values: Any) -> str:
+    return ",".join(f"={x.n}" if type(x) is Exact else repr(float(x)) for x in values) + " "
+
+
+def _model_part(value: Any) -> str:
+    """Attributes of joint models: numbers, duals, vectors, and tuples of them, by their repr.
+
+    The repr of an exact constant differs from that of the equal float.
+    """
+    return "" if hasattr(value, "motion") else repr(value)
+
+
+def key(robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int) -> str | None:
+    """Everything a kernel depends on, as text, or None for a kernel that must not be kept."""
+    from .. import __version__
+
+    mine = robot_key(robot)
+    if mine is None:
+        return None
+    chosen = []
+    for name, value in sorted(options.items()):
+        if isinstance(value, Frame):
+            value = f"{-1 if value.joint is None else value.joint.index} {_pose(value.placement)}"
+        chosen.append(f"{name}={value}")
+    llvm = ".".join(map(str, binding().llvm_version_info))
+    made_for = [str(np.dtype(dtype)), f"{lanes} lanes"]
+    return "|".join([__version__, sources(), f"LLVM {llvm}", host.key, mine, term.name, *made_for, *chosen])

@@ -1,0 +1,203 @@
+"""Kernels: compiled terms of one robot, from the cache or the compiler, called on arrays."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ..model.robot import Robot
+from ..terms import Options, Term
+from . import cache as disk
+from . import llvm as ir
+from .fingerprint import key as kernel_key
+from .host import CompilerError, Host, binding, this_host
+from .lanes import DOUBLE, SINGLE
+from .schedule import schedule
+from .threads import spread
+from .trace import UntraceableError, trace
+
+log = logging.getLogger("dualpin.engine")
+
+LARGEST = 250_000
+"""Operations beyond which a term is not compiled by itself: it would take LLVM more than ten seconds."""
+
+_lock = threading.RLock()  # one compilation at a time, and never the same one twice
+_scratch = threading.local()
+
+
+class Kernel:
+    """Machine code of one term of one robot.
+
+    Attributes
+    ----------
+    sizes : list of int
+        Numbers in a row of each input.
+    shape : tuple of int
+        Of one result.
+    dtype : dtype
+        float64 or float32, of inputs and results.
+    operations : int
+        Floating-point instructions a tile takes; `lanes` samples make a tile.
+    """
+
+    def __init__(self, about: dict[str, Any], code: bytes, shape: tuple[int, ...], dtype: np.dtype) -> None:
+        self.sizes: list[int] = about["sizes"]
+        self.shape, self.dtype = shape, np.dtype(dtype)
+        self.width = int(np.prod(shape, dtype=int))
+        self.operations: int = about["operations"]
+        self.lanes: int = about["lanes"]
+        self.scratch: int = about["scratch"]
+        self._code = loaded(code)  # keeps the memory
+        self.address: int = self._code.get_function_address("kernel")
+        if not self.address:
+            raise CompilerError("the object code has no kernel")
+        count = len(self.sizes) + 1
+        self._pointers, self._strides = ctypes.c_void_p * count, ctypes.c_int64 * count
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, self._pointers, self._strides)
+        self._function = prototype(self.address)
+        # a rough figure, to decide on threads: two or three instructions a nanosecond, and the memory
+        self.seconds = 4e-10 * self.operations / self.lanes + 3e-10 * (sum(self.sizes) + self.width)
+
+    def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
+        """Arrays (n, size) in, an array (n, width) out; rows may be strided or repeated."""
+        n = len(inputs[0])
+        arrays = [rowwise(x, self.dtype) for x in inputs]
+        result = np.empty((n, self.width), self.dtype) if out is None else out
+        if n == 0 or self.width == 0:
+            return result
+        if out is not None and (rowwise(out, self.dtype) is not out or any(np.may_share_memory(out, x) for x in arrays)):
+            result = np.empty((n, self.width), self.dtype)
+        everything = [*arrays, result]
+        steps = [x.strides[0] for x in everything]
+        strides = self._strides(*(step // self.dtype.itemsize for step in steps))
+        bases = [x.ctypes.data for x in everything]
+
+        def work(start: int, stop: int) -> None:
+            memory, address = scratch(self.scratch)
+            pointers = self._pointers(*(base + start * step for base, step in zip(bases, steps, strict=True)))
+            self._function(stop - start, address, pointers, strides)
+            del memory
+
+        spread(work, n, self.seconds, self.lanes)
+        if out is not None and result is not out:
+            out[...] = result
+            return out
+        return result
+
+
+def rowwise(x: np.ndarray, dtype: np.dtype) -> np.ndarray:
+    """x, or a copy of it whose rows are contiguous numbers of this type."""
+    fits = x.dtype == dtype and x.strides[0] % dtype.itemsize == 0 and (x.shape[1] < 2 or x.strides[1] == dtype.itemsize)
+    return x if fits else np.ascontiguousarray(x, dtype=dtype)
+
+
+def scratch(size: int) -> tuple[np.ndarray, int]:
+    """This thread's working memory of at least so many bytes, and its aligned address."""
+    known = getattr(_scratch, "memory", None)
+    if known is None or len(known[0]) < size + 64:
+        memory = np.empty(size + 64, np.uint8)
+        known = _scratch.memory = (memory, -(-memory.ctypes.data // 64) * 64)
+    return known
+
+
+def build(
+    robot: Robot, term: Term, options: Options, dtype: Any = np.float64, single: bool = False, host: Host | None = None
+) -> Kernel:
+    """The kernel of a term: read from the cache, or traced, compiled and kept there.
+
+    `single` makes the kernel for one configuration at a time; its results have the same bits.
+
+    Raises
+    ------
+    UntraceableError
+        If the term cannot be a straight line of operations.
+    CompilerError
+        If this machine has no working compiler.
+    """
+    machine = this_host() if host is None else host
+    shape, kind = term.shape(robot, **options), np.dtype(dtype)
+    lanes = 1 if single else machine.lanes(kind.itemsize)
+    with _lock:
+        key = kernel_key(robot, term, options, kind, machine, lanes)
+        found = disk.load(key) if key else None
+        if found is not None:
+            try:
+                return Kernel(*found, shape, kind)
+            except Exception as e:  # whatever is wrong with it, it can be made again
+                log.warning("kernel of %s from the cache cannot be used (%s); compiling again", term.name, e)
+        about, code = compiled(robot, term, options, kind, machine, lanes)
+        if key:
+            disk.store(key, about, code)
+        return Kernel(about, code, shape, kind)
+
+
+def compiled(
+    robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int
+) -> tuple[dict[str, Any], bytes]:
+    """Trace and compile: what a caller must know about the kernel, and its object code."""
+    start = time.perf_counter()
+    program = trace(robot, term, options)
+    if len(program.graph.nodes) > LARGEST:
+        raise UntraceableError(
+            f"{term.name} of {robot.name} takes {len(program.graph.nodes)} operations; beyond {LARGEST} it is not compiled"
+        )
+    number = DOUBLE if dtype.itemsize == 8 else SINGLE
+    plan = schedule(program)
+    code = object_code(ir.module(plan, number, host, lanes), host)
+    about = {
+        "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
+        "scratch": ir.scratch_bytes(plan, number, lanes),
+    }  # fmt: skip
+    seconds = time.perf_counter() - start
+    if seconds > 0.5:
+        log.info("compiled %s of %s: %d operations, %.2f s", term.name, robot.name, plan.operations, seconds)
+    return about, code
+
+
+# --- the compiler --------------------------------------------------------------------------------
+
+
+def object_code(text: str, host: Host) -> bytes:
+    """IR to machine code.  No optimisation passes: folding was done on the graph."""
+    llvm = binding()
+    try:
+        machine = llvm.Target.from_triple(host.triple).create_target_machine(
+            cpu=host.cpu, features=host.features, opt=2, reloc="pic", codemodel="jitdefault"
+        )
+        return machine.emit_object(llvm.parse_assembly(text, llvm.create_context()))
+    except RuntimeError as e:
+        raise CompilerError(f"LLVM: {e}") from e
+
+
+def loaded(code: bytes) -> Any:
+    """Object code in executable memory, linked to the C library."""
+    llvm = binding()
+    c_library()
+    target = llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault")
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target)
+    try:
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+    except RuntimeError as e:
+        raise CompilerError(f"LLVM: {e}") from e
+    return engine
+
+
+@cache
+def c_library() -> Any:
+    """The C library's sine and cosine, under names of our own."""
+    library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
+    if not hasattr(library, "sin"):
+        library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")
+    for name in ("sin", "cos"):
+        binding().add_symbol(f"dualpin_{name}", ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
+    return library
