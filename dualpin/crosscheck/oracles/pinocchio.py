@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import DualpinError
+from ...errors import DualpinError, nearest
 from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
 
@@ -183,10 +183,17 @@ class Pinocchio:
 
     def _frame_pose(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame) -> np.ndarray:
         self.pin.framesForwardKinematics(m, d, s["q"])
-        return d.oMf[self._frame(frame)].homogeneous.copy()
+        return d.oMf[self._frame(m, frame)].homogeneous.copy()
 
-    def _frame(self, frame: Frame) -> int:
-        return self.robot.frames.index(frame)  # frames are in Pinocchio's order
+    def _frame(self, m: Any, frame: Frame) -> int:
+        """Pinocchio's index of a frame; a link and a joint may share a name, so the kind counts."""
+        kinds = {"joint": self.pin.JOINT, "fixed_joint": self.pin.FIXED_JOINT, "link": self.pin.BODY}
+        named = [(i, f.type) for i, f in enumerate(m.frames) if f.name == frame.name]
+        if not named:
+            raise OracleError(
+                f"Pinocchio has no frame {frame.name!r}; {nearest(frame.name, [f.name for f in m.frames])}"
+            )
+        return next((i for i, kind in named if kind == kinds.get(frame.kind)), named[0][0])
 
     def _reference(self, reference: str) -> Any:
         return {
@@ -198,18 +205,18 @@ class Pinocchio:
     def _jacobian(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
         self.pin.computeJointJacobians(m, d, s["q"])
         self.pin.updateFramePlacements(m, d)
-        return self.pin.getFrameJacobian(m, d, self._frame(frame), self._reference(reference))[ANGULAR_FIRST] @ G
+        return self.pin.getFrameJacobian(m, d, self._frame(m, frame), self._reference(reference))[ANGULAR_FIRST] @ G
 
     def _jacobian_dot(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
         self.pin.computeJointJacobiansTimeVariation(m, d, s["q"], s["v"])
         self.pin.updateFramePlacements(m, d)
-        dJ = self.pin.getFrameJacobianTimeVariation(m, d, self._frame(frame), self._reference(reference))
+        dJ = self.pin.getFrameJacobianTimeVariation(m, d, self._frame(m, frame), self._reference(reference))
         return dJ[ANGULAR_FIRST] @ G
 
     def _frame_velocity(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
         self.pin.forwardKinematics(m, d, s["q"], s["v"])
         self.pin.updateFramePlacements(m, d)
-        return self.pin.getFrameVelocity(m, d, self._frame(frame), self._reference(reference)).vector[ANGULAR_FIRST]
+        return self.pin.getFrameVelocity(m, d, self._frame(m, frame), self._reference(reference)).vector[ANGULAR_FIRST]
 
     def _frame_acceleration(
         self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str, classical: bool
@@ -217,7 +224,7 @@ class Pinocchio:
         self.pin.forwardKinematics(m, d, s["q"], s["v"], s["a"])
         self.pin.updateFramePlacements(m, d)
         get = self.pin.getFrameClassicalAcceleration if classical else self.pin.getFrameAcceleration
-        return get(m, d, self._frame(frame), self._reference(reference)).vector[ANGULAR_FIRST]
+        return get(m, d, self._frame(m, frame), self._reference(reference)).vector[ANGULAR_FIRST]
 
     def _rnea(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
         return G.T @ self.pin.rnea(m, d, s["q"], s["v"], s["a"])

@@ -1,0 +1,102 @@
+"""The command line, run as a program."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+pytest.importorskip("pinocchio")
+
+
+def run(*arguments, **options):
+    command = [sys.executable, "-m", "dualpin", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, **options)
+
+
+def test_list_prints_names_and_aliases():
+    done = run("list")
+    assert done.returncode == 0
+    assert "panda\n" in done.stdout
+    assert "ur5_robot  (also ur5)" in done.stdout
+
+
+def test_info_tells_the_order_of_q_and_what_was_assumed():
+    done = run("info", "pr2")
+    assert done.returncode == 0
+    assert "triangle inequality" in done.stdout
+    data = json.loads(run("info", "panda", "--json").stdout)
+    assert data["nq"] == 9
+    assert data["joints"][0]["name"] == "panda_joint1"
+
+
+def test_fk_prints_full_precision():
+    done = run("fk", "ur5", "--q", "0,0,0,0,0,0", "--json")
+    data = json.loads(done.stdout)
+    assert data["frame"] == "tool0"
+    assert data["pose"][3] == [0, 0, 0, 1]
+    assert len(run("fk", "ur5", "--dual-quaternion").stdout.split()) == 8
+
+
+def test_validate_passes_with_exit_code_0_and_json_alone_on_stdout(tmp_path):
+    done = run(
+        "validate", "ur5", "--samples", 3, "--engine", "numpy", "--json", "--out", tmp_path / "out", cwd=tmp_path
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["passed"] is True
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["report.html", "report.json", "report.md"]
+    again = run("report", tmp_path / "out" / "report.json")
+    assert again.returncode == 0
+    assert "passed: 1 robots" in again.stdout
+
+
+def test_a_failed_report_has_exit_code_1(tmp_path):
+    path = tmp_path / "report.json"
+    done = run("validate", "double_pendulum", "--samples", 2, "--terms", "fk", "--engine", "numpy", "--json")
+    data = json.loads(done.stdout)
+    data["robots"][0]["passed"] = False
+    path.write_text(json.dumps(data))
+    assert run("report", path).returncode == 1
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    (("info", "pandda"), "did you mean 'panda'"),
+    (("validate", "nowhere.urdf"), "no such file"),
+    (("validate",), "name robots, or give --all"),
+    (("validate", "ur5", "--terms", "rnae"), "did you mean 'rnea'"),
+    (("fk", "ur5", "--q", "1,2"), "6 finite numbers"),
+    (("fk", "ur5", "--frame", "tool"), "did you mean 'tool0'"),
+    (("report", "nothing.json"), "cannot read"),
+    (("nonsense",), "nonsense"),
+])  # fmt: skip
+def test_bad_input_has_exit_code_2_and_one_clear_line(arguments, message):
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_closed_pipe_is_no_error():
+    command = f"{sys.executable} -m dualpin list | head -1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60, check=False)
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+def test_ctrl_c_leaves_partial_results_that_the_next_run_takes_up(tmp_path):
+    command = [sys.executable, "-m", "dualpin", "validate", "ur5", "panda", "talos", "tiago_dual", "--floating",
+               "--samples", "40", "--engine", "numpy", "--jobs", "1", "--out", str(tmp_path)]  # fmt: skip
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    partial = tmp_path / "partial.jsonl"
+    deadline = time.monotonic() + 120
+    while time.monotonic() < deadline and (not partial.exists() or partial.read_text().count("\n") < 2):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130, err
+    assert "partial" in out
+    assert json.loads((tmp_path / "report.json").read_text())["partial"] is True
+    assert partial.exists()

@@ -1,0 +1,90 @@
+"""Campaigns lose nothing: refusals are reported, interruptions resumed."""
+
+import pytest
+
+import dualpin as dp
+from dualpin.crosscheck.campaign import PARTIAL, all_cases, campaign
+from dualpin.crosscheck.run import Case
+
+pytest.importorskip("pinocchio")
+
+CASES = [Case("ur5"), Case("ur3"), Case("panda", mimic=True), Case("double_pendulum")]
+FEW = {"samples": 3, "seed": 0, "terms": ["fk", "rnea", "crba"], "engine": "numpy"}
+
+
+def facts(report):
+    return [(r.label, {k: (t.max_scaled_error, t.passed) for k, t in r.terms.items()}) for r in report.robots]
+
+
+def test_a_file_that_both_libraries_refuse_is_listed_and_fails_nothing():
+    report = campaign(CASES, **FEW)
+    assert report.passed
+    assert [(r.name, r.by_pinocchio) for r in report.refused] == [("ur3", True)]
+    assert "no name" in report.refused[0].reason
+
+
+def test_a_file_that_only_dualpin_refuses_fails_the_run(tmp_path):
+    path = tmp_path / "odd.urdf"
+    path.write_text('<robot name="odd"><link name="a"><inertial><mass value="nan"/></inertial></link></robot>')
+    report = campaign([Case(str(path))], **FEW)
+    assert not report.passed
+    assert not report.refused[0].by_pinocchio
+
+
+def test_an_interrupted_campaign_gives_the_same_result_when_run_again(tmp_path):
+    whole = campaign(CASES, **FEW)
+
+    def interrupt(result, done, total):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    part = campaign(CASES, **FEW, folder=tmp_path, progress=interrupt)
+    assert part.partial
+    assert not part.passed
+    assert (tmp_path / PARTIAL).exists()
+    seen = []
+    again = campaign(CASES, **FEW, folder=tmp_path, progress=lambda result, *_: seen.append(result.name))
+    assert seen == ["panda", "double_pendulum"]
+    assert facts(again) == facts(whole)
+    assert again.passed
+    assert not (tmp_path / PARTIAL).exists()
+
+
+def test_other_settings_do_not_take_up_old_results(tmp_path):
+    def interrupt(result, done, total):
+        raise KeyboardInterrupt
+
+    campaign(CASES, **FEW, folder=tmp_path, progress=interrupt)
+    seen = []
+    campaign(CASES, **{**FEW, "seed": 1}, folder=tmp_path, progress=lambda result, *_: seen.append(result.name))
+    assert len(seen) == len(CASES)
+
+
+def test_a_cut_off_partial_file_is_read_as_far_as_it_goes(tmp_path):
+    def interrupt(result, done, total):
+        if done == 2:
+            raise KeyboardInterrupt
+
+    campaign(CASES, **FEW, folder=tmp_path, progress=interrupt)
+    partial = tmp_path / PARTIAL
+    partial.write_text(partial.read_text()[:-40])
+    assert campaign(CASES, **FEW, folder=tmp_path).passed
+
+
+def test_two_processes_find_what_one_finds():
+    assert facts(campaign(CASES, **FEW, jobs=2)) == facts(campaign(CASES, **FEW))
+
+
+def test_all_means_every_file_fixed_and_floating_and_mimic_where_there_is_any():
+    cases = all_cases()
+    files = set(dp.io.catalogue())
+    assert {c.name for c in cases if not c.floating and not c.mimic} == files
+    assert {c.name for c in cases if c.floating} == files
+    assert {"panda", "baxter", "pr2", "romeo"} <= {c.name for c in cases if c.mimic}
+
+
+@pytest.mark.campaign
+def test_every_robot_agrees_with_pinocchio():
+    report = campaign(all_cases(), samples=20, seed=1, jobs=2)
+    assert report.passed, [r.label for r in report.robots if not r.passed]
+    assert len(report.robots) >= 150

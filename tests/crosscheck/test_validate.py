@@ -1,0 +1,144 @@
+"""The cross-check passes what is right, catches what is wrong, and says which term."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dualpin as dp
+from dualpin.algorithms import coriolis as coriolis_module
+from dualpin.crosscheck import CHECKS, tolerance
+from dualpin.model.robot import Joint, Robot
+from dualpin.spatial import Inertia, Pose, Vector3
+
+pytest.importorskip("pinocchio")
+
+
+def changed(robot: Robot, name: str, **changes: object) -> Robot:
+    """The robot with one joint replaced; its descendants see the new one."""
+    new: dict[Joint | None, Joint | None] = {None: None}
+    for j in robot:
+        new[j] = replace(j, parent=new[j.parent], **(changes if j.name == name else {}))
+    frames = tuple(replace(f, joint=new[f.joint]) for f in robot.frames)
+    links = tuple(replace(k, joint=new[k.joint]) for k in robot.links)
+    return replace(robot, joints=tuple(new[j] for j in robot), frames=frames, links=links)
+
+
+def failed(robot: Robot) -> set[str]:
+    terms = dp.validate(robot, samples=5, engine="numpy").terms
+    return {name for name, t in terms.items() if not t.passed}
+
+
+@pytest.mark.parametrize(("name", "options"), [
+    ("panda", {}), ("panda", {"mimic": True}), ("ur5", {"floating": True}), ("anymal_c", {"floating": True}),
+    ("double_pendulum_continuous", {}), ("romeo", {"mimic": True}), ("bluevolta", {}),
+    ("quadrotor_base", {"floating": True}),
+])  # fmt: skip
+def test_every_term_agrees_with_pinocchio(name, options):
+    report = dp.validate(name, samples=7, seed=3, engine="numpy", **options)
+    assert report.passed, {k: (t.max_scaled_error, t.tolerance) for k, t in report.terms.items() if not t.passed}
+    assert set(report.terms) == set(CHECKS)
+
+
+def test_terms_without_a_linear_solve_stay_under_the_ceiling():
+    report = dp.validate("talos", samples=5, floating=True, engine="numpy")
+    for name, t in report.terms.items():
+        if not CHECKS[name].solves:
+            assert t.max_scaled_error <= tolerance.CEILING
+            assert t.tolerance <= tolerance.CEILING
+
+
+def test_a_heavier_link_is_caught_in_dynamics_and_not_in_kinematics():
+    robot = dp.load("panda")
+    body = robot.joint("panda_joint4").inertia
+    heavier = Inertia(body.mass * (1 + 1e-9), body.moment, body.rotational)
+    found = failed(changed(robot, "panda_joint4", inertia=heavier))
+    assert {"crba", "rnea", "kinetic_energy"} <= found
+    assert not found & {"fk", "jacobian", "jacobian_dot", "frame_velocity", "joint_torque_regressor"}
+
+
+def test_a_tilted_axis_is_caught_from_kinematics_on():
+    robot = dp.load("ur5")
+    joint = robot.joint("elbow_joint")
+    tilt = Vector3(1e-9, 1.0, 0.0)
+    found = failed(changed(robot, "elbow_joint", model=dp.model.revolute(tilt)))
+    assert joint.kind == "revolute"
+    assert {"fk", "jacobian", "rnea"} <= found
+
+
+def test_a_shifted_placement_is_caught_and_does_not_disturb_what_lies_before_it():
+    robot = dp.load("ur5")
+    joint = robot.joint("wrist_3_joint")
+    shift = Pose(position=Vector3(1e-9, 0.0, 0.0))
+    found = failed(changed(robot, "wrist_3_joint", placement=joint.placement @ shift))
+    assert {"fk", "frame_pose"} <= found
+
+
+def test_a_wrong_factor_in_coriolis_is_caught_there_only(monkeypatch):
+    right = coriolis_module.Connection.of
+
+    def wrong(body, V):
+        found = right(body, V)
+        return type(found)(found.p, found.B * (1 + 1e-9))
+
+    monkeypatch.setattr(coriolis_module.Connection, "of", staticmethod(wrong))
+    assert failed(dp.load("panda")) == {"coriolis"}
+
+
+def test_wrong_gravity_is_caught_in_what_gravity_moves():
+    found = failed(dp.load("panda").with_gravity((0, 0, -9.80665)))
+    assert {"rnea", "gravity", "bias", "potential_energy"} <= found
+    assert not found & {"crba", "coriolis", "fk"}
+
+
+def test_fifty_digits_say_who_is_nearer():
+    t = dp.validate("icub", samples=3, floating=True, terms=["minv"], engine="numpy", arbitrate=True).terms["minv"]
+    exact = t.worst["against_50_digits"]
+    assert exact["dualpin"] < exact["oracle"] < 1e-6
+
+
+def test_a_robot_built_in_code_is_validated_through_the_urdf_it_writes():
+    b = dp.Builder("two")
+    inertia = Pose(position=Vector3(0.1, 0.0, 0.2)) @ Inertia(2.0, Vector3(0.0, 0.0, 0.0), _ball(0.3))
+    b.joint("a", dp.model.revolute(), inertia=inertia)
+    b.joint("b", dp.model.prismatic(Vector3(0.6, 0.0, 0.8)), "a", Pose(position=Vector3(0.3, 0.0, 0.0)), inertia)
+    assert dp.validate(b.robot(), samples=5, engine="numpy").passed
+
+
+def _ball(x):
+    from dualpin.spatial import diagonal
+
+    return diagonal(x)
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    ({"terms": ["rnae"]}, "did you mean 'rnea'"), ({"samples": 0}, "from 1"), ({"samples": 2.5}, "whole number"),
+])  # fmt: skip
+def test_wrong_arguments_are_named(arguments, message):
+    with pytest.raises(dp.ArgumentError, match=message):
+        dp.validate("ur5", **arguments)
+
+
+def test_the_samples_cover_joints_whose_limits_leave_no_room():
+    from dualpin.crosscheck.sampling import states
+
+    robot = dp.load("so100")
+    q = states(robot, 50, 0)["q"]
+    assert (np.ptp(q, axis=0) > 0).all()
+
+
+def test_a_report_survives_json(tmp_path):
+    import json
+
+    report = dp.validate("ur5", samples=3, terms=["rnea", "aba"], engine="numpy")
+    paths = report.write(tmp_path, ("json", "md", "html"))
+    data = json.loads(paths[0].read_text())
+    assert data["passed"] is True
+    assert {"name", "floating", "nv", "samples", "seed", "passed", "terms"} <= set(data["robots"][0])
+    assert {"max_scaled_error", "tolerance", "passed"} <= set(data["robots"][0]["terms"]["rnea"])
+    assert data["refused"] == []
+    assert data["versions"]["pinocchio"]
+    again = type(report).from_dict(data)
+    assert again.to_json() == report.to_json()
+    assert "| rnea |" in paths[1].read_text()
+    assert "<table>" in paths[2].read_text()
