@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
     "dualpin.dual": ("Dual",),
+    "dualpin.engine.threads": ("get_num_threads", "set_num_threads"),
     "dualpin.errors": (
         "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
         "UrdfError",
@@ -29,7 +30,7 @@ _HOMES = {
     "dualpin.crosscheck": ("validate",),
     "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),
 }  # fmt: skip
-_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "model", "spatial",
+_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model", "spatial",
              "tracking")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
