@@ -4,7 +4,8 @@ from .build import from_dh
 from .build_screws import from_screws
 from .dh import to_dh
 from .khalil import KhalilRow, KhalilTable
-from .screws import Screws, ScrewTree, to_screws
+from .screw_tree import ScrewTree
+from .screws import Screws, to_screws
 from .table import DHEnd, DHRow, DHStep, DHTable
 
 __all__ = [

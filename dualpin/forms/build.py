@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..boundary import choice, numbers
 from ..dual import Dual
@@ -115,14 +114,18 @@ def _values(rows: Any) -> list[list[float]]:
     wrong = np.argwhere(~np.isfinite(x))
     if len(wrong):
         i, j = wrong[0]
-        raise ArgumentError(f"from_dh: {('theta', 'd', 'a', 'alpha')[j]} of row {i + 1} is {x[i, j]}; a finite number expected")
+        raise ArgumentError(
+            f"from_dh: {('theta', 'd', 'a', 'alpha')[j]} of row {i + 1} is {x[i, j]}; a finite number expected"
+        )
     return x.tolist()
 
 
 def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
     entries = ["R"] * n if joints is None else list(joints)
     if len(entries) != n:
-        raise ArgumentError(f"from_dh: {n} rows but {len(entries)} joints ({joints!r}); one letter of R P C H F a row expected")
+        raise ArgumentError(
+            f"from_dh: {n} rows but {len(entries)} joints ({joints!r}); one letter of R P C H F a row expected"
+        )
     kinds = []
     for i, entry in enumerate(entries):
         letter, pitch = entry if isinstance(entry, tuple) and len(entry) == 2 else (entry, None)
@@ -131,7 +134,9 @@ def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
             known = ", ".join(f"{k} ({v})" for k, v in KINDS.items())
             raise ArgumentError(f"from_dh: joint {i + 1} is {entry!r}; one of {known} expected")
         if letter == "H" and not (isinstance(pitch, (int, float)) and np.isfinite(pitch)):
-            raise ArgumentError(f"from_dh: joint {i + 1} is helical and needs its pitch in m/rad: ('H', pitch); got {entry!r}")
+            raise ArgumentError(
+                f"from_dh: joint {i + 1} is helical and needs its pitch in m/rad: ('H', pitch); got {entry!r}"
+            )
         if letter != "H" and pitch is not None:
             raise ArgumentError(f"from_dh: joint {i + 1} is {entry!r}; only a helical joint has a pitch")
         kinds.append((letter, float(pitch or 0.0)))
@@ -171,7 +176,9 @@ def _bodies(inertias: Any, n: int) -> list[Inertia | None]:
     if inertias is None:
         return [None] * n
     if len(inertias) != n:
-        raise ArgumentError(f"from_dh: {n} rows but {len(inertias)} inertias; one for each row expected (None: no mass)")
+        raise ArgumentError(
+            f"from_dh: {n} rows but {len(inertias)} inertias; one for each row expected (None: no mass)"
+        )
     return [None if given is None else _body(f"from_dh: inertias[{i}]", given) for i, given in enumerate(inertias)]
 
 
@@ -192,12 +199,16 @@ def _body(what: str, given: Any) -> Inertia:
         if x.shape != shape:
             raise ShapeError(f"{what}: {key} of shape {shape} expected, got {x.shape}")
         if not np.isfinite(x).all():
-            raise ArgumentError(f"{what}: {key}: finite numbers expected, got {x[~np.isfinite(x)].flat[0] if x.ndim else x}")
+            raise ArgumentError(
+                f"{what}: {key}: finite numbers expected, got {x[~np.isfinite(x)].flat[0] if x.ndim else x}"
+            )
     if mass < 0:
         raise ArgumentError(f"{what}: mass is {mass:g} kg; zero or more expected")
     # entries printed to six digits may differ in the last
     if np.abs(J - J.T).max() > 1e-6 * max(np.abs(J).max(), 1e-300):
-        raise ArgumentError(f"{what}: inertia is not symmetric, J[i, j] and J[j, i] differ by up to {np.abs(J - J.T).max():.3g}")
+        raise ArgumentError(
+            f"{what}: inertia is not symmetric, J[i, j] and J[j, i] differ by up to {np.abs(J - J.T).max():.3g}"
+        )
     matrix = Matrix3(*(Vector3(*map(exact, r)) for r in ((J + J.T) / 2).tolist()))
     centre = Pose(position=Vector3(*map(exact, com.tolist())))
     return centre @ Inertia(exact(float(mass)), NOUGHT, matrix)
@@ -207,7 +218,9 @@ def _bounds(limits: Any, kinds: list[tuple[str, float]]) -> list[Limits]:
     if limits is None:
         return [Limits()] * len(kinds)
     if len(limits) != len(kinds):
-        raise ArgumentError(f"from_dh: {len(kinds)} rows but {len(limits)} limits; one for each row expected (None: free)")
+        raise ArgumentError(
+            f"from_dh: {len(kinds)} rows but {len(limits)} limits; one for each row expected (None: free)"
+        )
     bounds = []
     for i, (pair, (kind, _)) in enumerate(zip(limits, kinds, strict=True)):
         if pair is None or kind == "F":

@@ -18,7 +18,7 @@ from ..scalars import exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
 from ..spatial.rotation import Matrix3
-from ..spatial.vector import AXES, NOUGHT, Vector3
+from ..spatial.vector import AXES, Vector3
 from .build import homogeneous
 
 UNIT = 1e-6  # how far a screw's length may be from 1: six printed digits
@@ -82,7 +82,9 @@ def from_screws(
     if S.ndim != 2 or S.shape[0] != 6:
         raise ShapeError(f"from_screws: screws of shape (6, n) expected, columns [w; v]; got {S.shape}")
     if not np.isfinite(S).all():
-        raise ArgumentError(f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite")
+        raise ArgumentError(
+            f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite"
+        )
     if frame == "body":
         from .screws import adjoint
 
@@ -113,10 +115,13 @@ def _joint(w: np.ndarray, v: np.ndarray, i: int, unit: bool) -> tuple[JointModel
     size = turn if turn > UNIT else slide
     if size < UNIT or (unit and abs(size - 1) > UNIT):
         raise ArgumentError(
-            f"from_screws: screw {i} has |w| = {turn:.9g} and |v| = {slide:.9g}; |w| = 1, or w = 0 and |v| = 1, expected"
+            f"from_screws: screw {i} has |w| = {turn:.9g} and |v| = {slide:.9g}; |w| = 1, or w = 0 and "
+            "|v| = 1, expected"
         )
     if turn <= UNIT:
-        return Axial(_direction(v / slide), Dual(exact(0), _near(slide)), kind="prismatic", coordinates=("length",)), None
+        return Axial(
+            _direction(v / slide), Dual(exact(0), _near(slide)), kind="prismatic", coordinates=("length",)
+        ), None
     axis, pitch = w / turn, float(w @ v) / turn**2
     if abs(pitch) <= PITCH:
         pitch = 0.0

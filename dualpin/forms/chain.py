@@ -135,7 +135,7 @@ def chain(robot: Robot, base: str | Frame | None = None, tip: str | Frame | None
     start = root(robot) if base is None else robot.frame(base)
     end = _only_leaf(robot, what) if tip is None else robot.frame(tip)
     up, down = _ways(start.joint, end.joint)
-    world = {j: X for j, X in homes(robot, [*_path(start.joint), *_path(end.joint)]).items()}
+    world = homes(robot, [*_path(start.joint), *_path(end.joint)])
     inverse = (world[start.joint] @ start.placement).inverse
     axes: list[Axis] = []
     for joint in up:
@@ -151,7 +151,8 @@ def _only_leaf(robot: Robot, what: str) -> Frame:
         return ends[0]
     names = [f.name for f in ends]
     raise ArgumentError(
-        f"{what}: {robot.name} branches and ends in {len(names)} links; choose one with tip=. {nearest('', names, 'leaves')}"
+        f"{what}: {robot.name} branches and ends in {len(names)} links; choose one with tip=. "
+        + nearest("", names, "leaves")
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..boundary import choice
@@ -11,7 +12,7 @@ from ..errors import ArgumentError, DualpinWarning
 from ..model.robot import Frame, Robot
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, UZ, Vector3, motor
-from .align import CLEAN, NEAR, PARALLEL, Rules, Step, step
+from .align import CLEAN, NEAR, PARALLEL, Rules, step
 from .chain import Axis, Chain, chain
 from .table import CONVENTIONS, DHEnd, DHRow, DHStep, DHTable
 
@@ -183,6 +184,4 @@ def end(rows: list[DHRow], convention: str) -> DHEnd:
 def _announced(table: DHTable, snap: float | tuple[float, float]) -> DHTable:
     note = f"snap={snap}: the table deviates from the robot by up to {table.residual:.3g} (m and matrix entries)"
     warnings.warn(f"{table.name}: {note}", DualpinWarning, stacklevel=3)
-    return DHTable(
-        table.rows, table.base, table.tool, table.convention, table.name, table.nq, table.chain, (*table.notes, note)
-    )
+    return replace(table, notes=(*table.notes, note))

@@ -36,13 +36,13 @@ def dh_text(table: DHTable, format: str, degrees: bool, digits: int | None) -> s
         return _latex(table, degrees, digits)
     before = "[i-1]" if table.convention == "modified" else ""
     angle = "deg" if degrees else "rad"
-    header = ("row", "joint", "kind", f"theta [{angle}]", "d [m]", f"a{before} [m]", f"alpha{before} [{angle}]")
+    titles = ("row", "joint", "kind", f"theta [{angle}]", "d [m]", f"a{before} [m]", f"alpha{before} [{angle}]")
     cells = [row[:7] for row in _cells(table, degrees, digits)]
     if format == "markdown":
-        return text.markdown(header, cells)
+        return text.markdown(titles, cells)
     order = "X(alpha, a) Z(theta, d)" if before else "Z(theta, d) X(alpha, a)"
     title = f"{table.name}: Denavit-Hartenberg, {table.convention}, row = {order}"
-    return "\n".join([title, text.aligned(header, cells), *(f"note: {n}" for n in table.notes)])
+    return "\n".join([title, text.aligned(titles, cells), *(f"note: {n}" for n in table.notes)])
 
 
 def _four(step: DHStep, degrees: bool) -> list[float]:
@@ -167,7 +167,15 @@ def _arguments(theta: float, d: float, a: float, alpha: float, kind: str, digits
 
 
 def _python_link(
-    table: DHTable, kind: str, theta: float, d: float, a: float, alpha: float, name: str, fixed: bool, digits: int | None
+    table: DHTable,
+    kind: str,
+    theta: float,
+    d: float,
+    a: float,
+    alpha: float,
+    name: str,
+    fixed: bool,
+    digits: int | None,
 ) -> str:
     kind_name = ("Revolute" if kind == "R" else "Prismatic") + ("DH" if table.convention == "standard" else "MDH")
     given = ", ".join(f"{k}={v}" for k, v in _arguments(theta, d, a, alpha, kind, digits))
@@ -176,7 +184,15 @@ def _python_link(
 
 
 def _matlab_link(
-    table: DHTable, kind: str, theta: float, d: float, a: float, alpha: float, name: str, fixed: bool, digits: int | None
+    table: DHTable,
+    kind: str,
+    theta: float,
+    d: float,
+    a: float,
+    alpha: float,
+    name: str,
+    fixed: bool,
+    digits: int | None,
 ) -> str:
     given = ", ".join(f"'{k}', {v}" for k, v in _arguments(theta, d, a, alpha, kind, digits))
     still = ", 'qlim', [0 0]" if fixed else ""
@@ -190,7 +206,8 @@ def _python(table: DHTable, links: list[str], notes: list[str], digits: int | No
         "from roboticstoolbox import DHRobot, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH",
         "from spatialmath import SE3", "",
         *(f"# {note}" for note in notes),
-        text.array("base", table.base.matrix, "python", digits), text.array("tool", table.tool.matrix, "python", digits),
+        text.array("base", table.base.matrix, "python", digits),
+        text.array("tool", table.tool.matrix, "python", digits),
         "robot = DHRobot(", "    [", *links, "    ],", f"    name={table.name!r},",
         "    base=SE3(base, check=False),", "    tool=SE3(tool, check=False),", ")", "",
     ])  # fmt: skip
@@ -200,7 +217,8 @@ def _matlab(table: DHTable, links: list[str], notes: list[str], digits: int | No
     name = table.name.replace("'", "''")
     return "\n".join([
         *(f"% {note}" for note in notes),
-        text.array("base", table.base.matrix, "matlab", digits), text.array("tool", table.tool.matrix, "matlab", digits),
+        text.array("base", table.base.matrix, "matlab", digits),
+        text.array("tool", table.tool.matrix, "matlab", digits),
         "links = [", *links, "];", f"robot = SerialLink(links, 'name', '{name}', 'base', base, 'tool', tool);", "",
     ])  # fmt: skip
 
@@ -214,15 +232,14 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
     text.checked_digits(digits)
     turn = in_degrees if degrees else float
     names = ("gamma", "b", "alpha", "d", "theta", "r")
-    values = [
-        [turn(r.gamma), r.b, turn(r.alpha), r.d, turn(r.theta), r.r] for r in table.rows
-    ]
+    values = [[turn(r.gamma), r.b, turn(r.alpha), r.d, turn(r.theta), r.r] for r in table.rows]
     if format in ("json", "yaml"):
         data = {
             "robot": table.source.name, "convention": "khalil-kleinfinger", "angles": "deg" if degrees else "rad",
             "base": {"theta": turn(float(table.base.real)), "r": float(table.base.dual)}, "tips": table.tips,
             "rows": [
-                {"number": r.number, "antecedent": r.antecedent, "sigma": r.sigma, "kind": KINDS[r.kind], "name": r.name,
+                {"number": r.number, "antecedent": r.antecedent, "sigma": r.sigma, "kind": KINDS[r.kind],
+                 "name": r.name,
                  **dict(zip(names, (x + 0.0 for x in v), strict=True)), "q": list(r.q), "pitch": r.pitch}
                 for r, v in zip(table.rows, values, strict=True)
             ],
@@ -245,4 +262,7 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
             [*row[:3], text.tex(row[3]), *(f"${x}$" for x in row[4:])] for row in cells
         ])  # fmt: skip
     angle = "deg" if degrees else "rad"
-    return f"{table.source.name}: Khalil-Kleinfinger, Z(gamma, b) X(alpha, d) Z(theta, r), {angle} and m\n" + text.aligned(header, cells)
+    return (
+        f"{table.source.name}: Khalil-Kleinfinger, Z(gamma, b) X(alpha, d) Z(theta, r), {angle} and m\n"
+        + text.aligned(header, cells)
+    )

@@ -13,7 +13,8 @@ from . import text
 from .export import FORMATS
 
 if TYPE_CHECKING:
-    from .screws import Screws, ScrewTree
+    from .screw_tree import ScrewTree
+    from .screws import Screws
 
 AXES = ("wx", "wy", "wz", "vx", "vy", "vz")
 
@@ -44,7 +45,8 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
         table = text.latex("lrrrrrr", ["joint", *symbols], rows)
         return table + "\n\\[ M = \\left[\\begin{array}{rrrr}\n" + matrix + "\n\\end{array}\\right] \\]"
     unit = "deg" if degrees else "rad"
-    title = f"{poe.chain.robot.name}: {poe.frame} screws [w; v] per {unit} (or m), from {poe.chain.base.name} to {poe.chain.tip.name}"
+    ends = f"from {poe.chain.base.name} to {poe.chain.tip.name}"
+    title = f"{poe.chain.robot.name}: {poe.frame} screws [w; v] per {unit} (or m), {ends}"
     order = "T = exp(S1 q1) ... exp(Sn qn) M" if poe.frame == "space" else "T = M exp(B1 q1) ... exp(Bn qn)"
     matrix = text.aligned(["M", "", "", ""], [row[1:5] for row in home])
     return f"{title}\n{order}\n{text.aligned(header, cells)}\n\n{matrix}"
@@ -54,7 +56,10 @@ def tree_text(tree: ScrewTree, format: str, degrees: bool, digits: int | None) -
     """All tips, one after the other; JSON as one document."""
     choice("export: format", format, FORMATS)
     if format in ("json", "yaml"):
-        data = {tip: text.rounded(_data(tree[tip], tree[tip].screws * _scale(tree[tip], degrees), degrees), digits) for tip in tree}
+        data = {
+            tip: text.rounded(_data(tree[tip], tree[tip].screws * _scale(tree[tip], degrees), degrees), digits)
+            for tip in tree
+        }
         return text.as_json(data) if format == "json" else text.yaml(data)
     if format in ("python", "matlab"):
         raise ArgumentError(f"export: {format} code holds one chain; choose a tip (tree[tip].export({format!r}))")
@@ -88,7 +93,7 @@ def _code(poe: Screws, language: str, degrees: bool, digits: int | None) -> str:
     matrices = [(name, getattr(poe, name)) for name in ("M", "Slist", "Blist")]
     if language == "matlab":
         parts = [f"% joints: {joints}", *(text.array(name, A, "matlab", digits) for name, A in matrices)]
-        parts.append("Mlist = zeros(4, 4, %d); Glist = zeros(6, 6, %d);" % (len(poe) + 1, len(poe)))
+        parts.append(f"Mlist = zeros(4, 4, {len(poe) + 1}); Glist = zeros(6, 6, {len(poe)});")
         for name, stack in (("Mlist", poe.Mlist), ("Glist", poe.Glist)):
             parts += [text.array(f"{name}(:, :, {i})", A, "matlab", digits) for i, A in enumerate(stack, 1)]
         return "\n".join([*parts, ""])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -150,7 +150,9 @@ class KhalilTable:
         if tip is None and len(self.tips) == 1:
             (tip,) = self.tips
         if tip not in self.tips:
-            raise FrameNotFoundError(f"{tip!r} is not a tip of {self.source.name}; {nearest(str(tip), self.tips, 'tips')}")
+            raise FrameNotFoundError(
+                f"{tip!r} is not a tip of {self.source.name}; {nearest(str(tip), self.tips, 'tips')}"
+            )
         return self.robot.frame(str(self.tips[tip]))
 
     def pose(self, q: Sequence[Scalar], tip: str | None = None) -> Pose:
@@ -160,7 +162,7 @@ class KhalilTable:
     def fk(self, q: ArrayLike, tip: str | None = None, *, engine: str = "auto") -> np.ndarray:
         """Pose of a leaf link in the base link, shape (..., 4, 4); q (..., nq) of the whole robot."""
         x = np.moveaxis(whole_q(self.source, q, f"{self.source.name}: fk: q"), -1, 0)
-        own = np.stack(self._own(x), axis=-1) if self.robot.nq else np.zeros((*x.shape[1:], 0))
+        own = np.stack(self._own(list(x)), axis=-1) if self.robot.nq else np.zeros((*x.shape[1:], 0))
         return fk(self.robot, own, self._tip(tip), engine=engine)
 
     @cached_property
@@ -215,10 +217,7 @@ class _Tree:
         if number == 0:
             self.base = theta
             return
-        old = self.rows[number - 1]
-        self.rows[number - 1] = KhalilRow(
-            number, old.antecedent, old.kind, old.name, old.gamma_hat, old.alpha_hat, theta, old.q, old.factors, old.pitch
-        )  # fmt: skip
+        self.rows[number - 1] = replace(self.rows[number - 1], theta_hat=theta)
 
     def add(self, antecedent: int, steps: list[Step], name: str, axis: Axis | None) -> int:
         """The frames of these steps, the last about `axis`; its number."""

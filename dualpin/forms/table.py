@@ -96,7 +96,9 @@ class DHEnd:
 
     def _only(self) -> DHStep:
         if len(self.steps) > 1:
-            raise ArgumentError(f"{len(self.steps)} steps have no single theta, d, a, alpha; see .steps, .pose, .matrix")
+            raise ArgumentError(
+                f"{len(self.steps)} steps have no single theta, d, a, alpha; see .steps, .pose, .matrix"
+            )
         return self.steps[0] if self.steps else DHStep(Dual(0.0, 0.0), Dual(0.0, 0.0))
 
     @property

@@ -62,7 +62,9 @@ def latex(columns: str, header: Sequence[str], rows: Rows) -> str:
     """A tabular environment that needs no packages."""
     body = [" & ".join(row) + r" \\" for row in rows]
     head = " & ".join(header) + r" \\"
-    return "\n".join([rf"\begin{{tabular}}{{{columns}}}", r"\hline", head, r"\hline", *body, r"\hline", r"\end{tabular}"])
+    return "\n".join(
+        [rf"\begin{{tabular}}{{{columns}}}", r"\hline", head, r"\hline", *body, r"\hline", r"\end{tabular}"]
+    )
 
 
 def tex(name: str) -> str:

@@ -179,7 +179,9 @@ class _Writer:
             if frame.parent == 0:  # a robot without a base link
                 link_of[0] = self._link(self._free("base_link", self.link_names), None)
             else:
-                raise ArgumentError(f"to_urdf: {frame.name!r} is fixed to {self.robot.frames[frame.parent].name!r}, which has no link")
+                raise ArgumentError(
+                    f"to_urdf: {frame.name!r} is fixed to {self.robot.frames[frame.parent].name!r}, which has no link"
+                )
         return link_of[frame.parent]
 
     @staticmethod
@@ -214,13 +216,15 @@ class _Writer:
         assert isinstance(model, Axial)  # there are no other models
         if model.kind == "helical":
             raise ArgumentError(
-                f"to_urdf: joint {joint.name!r} is helical, and URDF has no such joint; write it as a revolute or prismatic "
-                "one, or split it into both and couple them outside the file"
+                f"to_urdf: joint {joint.name!r} is helical, and URDF has no such joint; write it as a "
+                "revolute or prismatic one, or split it into both and couple them outside the file"
             )
         if model.kind == "cylindrical":
             between = self._link(self._free(f"{child}_turned", self.link_names), None)
             slide = self._free(f"{joint.name}_slide", self.names)
-            self.notes.append(f"cylindrical joint {joint.name!r} is split into {joint.name!r} (angle) and {slide!r} (slide)")
+            self.notes.append(
+                f"cylindrical joint {joint.name!r} is split into {joint.name!r} (angle) and {slide!r} (slide)"
+            )
             lower, upper = joint.limits.lower or (-inf, -inf), joint.limits.upper or (inf, inf)
             self._axial(joint, joint.name, "revolute", parent, between, origin, (lower[0], upper[0]), model)
             self._axial(joint, slide, "prismatic", between, child, GROUND, (lower[1], upper[1]), model)
@@ -235,19 +239,28 @@ class _Writer:
     ) -> None:  # fmt: skip
         bounded = all(abs(b) < inf for b in bounds)
         if kind == "prismatic" and not bounded:
-            self.notes.append(f"prismatic joint {name!r} has no limits, URDF demands them: -{TRAVEL:g} ... {TRAVEL:g} m written")
+            self.notes.append(
+                f"prismatic joint {name!r} has no limits, URDF demands them: -{TRAVEL:g} ... {TRAVEL:g} m written"
+            )
             bounds, bounded = (-TRAVEL, TRAVEL), True
         if kind == "revolute" and not bounded:
             kind = "continuous"
         e = self._element(name, kind, parent, child, origin)
-        factor = sum(abs(float(p)) for p in (model.units[0].real, model.units[0].dual)) if len(model.units) == 1 else 1.0
+        factor = (
+            sum(abs(float(p)) for p in (model.units[0].real, model.units[0].dual)) if len(model.units) == 1 else 1.0
+        )
         if abs(factor - 1) > 1e-12:
-            raise ArgumentError(f"to_urdf: the coordinate of joint {name!r} is scaled by {factor:g}; URDF joints are in rad and m")
+            raise ArgumentError(
+                f"to_urdf: the coordinate of joint {name!r} is scaled by {factor:g}; URDF joints are in rad and m"
+            )
         etree.SubElement(e, "axis", xyz=_numbers(float(x) * _sign(model) for x in model.axis))
         limits = joint.limits
         if bounded or limits.velocity < inf or limits.effort < inf:
             span = {"lower": _numbers([bounds[0]]), "upper": _numbers([bounds[1]])} if bounded else {}
-            most = {"effort": _numbers([min(limits.effort, UNBOUNDED)]), "velocity": _numbers([min(limits.velocity, UNBOUNDED)])}
+            most = {
+                "effort": _numbers([min(limits.effort, UNBOUNDED)]),
+                "velocity": _numbers([min(limits.velocity, UNBOUNDED)]),
+            }
             etree.SubElement(e, "limit", **span, **most)
         if limits.damping or limits.friction:
             etree.SubElement(e, "dynamics", damping=_numbers([limits.damping]), friction=_numbers([limits.friction]))
@@ -267,7 +280,9 @@ class _Writer:
         order = self._depth_first(children, base)
         wanted = [e.get("name") for e in self.joints if e.get("type") != "fixed"]
         if [n for n in order if n in set(wanted)] != wanted:
-            self.notes.append(f"readers order the joints by name: q will be {', '.join(n for n in order if n in set(wanted))}")
+            self.notes.append(
+                f"readers order the joints by name: q will be {', '.join(n for n in order if n in set(wanted))}"
+            )
 
     @staticmethod
     def _depth_first(children: dict[str, list[Any]], base: str) -> list[str]:
@@ -289,5 +304,7 @@ def _sign(model: Axial) -> float:
 
 def _checked(name: str) -> str:
     if not name or _CONTROL.search(name):
-        raise ArgumentError(f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected")
+        raise ArgumentError(
+            f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected"
+        )
     return name

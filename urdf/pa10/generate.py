@@ -30,9 +30,7 @@ def cylinder(i: int) -> dict:
 
 def robot() -> dp.Robot:
     limits = [(-radians(x), radians(x)) for x in LIMITS]
-    return dp.from_dh(
-        ROWS, "RRRRRRR", "standard", inertias=[cylinder(i) for i in range(7)], limits=limits, name="pa10"
-    )
+    return dp.from_dh(ROWS, "RRRRRRR", "standard", inertias=[cylinder(i) for i in range(7)], limits=limits, name="pa10")
 
 
 if __name__ == "__main__":

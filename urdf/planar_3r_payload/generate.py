@@ -1,4 +1,7 @@
-"""A planar arm with two joints and a payload on a third, passive one: writes planar_3r_payload.urdf beside this file.  See PROVENANCE.md."""
+"""A planar arm with two joints and a payload on a third, passive one.
+
+Writes planar_3r_payload.urdf beside this file.  See PROVENANCE.md.
+"""
 
 from math import pi
 from pathlib import Path
