@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..model.robot import Joint, Robot
-from ..scalars import ONE, ZERO, Scalar
+from ..scalars import ONE, ZERO, Scalar, exact
 from ..spatial.inertia import Articulated
 from ..spatial.vector import REST, Vector3, power
 from .crba import Matrix, crba
@@ -48,7 +48,7 @@ def aba(
     for b in reversed(robot):
         for (k, s), rotor in reversed(list(zip(b.dofs, b.armature, strict=True))):
             U = I[b](s)
-            d, u = power(s, U) + rotor, tau[k] - power(s, P[b])
+            d, u = exact(power(s, U) + rotor), tau[k] - power(s, P[b])  # a known zero: not finite, no exception
             I[b], P[b] = I[b].released(U, d), P[b] + U * (u / d)
             released[k] = U, d, u
         if b.parent:
@@ -74,7 +74,7 @@ def factorised(M: Matrix) -> tuple[Matrix, list[Scalar]]:
     n = len(M)
     L, D = [row[: i + 1] for i, row in enumerate(M)], [ZERO] * n
     for k in reversed(range(n)):
-        D[k] = L[k][k]
+        D[k] = exact(L[k][k])
         ratios = [x / D[k] for x in L[k][:k]]
         for i in range(k):
             for j in range(i + 1):

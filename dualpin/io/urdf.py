@@ -115,7 +115,10 @@ def _described(document: Document) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         stream = BytesIO(etree.tostring(document.root))
-        return yourdfpy.URDF.load(stream, build_scene_graph=False, load_meshes=False).robot
+        try:
+            return yourdfpy.URDF.load(stream, build_scene_graph=False, load_meshes=False).robot
+        except (ValueError, TypeError, LookupError, AttributeError) as e:  # of another release than was tested
+            raise UrdfError(f"{document.source}: yourdfpy cannot read what was checked ({e})") from e
 
 
 def _add(b: Builder, joint: Any, link: Any, mimic: bool) -> None:

@@ -275,7 +275,10 @@ def _read_joints(document: Document) -> None:
 
 def _check_axis(document: Document, joint: etree._Element, kind: str, what: str) -> None:
     axis = document.one(joint, "axis", what)
-    if axis is None or kind in ("fixed", "floating"):
+    if axis is None:
+        return
+    if kind in ("fixed", "floating"):  # it means nothing there, and is not read
+        joint.remove(axis)
         return
     text = axis.get("xyz")
     xyz = document.numbers(axis, "xyz", 3, what)

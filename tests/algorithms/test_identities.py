@@ -13,7 +13,7 @@ from complex_step import along, gradient
 from random_robots import FIXED_BASE, SPECS, robot
 
 import dualpin as dp
-from dualpin.model import Builder, Robot
+from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import Inertia, Matrix3, Vector3
 
 TIGHT = 1e-12
@@ -315,3 +315,19 @@ def test_mimic_is_the_projection_of_the_free_robot(name, seed):
     assert scaled(call("rnea", r, q, v, a), G.T @ call("rnea", free, x, v_, a_)) < TIGHT
     assert scaled(call("jacobian", r, q, "tool"), call("jacobian", free, x, "tool") @ G) < TIGHT
     assert scaled(call("centroidal_momentum_matrix", r, q), call("centroidal_momentum_matrix", free, x) @ G) < TIGHT
+
+
+@pytest.mark.parametrize("known", [True, False], ids=["no_inertia", "inertia_of_zeros"])
+def test_a_joint_that_moves_no_mass_has_no_finite_acceleration(known):
+    """Not an exception: nan where M is singular, for one sample as for many."""
+    b = Builder("weightless")
+    rows = [Vector3(*row) for row in np.eye(3).tolist()]
+    nothing = Inertia(0.0, Vector3(0.0, 0.0, 0.0), Matrix3(*(row * 0.0 for row in rows)))
+    b.joint("arm", revolute(), inertia=Inertia(1.0, Vector3(0.1, 0.2, 0.3), Matrix3(*rows)))
+    b.joint("hand", revolute(), "arm", inertia=None if known else nothing)
+    r = b.robot()
+    for shape in ((), (1,), (3,)):
+        x = np.ones((*shape, 2))
+        assert not np.isfinite(call("aba", r, x, x, x)[..., 1]).any()
+        assert not np.isfinite(call("minv", r, x)[..., 1, 1]).any()
+        assert np.isfinite(call("rnea", r, x, x, x)).all()
