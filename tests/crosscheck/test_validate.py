@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_robots import random_urdf
 
 import dualpin as dp
 from dualpin.algorithms import coriolis as coriolis_module
 from dualpin.crosscheck import CHECKS, tolerance
 from dualpin.model.robot import Joint, Robot
-from dualpin.spatial import Inertia, Pose, Vector3
+from dualpin.spatial import Inertia, Pose, Vector3, diagonal
 
 pytest.importorskip("pinocchio")
 
@@ -99,16 +100,10 @@ def test_fifty_digits_say_who_is_nearer():
 
 def test_a_robot_built_in_code_is_validated_through_the_urdf_it_writes():
     b = dp.Builder("two")
-    inertia = Pose(position=Vector3(0.1, 0.0, 0.2)) @ Inertia(2.0, Vector3(0.0, 0.0, 0.0), _ball(0.3))
+    inertia = Pose(position=Vector3(0.1, 0.0, 0.2)) @ Inertia(2.0, Vector3(0.0, 0.0, 0.0), diagonal(0.3))
     b.joint("a", dp.model.revolute(), inertia=inertia)
     b.joint("b", dp.model.prismatic(Vector3(0.6, 0.0, 0.8)), "a", Pose(position=Vector3(0.3, 0.0, 0.0)), inertia)
     assert dp.validate(b.robot(), samples=5, engine="numpy").passed
-
-
-def _ball(x):
-    from dualpin.spatial import diagonal
-
-    return diagonal(x)
 
 
 @pytest.mark.parametrize(("arguments", "message"), [
@@ -142,3 +137,12 @@ def test_a_report_survives_json(tmp_path):
     assert again.to_json() == report.to_json()
     assert "| rnea |" in paths[1].read_text()
     assert "<table>" in paths[2].read_text()
+
+
+@pytest.mark.parametrize("case", range(6))
+@pytest.mark.parametrize("floating", [False, True], ids=["fixed", "floating"])
+def test_random_trees_agree_through_the_same_file(tmp_path, seed, case, floating):
+    path = tmp_path / "random.urdf"
+    path.write_text(random_urdf(seed + case, joints=7))
+    report = dp.validate(str(path), samples=5, seed=case, floating=floating, engine="numpy")
+    assert report.passed, {k: (t.max_scaled_error, t.tolerance) for k, t in report.terms.items() if not t.passed}

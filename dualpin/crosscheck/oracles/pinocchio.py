@@ -173,7 +173,9 @@ class Pinocchio:
         if "tau" in states and not self.robot.coupled:  # G is a permutation then
             pins["tau"] = states["tau"] @ G.T
         rows = zip(*pins.values(), strict=True)
-        return np.array([one(layout.model, data, G, dict(zip(pins, row, strict=True)), **options) for row in rows])
+        with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
+            results = [one(layout.model, data, G, dict(zip(pins, row, strict=True)), **options) for row in rows]
+        return np.array(results)
 
     # --- one sample of each term ---------------------------------------------------------------------
 
