@@ -30,8 +30,8 @@ _HOMES = {
     "dualpin.crosscheck": ("validate",),
     "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),
 }  # fmt: skip
-_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model", "spatial",
-             "tracking")  # fmt: skip
+_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model",
+             "spatial", "tracking")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [*sorted(_WHERE), "__version__"]  # noqa: PLE0604

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..dual import Dual, atan, tan
 from ..errors import ArgumentError, DualDivisionError, ShapeError
+from ..parts import array
 from ..spatial import Matrix3, Quaternion, Rotation, Vector3, compose, from_matrix, inverse
 from ..spatial import log as twist_of
 from .arguments import EPSILON, matrices, where
@@ -104,8 +105,19 @@ def screw_matrix(axis: Any, angle: Any) -> Dual:
     [0.1224, -0.4794, 2.0]
     """
     E = as_motor("screw_matrix", axis).axis.vector
-    R = Rotation.about(Vector3(*(E[..., i] for i in range(3))), _angle(angle))
-    return np.stack([np.stack(list(row), axis=-1) for row in R.rows], axis=-2)  # type: ignore[call-overload]
+    return stacked(Rotation.about(Vector3(*(E[..., i] for i in range(3))), _angle(angle)))
+
+
+def stacked(R: Matrix3) -> Dual:
+    """The entries of a matrix of dual numbers as one dual array, shape (..., 3, 3)."""
+    entries = [x if isinstance(x, Dual) else Dual(x, 0.0) for row in R.rows for x in row]
+    shape = np.broadcast_shapes(*(x.shape for x in entries))
+    return Dual(*(np.stack([_entry(getattr(x, part), shape) for x in entries], axis=-1).reshape(*shape, 3, 3)
+                  for part in ("real", "dual")))  # fmt: skip
+
+
+def _entry(x: Any, shape: tuple[int, ...]) -> np.ndarray:
+    return np.broadcast_to(array(x), shape)
 
 
 def _angle(angle: Any) -> Dual:

@@ -17,6 +17,9 @@ from .arguments import AssumptionError, dual_array
 from .linear import lstsq, solve
 
 
+ROUNDING = 1e-9  # steps this small are within reach of rounding, whatever the condition of the root
+
+
 class Jet:
     """A number and its gradient: a part of a dual number that is being differentiated."""
 
@@ -111,7 +114,7 @@ def newton(
     x0 : Dual or sequence of Dual
         Where to begin; a sequence or a dual array (n,) for a system.
     tol : float
-        Stop when a step changes no part by more than tol max(1, |x|).
+        Stop when a step changes no part by more than tol max(1, |x|), or when steps below 1e-9 shrink no more.
     real_only : sequence of int
         Unknowns that are real: their dual parts are no unknowns and stay as given.  Then the real and the
         dual equations are solved together.
@@ -149,6 +152,7 @@ def newton(
         raise ArgumentError(f"newton: real_only {tuple(real_only)} must name unknowns 0 to {n - 1}")
     result = NewtonResult(x, False)
     result.iterates.append(x[0] if scalar else x)
+    last = np.inf
     for _ in range(max_iterations):
         F, J = _linearized(f, x, scalar, jacobian)
         result.values.append(F[0] if scalar else F)
@@ -156,9 +160,12 @@ def newton(
         x = x - step
         result.iterates.append(x[0] if scalar else x)
         size = max(1.0, float(np.abs(x.real).max()), float(np.abs(x.dual).max()))
-        if max(np.abs(step.real).max(), np.abs(step.dual).max()) <= tol * size:
-            result.converged = True
+        length = float(max(np.abs(step.real).max(), np.abs(step.dual).max()))
+        # near a root steps shrink quadratically; those that no longer do are rounding
+        result.converged = length <= tol * size or (length <= ROUNDING * size and length > last / 2)
+        if result.converged:
             break
+        last = length
     F, _ = _linearized(f, x, scalar, jacobian)
     result.x, result.residual = result.iterates[-1], float(max(np.abs(F.real).max(), np.abs(F.dual).max()))
     if not result.converged:

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import Scalar, exact
 from ..spatial.inertia import Inertia
-from ..spatial.pose import Pose
+from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import JointModel
 
@@ -277,6 +277,48 @@ class Robot:
     def with_gravity(self, gravity: Sequence[float]) -> Robot:
         """The same robot elsewhere: gravity as a vector in the world frame [m/s^2]."""
         return replace(self, gravity=gravity_vector(gravity))
+
+    def attach(
+        self,
+        payload: Inertia,
+        on: str | None = None,
+        placement: Pose | None = None,
+        *,
+        passive: bool = False,
+        joint: JointModel | None = None,
+        name: str = "payload",
+    ) -> Robot:
+        """A new robot that carries a payload; the terms of the old links stay what they were.
+
+        Parameters
+        ----------
+        payload : Inertia
+            In the frame it is attached at, or, on a joint, in the joint's moving frame.
+        on : str, optional
+            The frame that carries it, by default the last.
+        placement : Pose, optional
+            Of the payload (or of its joint's fixed side) in that frame.
+        passive : bool
+            Hang it on a joint without a motor (effort limit 0), by default about the z-axis of `placement`.
+        joint : JointModel, optional
+            Put it on this joint.
+
+        References
+        ----------
+        Laus, Simoni & Martins, progressive dynamics of a manipulator and its payload.
+
+        Examples
+        --------
+        >>> import dualpin as dp
+        >>> arm = dp.load("ur5")
+        >>> held = arm.attach(dp.mechanisms.body(2.0, [0, 0, 0.1], [[0.01, 0, 0], [0, 0.01, 0], [0, 0, 0.01]]))
+        >>> held.nv, round(held.mass - arm.mass, 12)
+        (6, 2.0)
+        """
+        from .attach import attached
+
+        where = GROUND if placement is None else placement
+        return attached(self, payload, on, where, passive=passive, joint=joint, name=name)
 
     def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
         """The same robot with every constant as another kind of number.
