@@ -17,7 +17,7 @@ from .host import Host
 from .lanes import Lanes, Number
 from .schedule import Schedule, Step
 
-UNROLLED = 4  # groups of columns up to this many are written out instead of looped over
+UNROLLED = {1: 64}.get  # groups of columns, by lanes, that are written out instead of looped over
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
@@ -267,7 +267,7 @@ done:
             return [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
 
         full = columns // W
-        if full <= UNROLLED:
+        if full <= UNROLLED(W, 4):
             for j in range(0, full * W, W):
                 group(j, W, addresses(j))
         else:
