@@ -1,0 +1,261 @@
+"""The robot and its builder: names, limits, samples, lifting, and adding to what exists."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import mpmath
+import numpy as np
+import pytest
+from random_robots import SPECS, random_inertia, random_pose, robot
+
+import dualpin as dp
+from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
+from dualpin.scalars import ONE, ZERO
+from dualpin.spatial import Pose, Vector3
+
+names = pytest.mark.parametrize("name", SPECS)
+
+
+def same_dynamics(a: dp.Robot, b: dp.Robot) -> bool:
+    q, v, u = a.sample(seed=0)
+    return all(
+        np.array_equal(getattr(dp, f)(a, *x, engine="numpy"), getattr(dp, f)(b, *x, engine="numpy"))
+        for f, x in (("rnea", (q, v, u)), ("crba", (q,)), ("fk", (q,)), ("com", (q,)))
+    )
+
+
+# --- sampling ------------------------------------------------------------------------------------
+
+
+@names
+def test_samples_are_reproducible_and_within_limits(name):
+    r = robot(name)
+    q, v, a = r.sample(200, seed=1)
+    assert q.shape == (200, r.nq) and v.shape == a.shape == (200, r.nv)
+    for x, y in zip((q, v, a), r.sample(200, seed=1), strict=True):
+        assert np.array_equal(x, y)
+    assert not np.array_equal(q, r.sample(200, seed=2)[0])
+    assert (q >= np.maximum(r.lower, -np.pi) - 1e-15).all() and (q <= np.minimum(r.upper, np.pi) + 1e-15).all()
+    assert (np.abs(v) <= np.minimum(r.velocity_limit, 2 * np.pi)).all()
+    for j in r:
+        if j.kind == "floating":
+            assert np.abs(np.linalg.norm(q[:, j.q][:, 3:], axis=1) - 1).max() < 1e-15 * 4
+
+
+def limited(lower: float, upper: float, model=None, **more: float) -> dp.Robot:
+    b = Builder("limited")
+    b.joint("j", model or prismatic(), limits=Limits((lower,), (upper,), **more))
+    return b.robot()
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [(-2, 3), (5, 9), (-9, -5), (0, 0), (2, 1), (-1e308, 1e308), (-1.7e308, 1.7e308), (1, np.inf), (-np.inf, -7),
+     (-np.inf, np.inf)],
+)  # fmt: skip
+def test_samples_respect_odd_limits(lower, upper):
+    for model in (prismatic(), revolute()):
+        q, _, _ = limited(lower, upper, model).sample(100, seed=0)
+        assert np.isfinite(q).all()
+        assert (q >= lower).all() and (q <= max(lower, upper)).all()
+        assert lower >= upper or q.min() < q.max()
+
+
+def test_a_velocity_limit_of_zero_means_that_none_is_known():
+    for speed in (0.0, np.inf, 0.5):
+        _, v, _ = limited(-1, 1, velocity=speed).sample(100, seed=0)
+        assert np.ptp(v) > 0 and np.abs(v).max() <= {0.0: 1.0, 0.5: 0.5}.get(speed, 2 * np.pi)
+
+
+@pytest.mark.parametrize("arguments", [{"n": -1}, {"n": 1.5}, {"n": "3"}, {"seed": -1}, {"seed": "a"}, {"seed": 0.5}])
+def test_samples_refuse_what_is_no_number(arguments):
+    with pytest.raises(dp.ArgumentError, match="sample: "):
+        robot("arm").sample(**arguments)
+
+
+# --- names and frames ----------------------------------------------------------------------------
+
+
+@names
+def test_every_name_leads_to_its_own(name):
+    r = robot(name)
+    for j in r:
+        assert r.joint(j.name) is j
+    for i, f in enumerate(r.frames):
+        assert r.frame(i) is f and r.frame(f) is f
+        assert r.frame(f.name).name == f.name
+    assert r.frame(-1) is r.frames[-1] and r.frame_names[-1] == "tool"
+    assert r.link_names[0] == "ground"
+    assert [j.index for j in r] == list(range(len(r)))
+    assert all(j.parent is None or j.parent.index < j.index for j in r)
+    assert repr(r) and all(repr(j) for j in r)
+
+
+def test_a_link_is_meant_where_it_shares_a_joints_name():
+    b = Builder("r")
+    b.joint("a", revolute(), link="b")
+    b.joint("b", prismatic(), "b", Pose(position=Vector3(1.0, 0.0, 0.0)), link="c")
+    r = b.robot()
+    assert r.frame("b").kind == "link" and r.frame("b").joint is r.joint("a")
+    assert dp.fk(r, [0, 0], "b", engine="numpy")[0, 3] == 0 and dp.fk(r, [0, 0], "c", engine="numpy")[0, 3] == 1
+
+
+def test_nobody_modifies_a_robot():
+    r = robot("arm")
+    for thing, field in ((r, "name"), (r.joints[0], "placement"), (r.frames[0], "name"), (r.links[0], "inertia")):
+        with pytest.raises(AttributeError):
+            setattr(thing, field, None)
+
+
+@names
+def test_copies_and_pickles_compute_the_same(name):
+    r = robot(name)
+    assert same_dynamics(copy.deepcopy(r), r)
+    assert same_dynamics(pickle.loads(pickle.dumps(r)), r)
+
+
+def test_gravity_can_be_changed():
+    r = robot("arm")
+    q, _, _ = r.sample(seed=0)
+    moon = r.with_gravity((0, 0, -1.62))
+    assert np.allclose(
+        dp.gravity(moon, q, engine="numpy"), dp.gravity(r.with_gravity([0, 0, -9.72]), q, engine="numpy") / 6
+    )
+    assert (dp.gravity(r.with_gravity((0, 0, 0)), q, engine="numpy") == 0).all()
+    assert same_dynamics(moon.with_gravity((0.3, -0.2, -9.81)), r)
+    for wrong in ((0, 0), "down", None, (0, 0, np.nan), 9.81, (0, 0, -9.81, 0)):
+        with pytest.raises(dp.ArgumentError, match="gravity: three finite numbers"):
+            r.with_gravity(wrong)
+        with pytest.raises(dp.ArgumentError, match="gravity: three finite numbers"):
+            Builder("r", gravity=wrong)
+
+
+# --- building ------------------------------------------------------------------------------------
+
+
+@names
+def test_a_builder_of_a_robot_builds_the_same_robot(name):
+    r = robot(name)
+    other = Builder.of(r).robot()
+    assert same_dynamics(r, other)
+    assert other.frame_names == r.frame_names and other.link_names == r.link_names
+    assert [f.kind for f in other.frames] == [f.kind for f in r.frames]
+    assert np.array_equal(other.lower, r.lower) and np.array_equal(other.velocity_limit, r.velocity_limit)
+    assert [j.mimic for j in other] == [j.mimic for j in r]
+
+
+def test_a_payload_adds_its_weight_and_leaves_the_robot_alone():
+    r, rng = robot("arm"), np.random.default_rng(0)
+    q, v, a = r.sample(seed=0)
+    before, load = dp.rnea(r, q, v, a, engine="numpy"), random_inertia(rng)
+    b = Builder.of(r)
+    b.fixed("grip", on="tool", placement=random_pose(rng), inertia=load, link="payload")
+    b.joint("finger", prismatic(), on="payload", inertia=load)
+    more = b.robot()
+    assert more.mass == pytest.approx(r.mass + 2 * load.mass) and more.nv == r.nv + 1
+    assert np.array_equal(dp.rnea(r, q, v, a, engine="numpy"), before)
+    assert not np.allclose(dp.rnea(more, [*q, 0], [*v, 0], [*a, 0], engine="numpy")[: r.nv], before)
+
+
+@pytest.mark.parametrize(
+    ("build", "match"),
+    [
+        (lambda b: b.joint("a", revolute()), "'a' of r is defined twice"),
+        (lambda b: b.fixed("a"), "'a' of r is defined twice"),
+        (lambda b: b.frame("a"), "'a' of r is defined twice"),
+        (lambda b: b.joint("x", revolute(), link="la"), "link 'la' of r is defined twice"),
+        (lambda b: b.base("la"), "link 'la' of r is defined twice"),
+        (lambda b: b.joint("universe", revolute()), "defined twice"),
+        (lambda b: b.joint("x", revolute(), on="lb"), "'lb' is not in r yet; did you mean 'la'"),
+        (lambda b: b.frame("x", on="nowhere"), "not in r yet"),
+        (lambda b: b.joint("x", revolute(), armature=(1.0, 2.0)), "2 rotor inertias; 1 expected"),
+        (lambda b: b.joint("x", cylindrical(), limits=Limits((0.0,), (1.0,))), "1 lower limits; 2 expected"),
+        (lambda b: b.joint("x", revolute(Vector3(0.0, 0.0, 2.0))), "unit axis expected.*length 2"),
+        (lambda b: b.joint("x", prismatic(Vector3(ONE, ONE, ZERO))), "unit axis"),
+        (lambda b: b.joint("x", helical(Vector3(0.0, 0.0, 0.0), 0.1)), "unit axis"),
+        (lambda b: b.joint("x", revolute(Vector3(float("nan"), 0.0, 1.0))), "unit axis"),
+        (lambda b: b.joint("x", revolute(), mimic=Mimic("nobody")), "'x' mimics 'nobody', which does not move"),
+        (lambda b: b.joint("x", revolute(), mimic=Mimic("x")), "circle"),
+        (lambda b: b.joint("x", Floating(), mimic=Mimic("a")), "a floating joint cannot follow another"),
+        (lambda b: b.joint("x", cylindrical(), mimic=Mimic("a")), "a cylindrical joint cannot follow another"),
+        (
+            lambda b: (b.joint("p", Planar()), b.joint("x", revolute(), mimic=Mimic("p"))),
+            "planar kind has no single angle",
+        ),
+    ],
+    ids=range(19),
+)  # fmt: skip
+def test_what_cannot_be_built_is_refused(build, match):
+    b = Builder("r")
+    b.joint("a", revolute(), link="la")
+    with pytest.raises(dp.DualpinError, match=match):
+        (build(b), b.robot())
+
+
+def test_two_joints_that_follow_each_other_are_a_circle():
+    b = Builder("r")
+    b.joint("a", revolute(), mimic=Mimic("b"))
+    b.joint("b", revolute(), mimic=Mimic("a"))
+    with pytest.raises(dp.ArgumentError, match="circle of joints that follow each other"):
+        b.robot()
+
+
+def test_a_leader_may_come_later_than_its_followers():
+    b = Builder("r")
+    b.joint("a", revolute(), mimic=Mimic("c", 2.0, 0.1))
+    b.joint("b", prismatic(), "a", mimic=Mimic("a", -1.0))
+    b.joint("c", revolute(), "b")
+    r = b.robot()
+    assert (r.nq, r.nv) == (1, 1) and r.coupled
+    T = dp.fk(r, [0.3], engine="numpy")
+    assert np.allclose(np.arctan2(T[0, 1, 0], T[0, 0, 0]), 0.7) and np.allclose(T[1, 2, 3], -0.7)
+
+
+def test_a_circular_slide_is_a_pair_of_joints_in_one():
+    """A cylindrical joint is a revolute and a prismatic one on the same axis; a helical one couples them."""
+    b = Builder("pair")
+    b.joint("c", cylindrical(), inertia=random_inertia(np.random.default_rng(0)))
+    one = b.robot()
+    b = Builder("twin")
+    b.joint("r", revolute())
+    b.joint("p", prismatic(), "r", inertia=random_inertia(np.random.default_rng(0)))
+    two = b.robot()
+    q, v, a = one.sample(5, seed=0)
+    for f, x in (("rnea", (q, v, a)), ("crba", (q,)), ("coriolis", (q, v)), ("aba", (q, v, a))):
+        assert np.allclose(getattr(dp, f)(one, *x, engine="numpy"), getattr(dp, f)(two, *x, engine="numpy"), atol=1e-13)
+    b = Builder("screw")
+    b.joint("h", helical(pitch=0.2), inertia=random_inertia(np.random.default_rng(0)))
+    G = np.array([[1.0], [0.2]])
+    q1, v1, a1 = q[:, :1], v[:, :1], a[:, :1]
+    tau = dp.rnea(one, q1 @ G.T, v1 @ G.T, a1 @ G.T, engine="numpy") @ G
+    assert np.allclose(dp.rnea(b.robot(), q1, v1, a1, engine="numpy"), tau, atol=1e-13)
+
+
+# --- other numbers -------------------------------------------------------------------------------
+
+
+@names
+def test_lifting_to_floats_changes_nothing_visible(name):
+    r = robot(name)
+    q, v, a = r.sample(seed=0)
+    lifted = r.lift(float)
+    x, y = (dp.rnea(s, q, v, a, engine="numpy") for s in (r, lifted))
+    assert np.abs(x - y).max() <= 1e-13 * np.abs(x).max()  # rotations are orthonormalised again
+    assert lifted.frame_names == r.frame_names and repr(lifted)
+
+
+def test_a_lifted_robot_can_be_built_upon():
+    with mpmath.workdps(40):
+        r = robot("mimic").lift(mpmath.mpf)
+        b = Builder.of(r)
+        for part in b._parts.values():
+            part.mimic = None
+        free = b.robot()
+        for j in free:  # the joints that followed are whole ones again, in the new numbers
+            axis = j.model.axis
+            length = axis.dot(axis)
+            assert abs(mpmath.mpf(getattr(length, "n", length)) - 1) < mpmath.mpf(10) ** -38
+        assert free.nv > r.nv
+        assert repr(r)
