@@ -10,7 +10,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from .algorithms import aba, coriolis, crba, jacobian, kinematics, link_terms, momentum, regressor, rnea
+from .algorithms import aba, coriolis, crba, derivatives, jacobian, kinematics, link_terms, momentum, regressor, rnea
 from .model.robot import Frame, Robot
 from .scalars import Scalar
 from .spatial.pose import Pose
@@ -203,6 +203,8 @@ TERMS: dict[str, Term] = {
         Term("joint_torque_regressor", ("q", "v", "a"), regressor.joint_torque_regressor,
              lambda r: (r.nv, 10 * len(r))),
         Term("link_terms", ("q", "v"), _link_terms, lambda r: (len(r), r.nv, 2 * r.nv + 1)),
+        Term("rnea_derivatives", ("q", "v", "a"), derivatives.rnea_derivatives, lambda r: (3, r.nv, r.nv)),
+        Term("aba_derivatives", ("q", "v", "tau"), derivatives.aba_derivatives, lambda r: (3, r.nv, r.nv)),
         Term("integrate", ("q", "v"), _integrate, lambda r: (r.nq,)),
         Term("difference", ("q0", "q1"), _difference, _vector),
     )

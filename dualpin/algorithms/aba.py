@@ -101,8 +101,25 @@ def solve_inertia(M: Matrix, b: Sequence[Scalar]) -> list[Scalar]:
     return solve_factorised(*factorised(M), b)
 
 
+def inverse(L: Matrix, D: Sequence[Scalar]) -> Matrix:
+    """M^-1 = W D^-1 W^T with W = L^-1: each entry a sum over common ancestors, equal to its mirror image."""
+    n = len(D)
+    W: Matrix = [[ZERO] * n for _ in range(n)]
+    inv: Matrix = [[ZERO] * n for _ in range(n)]
+    for k in range(n):
+        W[k][k] = ONE
+        for j in range(k):
+            for i in range(j, k):
+                W[k][j] = W[k][j] - L[k][i] * W[i][j]
+    scaled = [[x / d for x, d in zip(row, D, strict=True)] for row in W]
+    for i in range(n):
+        for j in range(i + 1):
+            for k in range(j + 1):
+                inv[i][j] = inv[i][j] + scaled[i][k] * W[j][k]
+            inv[j][i] = inv[i][j]
+    return inv
+
+
 def minv(robot: Robot, q: Sequence[Scalar]) -> Matrix:
     """The inverse of the joint-space inertia matrix, by its sparse factors."""
-    L, D = factorised(crba(robot, q))
-    units: list[list[Scalar]] = [[ONE if i == k else ZERO for i in range(robot.nv)] for k in range(robot.nv)]
-    return [solve_factorised(L, D, e) for e in units]
+    return inverse(*factorised(crba(robot, q)))

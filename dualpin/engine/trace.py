@@ -288,6 +288,8 @@ def _atan2(y: Any, x: Any) -> Any:
 
 class _Library(SimpleNamespace):
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
         raise UntraceableError(f"{name} of a symbol cannot be compiled")
 
 
