@@ -254,25 +254,28 @@ def assembled(
     limits: Sequence[Limits] | None = None,
     gravity: Sequence[float] = STANDARD_GRAVITY,
 ) -> Robot:
-    """The robot of a table: joint i turns about z_i at X_{i-1} Z_i, its link's DH frame is at X_i (standard)."""
+    """The robot of a table, every row on the DH frame of the one before.
+
+    Joint i moves link i at Z_i; a standard row then fixes its distal DH frame, "frame_i", at X_i.
+    """
     n, standard = len(table.rows), table.convention == "standard"
     bodies, limits = bodies or [None] * n, limits or [Limits()] * n
     b = Builder(table.name, gravity)
     b.base("base_link")
-    on, before = "base_link", table.base.pose if base is None else base
+    on, start = "base_link", table.base.pose if base is None else base
     for i, (row, body, bound) in enumerate(zip(table.rows, bodies, limits, strict=True), 1):
         Z, X = Pose.about(UZ, row.theta_hat), Pose.about(UX, row.alpha_hat)
-        place = placed(before @ Z if standard else before @ X @ Z)
-        before = X if standard else GROUND
-        inertia = None if body is None else placed(before) @ body
+        place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), GROUND)
+        inertia = None if body is None else far @ body
         if row.kind == "F":
             b.fixed(f"fixed_{i}", on, place, inertia, link=f"link_{i}")
         else:
             b.joint(f"joint_{i}", model(row.kind, row.pitch), on, place, inertia, link=f"link_{i}", limits=bound)
-        on = f"link_{i}"
+        on, start = f"link_{i}", GROUND
         if standard:
-            b.fixed(f"frame_{i}_joint", on, placed(X), link=f"frame_{i}")
-    b.fixed("tool_joint", on, placed(before @ (table.tool.pose if tool is None else tool)), link="tool")
+            b.fixed(f"frame_{i}_joint", on, far, link=f"frame_{i}")
+            on = f"frame_{i}"
+    b.fixed("tool_joint", on, placed(start @ (table.tool.pose if tool is None else tool)), link="tool")
     return b.robot()
 
 

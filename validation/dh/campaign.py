@@ -120,11 +120,12 @@ def write(result: dict[str, Any]) -> None:
     fixed = ", ".join(f"{n} with {k}" for k, n in s["fixed_rows"].items())
     text = f"""# Denavit-Hartenberg tables and screws of every chain, against Pinocchio
 
-Written by `python validation/dh/campaign.py --samples {s["samples"]} --seed {s["seed"]}`; one line a chain in `chains.csv`.
+Written by `python validation/dh/campaign.py --samples {s["samples"]} --seed {s["seed"]}`.
+`chains.csv` has one line a chain.
 
 {s["robots"]} robots of example-robot-data, {s["chains"]} root-to-leaf chains with at least one moving joint, and
-{s["chains_with_mimic"]} more with mimic joints coupled; {s["samples"]} random q each. **{"Passed" if s["passed"] else "FAILED"}**:
-largest entry of abs(T - T_pinocchio) at most {s["tolerance"]:g}, and abs(d) below {LONGEST:g} m.
+{s["chains_with_mimic"]} more with mimic joints coupled; {s["samples"]} random q each.
+**{"Passed" if s["passed"] else "FAILED"}**: largest entry of abs(T - T_pinocchio) at most {s["tolerance"]:g}, and abs(d) below {LONGEST:g} m.
 
 | form | max error | worst chain |
 |---|---|---|
