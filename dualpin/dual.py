@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numbers
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from .errors import ArgumentError, DualDivisionError
-from .parts import SEQUENCES, Parts, aligned, array, array_function, product
+from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product
 from .scalars import ONE, ZERO, Exact, Scalar, exact, library
 
 
@@ -212,6 +212,11 @@ def raise_where(wrong: np.ndarray, message: str) -> None:
 EPS = Dual(ZERO, ONE)
 
 
+def stack(items: Sequence[Any], axis: int = 0) -> Dual:
+    """Dual and plain numbers or arrays of one shape along a new axis, as np.stack."""
+    return joined(np.stack, Dual, items, axis=axis)
+
+
 # --- functions over any scalar -------------------------------------------------------------------
 
 
@@ -247,18 +252,18 @@ class Function:
             raise ArgumentError(f"{self.name} of {x}: no real value there ({e}); complex parts have one") from None
 
 
-sin = Function("sin", lambda x: cos(x))
-cos = Function("cos", lambda x: -sin(x))
-tan = Function("tan", lambda x: 1 / (cos(x) * cos(x)))
-asin = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
-acos = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
-atan = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))
-sinh = Function("sinh", lambda x: cosh(x))
-cosh = Function("cosh", lambda x: sinh(x))
-tanh = Function("tanh", lambda x: 1 / (cosh(x) * cosh(x)))
-exp = Function("exp", lambda x: exp(x))
-log = Function("log", lambda x: 1 / x, (0,))
-sqrt = Function("sqrt", lambda x: 1 / (2 * sqrt(x)), (0,))
+sin: Function = Function("sin", lambda x: cos(x))
+cos: Function = Function("cos", lambda x: -sin(x))
+tan: Function = Function("tan", lambda x: 1 / (cos(x) * cos(x)))
+asin: Function = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
+acos: Function = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
+atan: Function = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))
+sinh: Function = Function("sinh", lambda x: cosh(x))
+cosh: Function = Function("cosh", lambda x: sinh(x))
+tanh: Function = Function("tanh", lambda x: 1 / (cosh(x) * cosh(x)))
+exp: Function = Function("exp", lambda x: exp(x))
+log: Function = Function("log", lambda x: 1 / x, (0,))
+sqrt: Function = Function("sqrt", lambda x: 1 / (2 * sqrt(x)), (0,))
 
 
 def power(x: Scalar, n: Scalar) -> Scalar:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..dual import Dual
+from ..dual import Dual, stack
 from ..errors import ArgumentError, DualDivisionError, DualpinError, ShapeError
 
 EPSILON = float(np.finfo(float).eps)
@@ -39,7 +39,7 @@ def dual_array(what: str, x: Any, ndim: int = 0) -> tuple[np.ndarray, np.ndarray
 def gathered(x: Any) -> Any:
     """Nested lists of dual numbers as one dual array; motors as what they hold."""
     if isinstance(x, (list, tuple)) and any(hasattr(i, "dual") for i in _leaves(x)):
-        return np.stack([g if isinstance(g, Dual) else Dual(np.asarray(g)) for g in map(gathered, x)])  # type: ignore[call-overload]
+        return stack([gathered(i) for i in x])
     return Dual(x.real, x.dual) if hasattr(x, "dual") and not isinstance(x, Dual) else x
 
 

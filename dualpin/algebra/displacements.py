@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..dual import Dual, atan, tan
+from ..dual import Dual, atan, stack, tan
 from ..errors import ArgumentError, DualDivisionError, ShapeError
 from ..parts import array
 from ..spatial import Matrix3, Quaternion, Rotation, Vector3, compose, from_matrix, inverse
@@ -80,7 +80,7 @@ def euler_parameters(A: Any) -> Dual:
         raise ShapeError(f"euler_parameters: dual matrices (..., 3, 3) or poses (..., 4, 4) expected, got {a.shape}")
     _check_orthogonal("euler_parameters", a, b)
     R = Matrix3(*(Vector3(*(Dual(a[..., i, j], b[..., i, j]) for j in range(3))) for i in range(3)))
-    return np.stack(list(Quaternion.from_rotation(R)), axis=-1)  # type: ignore[call-overload]
+    return stack(list(Quaternion.from_rotation(R)), axis=-1)
 
 
 def _check_orthogonal(what: str, a: np.ndarray, b: np.ndarray) -> None:

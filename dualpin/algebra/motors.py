@@ -56,8 +56,8 @@ class Motor:
 
     def __getitem__(self, index: Any) -> Motor:
         """Motors of a batch; the three components stay together."""
-        index = index if isinstance(index, tuple) else (index,)
-        return type(self)(self.real[(*index, Ellipsis, slice(None))], self.dual[(*index, Ellipsis, slice(None))])
+        key = (*(index if isinstance(index, tuple) else (index,)), Ellipsis, slice(None))
+        return type(self)(self.real[key], self.dual[key])
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from .. import dual as functions
-from ..dual import Dual
+from ..dual import Dual, stack
 from ..errors import ArgumentError
 from ..scalars import NAMES, register
 from .arguments import AssumptionError, dual_array
 from .linear import lstsq, solve
-
 
 ROUNDING = 1e-9  # steps this small are within reach of rounding, whatever the condition of the root
 
@@ -185,7 +184,7 @@ def _linearized(f: Any, x: Dual, scalar: bool, jacobian: Any) -> tuple[Dual, Dua
     if jacobian is not None:
         argument = x[0] if scalar else x
         F, J = f(argument), jacobian(argument)
-        return (np.stack([F]), np.stack([np.stack([_dual(J)])])) if scalar else (Dual(*dual_array("f", F)), J)
+        return (stack([F]), stack([stack([J])])) if scalar else (Dual(*dual_array("f", F)), Dual(*dual_array("J", J)))
     n = x.shape[0]
     seeds = np.eye(n)
     unknowns = [Dual(Jet(x.real[i], seeds[i]), Jet(x.dual[i], np.zeros(n))) for i in range(n)]

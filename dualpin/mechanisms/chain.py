@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from ..algebra.arguments import dual_array
 from ..algebra.displacements import stacked
 from ..algebra.motors import Motor
-from ..dual import Dual
+from ..dual import Dual, stack
 from ..errors import ArgumentError, ShapeError
 from ..model.robot import STANDARD_GRAVITY
-from ..scalars import ZERO
+from ..parts import joined
 from ..spatial import NOUGHT, REST, UX, UZ, Inertia, Matrix3, Rotation, Vector3, motor, skew
 
 
@@ -110,7 +110,7 @@ class DualChain:
         for M in reversed(self.steps(q)):
             outward = M if outward is None else M @ outward
             blocks.append(stacked(outward.T))
-        return np.concatenate(blocks[::-1], axis=-1)  # type: ignore[call-overload, return-value]
+        return joined(np.concatenate, Dual, blocks[::-1], axis=-1)
 
     def jacobian(self, q: Any) -> np.ndarray:
         """The ordinary one: twist [w; v] of the last frame in its own axes, from (rates, slides), (..., 6, 2 n).
@@ -176,11 +176,7 @@ class DualChain:
         for M, load in zip(reversed(steps), reversed(loads), strict=True):
             F = M @ (F + load)
             found.append(F.z)
-        return np.stack([Dual(*map(_number, (z.real, z.dual))) for z in reversed(found)], axis=-1)  # type: ignore[call-overload]
-
-
-def _number(x: Any) -> Any:
-    return 0.0 if x is ZERO else x
+        return stack(found[::-1], axis=-1)
 
 
 def _product(steps: Sequence[Rotation]) -> Rotation:

@@ -16,7 +16,7 @@ from .. import algebra
 from ..algebra.arguments import AssumptionError, dual_array
 from ..algebra.displacements import stacked
 from ..algebra.newton import NewtonResult
-from ..dual import Dual, acos, atan2, cos, cos_sin, sin, sqrt
+from ..dual import Dual, acos, atan2, cos, cos_sin, sin, sqrt, stack
 from ..errors import ArgumentError, DualDivisionError, ShapeError, nearest
 from ..spatial import UX, UZ, Matrix3, Rotation
 
@@ -159,7 +159,8 @@ class RCCC:
     def _position(self, *theta: Dual) -> Position:
         defect = self.closure(theta)
         size = float(max(np.abs(defect.real).max(), np.abs(defect.dual).max()))
-        return Position(*(t if t.shape else Dual(float(t.real), float(t.dual)) for t in theta), size)
+        t1, t2, t3, t4 = (t if t.shape else Dual(float(t.real), float(t.dual)) for t in theta)
+        return Position(t1, t2, t3, t4, size)
 
     # iterative methods
 
@@ -238,8 +239,8 @@ class RCCC:
         a, b, c, d = self.joint_matrices([t1, x[0], x[1], x[2]])
         ab, cd = a @ b, c @ d
         columns = [a @ (Q @ (b @ cd)), ab @ (Q @ cd), ab @ c @ (Q @ d)]
-        v = np.eye(3) - ab @ cd
-        return np.stack([m[ROWS] for m in columns], axis=-1), v[ROWS]  # type: ignore[call-overload]
+        v = -(ab @ cd) + np.eye(3)
+        return stack([m[ROWS] for m in columns], axis=-1), v[ROWS]
 
     # sweeps
 
@@ -262,12 +263,12 @@ class RCCC:
         cosine = -C / size
         possible = np.abs(cosine.real) < 1 - 1e-14
         middle, half = atan2(A, B), acos(Dual(np.where(possible, cosine.real, 0.0), cosine.dual))
-        branches: list[Any] = []
+        branches = []
         for sign in (-1, 1):
             p = self.position(t1, _wrapped(middle + sign * half))
-            branches.append(np.stack([p.theta2, p.theta3, p.theta4], axis=-1))  # type: ignore[call-overload]
-        both: Any = np.stack(branches, axis=-2)  # type: ignore[call-overload]
-        return np.where(possible[..., None, None], both, Dual(np.nan, np.nan))  # type: ignore[return-value]
+            branches.append(stack([p.theta2, p.theta3, p.theta4], axis=-1))
+        both, known = stack(branches, axis=-2), possible[..., None, None]
+        return Dual(np.where(known, both.real, np.nan), np.where(known, both.dual, np.nan))
 
     def sweep_by_iteration(
         self, theta1: Any, *, variant: str = "C4", tol: float = 1e-6
