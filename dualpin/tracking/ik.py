@@ -17,7 +17,8 @@ from ..model.robot import Frame, Robot
 from ..spatial import from_matrix, to_matrix
 from .rates import GAUSS_NEWTON
 
-LONGEST = 0.6  # rad or m in one iteration: beyond, the linearisation at hand says nothing
+LONGEST = 1.0  # rad or m in one iteration: beyond, the linearisation at hand says nothing
+FADING = 0.1  # of the damping, per unit of error: a tenth keeps far targets tame and near ones quadratic
 STALLED = 12  # iterations without halving the error, after which a start is given up
 
 
@@ -60,7 +61,7 @@ def ik(
     q0: ArrayLike | None = None,
     tolerance: float = 1e-9,
     max_iterations: int = 100,
-    restarts: int = 10,
+    restarts: int = 20,
     damping: float = 1e-3,
     limits: bool = True,
     seed: int = 0,
@@ -68,7 +69,7 @@ def ik(
 ) -> Solved:
     """Configurations that put a frame at a pose.
 
-        e = log(x^* x_d),   dq = J^T (J J^T + mu 1)^-1 e,   mu = damping^2 + |e|^2 / 4 trimmed to 1
+        e = log(x^* x_d),   dq = J^T (J J^T + mu^2 1)^-1 e,   mu = 0.1 s + damping sqrt(s),   s = min(|e|, 1)
 
     over dual quaternions x, with the body Jacobian J.  The damping fades with the error, so that
     the last iterations converge like Newton's.  A joint that would leave its limits stops there,
@@ -89,7 +90,7 @@ def ik(
     restarts : int
         Random starts for targets that were not reached.
     damping : float
-        Least damping, in the unit of J's singular values; what keeps steps short at singularities.
+        In the unit of J's singular values; what keeps steps short at singularities.
     limits : bool
         Keep to the joints' limits.
     seed : int
@@ -177,17 +178,15 @@ class _Search:
         n = len(start)
         best, error = start.copy(), np.full((n, 6), np.inf)
         iterations = np.zeros(n, dtype=int)
-        halved, since = np.full(n, np.inf), np.zeros(n, dtype=int)
+        halved, since, last = np.full(n, np.inf), np.zeros(n, dtype=int), np.ones(n)
         going, q = np.arange(n), start.copy()
         free = np.ones((n, self.robot.nv))
         for _ in range(self.most + 1):
             if not len(going):
                 break
-            damping = np.sqrt(
-                self.damping**2 * np.minimum(halved[going], 1.0) + np.minimum(halved[going], 1.0) ** 2 / 4
-            )
-            move, e = self._step(q, wanted[going], free, np.where(halved[going] < np.inf, damping, 0.5))
-            size = _size(e)
+            damping = FADING * np.minimum(last[going], 1.0) + self.damping * np.sqrt(np.minimum(last[going], 1.0))
+            move, e = self._step(q, wanted[going], free, damping)
+            last[going] = size = _size(e)
             improved = size < _size(error[going])
             best[going[improved]], error[going[improved]] = q[improved], e[improved]
             much = size < halved[going] / 2

@@ -68,6 +68,14 @@ def reach(robot: Robot, frame: Frame) -> Reach | None:
     >>> bound.first, bound.last, round(bound.farthest, 3)
     ('shoulder_pan_joint', 'wrist_3_joint', 0.953)
     """
+    known = robot.__dict__.setdefault("_reach", {})
+    if frame not in known:
+        known[frame] = _reach(frame)
+    found: Reach | None = known[frame]
+    return found
+
+
+def _reach(frame: Frame) -> Reach | None:
     if frame.joint is None:
         return None
     pivots: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []  # point and direction before, direction after

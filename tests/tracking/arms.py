@@ -1,4 +1,4 @@
-"""Robots of these tests."""
+"""Robots and starts of these tests."""
 
 from __future__ import annotations
 
@@ -6,23 +6,36 @@ from functools import cache
 
 import numpy as np
 
-from dualpin.model import Robot
+import dualpin as dp
+from dualpin.model import Builder, Robot, prismatic, revolute
+from dualpin.spatial import UX, UY, Inertia, Pose, Vector3, diagonal
+
+PA10_START = np.radians([0.0, 30.0, 0.0, 60.0, 0.0, 60.0, 0.0])
 
 
 @cache
 def pa10() -> Robot:
-    """Mitsubishi PA-10, seven revolute joints: standard rows alpha (-90, 90, ...), a = 0, d in metres."""
-    from dualpin.dual import Dual
-    from dualpin.model import Builder, revolute
-    from dualpin.spatial import Pose
-    from dualpin.scalars import ONE, ZERO, exact
-    from dualpin.spatial import Rotation, Vector3
+    """Mitsubishi PA-10: standard rows, alpha (-90, 90, -90, 90, -90, 90, 0) deg, a = 0, d in m."""
+    d = (0.317, 0.0, 0.450, 0.0, 0.480, 0.0, 0.070)
+    alpha = np.radians([-90, 90, -90, 90, -90, 90, 0])
+    rows = [(0.0, d_, 0.0, alpha_) for d_, alpha_ in zip(d, alpha, strict=True)]
+    return dp.from_dh(rows, joints="RRRRRRR", convention="standard")
 
-    b = Builder("pa10")
-    T, on = Pose(), None
-    for i, (d, alpha) in enumerate(zip((0.317, 0, 0.45, 0, 0.48, 0, 0.07), (-1, 1, -1, 1, -1, 1, 0), strict=True)):
-        b.joint(f"j{i+1}", revolute(), on=on, placement=T)
-        R = Rotation(Vector3(ONE, ZERO, ZERO), Vector3(ZERO, exact(1 - abs(alpha)), exact(-alpha)), Vector3(ZERO, exact(alpha), exact(1 - abs(alpha))))
-        T, on = Pose(R, Vector3(ZERO, ZERO, exact(d))), f"j{i+1}"
-    b.frame("tip", on=on, placement=T)
+
+@cache
+def double_pendulum() -> Robot:
+    """Two equal rods in a vertical plane."""
+    rod = Inertia(1.0, Vector3(0.5, 0.0, 0.0), diagonal(1.0 / 3.0))
+    b = Builder("double_pendulum")
+    b.joint("upper", revolute(UY), inertia=rod)
+    b.joint("lower", revolute(UY), on="upper", placement=Pose(position=Vector3(1.0, 0.0, 0.0)), inertia=rod)
+    return b.robot()
+
+
+@cache
+def slider() -> Robot:
+    """Two prismatic joints without limits: its tip moves in a plane, its reach has no bound."""
+    b = Builder("slider")
+    b.joint("x", prismatic(UX))
+    b.joint("y", prismatic(UY), on="x")
     return b.robot()
