@@ -21,9 +21,10 @@ _HOMES = {
     ),
     "dualpin.forms": ("from_dh", "from_screws", "to_dh", "to_screws"),
     "dualpin.functions": (
-        "aba", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba", "difference", "fk",
+        "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba", "difference", "fk",
         "frame_acceleration", "frame_velocity", "gravity", "inertial_parameters", "integrate", "jacobian",
         "jacobian_dot", "joint_torque_regressor", "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea",
+        "rnea_derivatives",
     ),
     "dualpin.io": ("load",),
     "dualpin.model": ("Builder", "Robot"),
@@ -34,7 +35,7 @@ _PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrat
              "spatial", "tracking")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
-__all__ = [*sorted(_WHERE), "__version__"]  # noqa: PLE0604
+__all__ = [*sorted(_WHERE), "__version__"]
 
 
 def __getattr__(name: str) -> Any:

@@ -11,11 +11,49 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .algorithms.kinematics import References
 from .errors import ArgumentError, ShapeError, nearest
 from .model.robot import Robot
 from .terms import TERMS, Options, Term, input_shape
 
 _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
+
+
+def compute(
+    robot: Robot, name: str, arrays: tuple[Any, ...], engine: str, out: np.ndarray | None, **options: Any
+) -> np.ndarray:
+    """What the public functions do: the robot's own callable for the term where there is one, else `call`.
+
+    The first single configuration makes that callable; `options` are still as the user gave them.
+    """
+    if engine == "auto":
+        try:
+            found = robot._ready[(name, *options.values()) if options else name]
+        except (AttributeError, KeyError, TypeError):
+            pass
+        else:
+            return found(*arrays, out)
+    check_robot(robot, name)
+    settled = settle(robot, options)
+    q = arrays[0]
+    if engine == "auto" and isinstance(q, np.ndarray) and q.ndim == 1:
+        found = robot.kernel(name, **settled)
+        try:
+            robot._ready[(name, *options.values()) if options else name] = found
+        except TypeError:
+            pass  # options that are no keys: settled every time
+        return found(*arrays, out)
+    return call(robot, name, dict(zip(TERMS[name].inputs, arrays, strict=True)), engine=engine, out=out, **settled)
+
+
+def settle(robot: Robot, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Options as the algorithms want them: frames found, references checked."""
+    settled = dict(options)
+    if "frame" in settled:
+        settled["frame"] = robot.frame(settled["frame"])
+    if "reference" in settled:
+        choice("reference", settled["reference"], References)
+    return settled
 
 
 def call(
@@ -126,4 +164,4 @@ def choice(what: str, value: str, choices: tuple[str, ...]) -> str:
     return value
 
 
-__all__ = ["Options", "as_array", "call", "check_robot", "choice", "flattened", "numbers"]
+__all__ = ["Options", "as_array", "call", "check_robot", "choice", "compute", "flattened", "numbers"]

@@ -2,7 +2,8 @@
 
 Shapes: q (..., nq), v, a, tau (..., nv); leading axes are batch axes and broadcast.
 Units: SI, radians.  World z up.  Six-vectors are angular first: twists [w; v], wrenches [n; f].
-Every function takes ``engine=``: "auto", or "numpy" to run the source uncompiled.
+Every function takes ``engine=``: "auto", "compiled", or "numpy" to run the source uncompiled; and
+those that return one array take ``out=``, a float64 array of just the result's shape.
 """
 
 from __future__ import annotations
@@ -13,16 +14,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .algorithms.kinematics import References
-from .boundary import call, choice
-from .errors import ArgumentError
+from .boundary import call, check_out, choice, compute
 from .model.robot import Frame, Robot
 
 FrameLike = str | int | Frame
 
 
 def fk(
-    robot: Robot, q: ArrayLike, frame: FrameLike | None = None, *, as_: str = "matrix", engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    frame: FrameLike | None = None,
+    *,
+    as_: str = "matrix",
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Forward kinematics: poses in the world.
 
@@ -56,23 +61,33 @@ def fk(
     >>> dp.fk(robot, np.zeros(6), frame="tool0")[:3, 3].round(5).tolist()
     [0.81725, 0.19145, -0.00549]
     """
+    if as_ == "matrix":
+        if frame is None:
+            return compute(robot, "fk", (q,), engine, out)
+        return compute(robot, "frame_pose", (q,), engine, out, frame=frame)
     choice("fk: as_", as_, ("matrix", "dual_quaternion"))
     if frame is None:
-        poses = call(robot, "fk", {"q": q}, engine=engine)
-        if as_ == "matrix":
-            return poses
         from .spatial import from_matrix
 
-        return from_matrix(poses)
-    target = _frame(robot, frame)
-    if as_ == "matrix":
-        return call(robot, "frame_pose", {"q": q}, engine=engine, frame=target)
-    x = call(robot, "frame_quaternion", {"q": q}, engine=engine, frame=target)
-    return np.where(x[..., :1] < 0, -x, x)
+        x = from_matrix(call(robot, "fk", {"q": q}, engine=engine))
+    else:
+        x = compute(robot, "frame_quaternion", (q,), engine, None, frame=frame)
+        x = np.where(x[..., :1] < 0, -x, x)
+    if out is None:
+        return x
+    check_out("fk", out, x.shape, x.dtype)
+    out[...] = x
+    return out
 
 
 def jacobian(
-    robot: Robot, q: ArrayLike, frame: FrameLike, reference: str = "world", *, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Geometric Jacobian of a frame, twist = J v.
 
@@ -99,11 +114,18 @@ def jacobian(
     >>> dp.jacobian(dp.load("ur5"), np.zeros(6), "tool0").shape
     (6, 6)
     """
-    return call(robot, "jacobian", {"q": q}, engine=engine, **_seen(robot, frame, reference))
+    return compute(robot, "jacobian", (q,), engine, out, frame=frame, reference=reference)
 
 
 def jacobian_dot(
-    robot: Robot, q: ArrayLike, v: ArrayLike, frame: FrameLike, reference: str = "world", *, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Time derivative of the Jacobian, dJ/dt = X_f^-1 ((V_k - V_f) x s_k) by columns.
 
@@ -120,11 +142,18 @@ def jacobian_dot(
     >>> float(abs(dp.jacobian_dot(robot, np.zeros(6), np.zeros(6), "tool0")).max())
     0.0
     """
-    return call(robot, "jacobian_dot", {"q": q, "v": v}, engine=engine, **_seen(robot, frame, reference))
+    return compute(robot, "jacobian_dot", (q, v), engine, out, frame=frame, reference=reference)
 
 
 def frame_velocity(
-    robot: Robot, q: ArrayLike, v: ArrayLike, frame: FrameLike, reference: str = "world", *, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Twist of a frame, J v.
 
@@ -139,7 +168,7 @@ def frame_velocity(
     >>> dp.frame_velocity(dp.load("ur5"), np.zeros(6), np.zeros(6), "tool0").tolist()
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    return call(robot, "frame_velocity", {"q": q, "v": v}, engine=engine, **_seen(robot, frame, reference))
+    return compute(robot, "frame_velocity", (q, v), engine, out, frame=frame, reference=reference)
 
 
 def frame_acceleration(
@@ -151,6 +180,7 @@ def frame_acceleration(
     reference: str = "world",
     *,
     classical: bool = False,
+    out: np.ndarray | None = None,
     engine: str = "auto",
 ) -> np.ndarray:
     """Spatial acceleration of a frame, J a + dJ/dt v; gravity is not in it.
@@ -176,14 +206,19 @@ def frame_acceleration(
     >>> dp.frame_acceleration(dp.load("ur5"), np.zeros(6), np.zeros(6), np.zeros(6), "tool0").shape
     (6,)
     """
-    options = _seen(robot, frame, reference)
-    return call(
-        robot, "frame_acceleration", {"q": q, "v": v, "a": a}, engine=engine, classical=bool(classical), **options
-    )
+    seen = {"frame": frame, "reference": reference, "classical": bool(classical)}
+    return compute(robot, "frame_acceleration", (q, v, a), engine, out, **seen)
 
 
 def rnea(
-    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, f_ext: ArrayLike | None = None, *, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    f_ext: ArrayLike | None = None,
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Inverse dynamics, tau = M(q) a + C(q, v) v + g(q) - J^T f_ext.
 
@@ -212,11 +247,13 @@ def rnea(
     (1000, 9)
     """
     if f_ext is None:
-        return call(robot, "rnea", {"q": q, "v": v, "a": a}, engine=engine)
-    return call(robot, "rnea_f_ext", {"q": q, "v": v, "a": a, "f_ext": f_ext}, engine=engine)
+        return compute(robot, "rnea", (q, v, a), engine, out)
+    return compute(robot, "rnea_f_ext", (q, v, a, f_ext), engine, out)
 
 
-def bias(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def bias(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """Nonlinear effects h = C(q, v) v + g(q), shape (..., nv).
 
     Examples
@@ -225,10 +262,10 @@ def bias(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> n
     >>> dp.bias(dp.load("ur5"), np.zeros(6), np.ones(6)).shape
     (6,)
     """
-    return call(robot, "bias", {"q": q, "v": v}, engine=engine)
+    return compute(robot, "bias", (q, v), engine, out)
 
 
-def gravity(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
 
     Examples
@@ -237,10 +274,10 @@ def gravity(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
     >>> dp.gravity(dp.load("ur5"), np.zeros(6)).shape
     (6,)
     """
-    return call(robot, "gravity", {"q": q}, engine=engine)
+    return compute(robot, "gravity", (q,), engine, out)
 
 
-def crba(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Joint-space inertia matrix M(q), full and symmetric, shape (..., nv, nv).
 
     References
@@ -254,10 +291,12 @@ def crba(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
     >>> bool((M == M.T).all())
     True
     """
-    return call(robot, "crba", {"q": q}, engine=engine)
+    return compute(robot, "crba", (q,), engine, out)
 
 
-def coriolis(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def coriolis(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """Coriolis matrix C(q, v), shape (..., nv, nv): the one with dM/dt = C + C^T of Christoffel's symbols.
 
     Many matrices give the same C v; this one makes dM/dt - 2 C skew for every q and v.  With a
@@ -276,11 +315,18 @@ def coriolis(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") 
     >>> bool(np.allclose(C @ v + dp.gravity(robot, q), dp.bias(robot, q, v)))
     True
     """
-    return call(robot, "coriolis", {"q": q, "v": v}, engine=engine)
+    return compute(robot, "coriolis", (q, v), engine, out)
 
 
 def aba(
-    robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, f_ext: ArrayLike | None = None, *, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    f_ext: ArrayLike | None = None,
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
 ) -> np.ndarray:
     """Forward dynamics, a = M^-1 (tau - C v - g + J^T f_ext), shape (..., nv).
 
@@ -309,11 +355,74 @@ def aba(
     True
     """
     if f_ext is None:
-        return call(robot, "aba", {"q": q, "v": v, "tau": tau}, engine=engine)
-    return call(robot, "aba_f_ext", {"q": q, "v": v, "tau": tau, "f_ext": f_ext}, engine=engine)
+        return compute(robot, "aba", (q, v, tau), engine, out)
+    return compute(robot, "aba_f_ext", (q, v, tau, f_ext), engine, out)
 
 
-def minv(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def rnea_derivatives(
+    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, engine: str = "auto"
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How inverse dynamics changes: d tau / dq, d tau / dv, d tau / da = M, each (..., nv, nv).
+
+    d tau / dq is by displacements of the joints: of a floating or planar joint in its moving frame
+    (the tangent space in which `integrate` steps), of all others the derivative by the coordinate.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    v, a : array_like, shape (..., nv)
+
+    References
+    ----------
+    Singh, Russell & Wensing (2022), Efficient analytical derivatives of rigid-body dynamics.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, a = robot.sample(seed=0)
+    >>> dq, dv, da = dp.rnea_derivatives(robot, q, v, a)
+    >>> step = 1e-6
+    >>> slope = (dp.rnea(robot, q + step * v, v, a) - dp.rnea(robot, q - step * v, v, a)) / (2 * step)
+    >>> bool(abs(dq @ v - slope).max() < 1e-6)
+    True
+    """
+    dq, dv, da = np.moveaxis(compute(robot, "rnea_derivatives", (q, v, a), engine, None), -3, 0)
+    return dq, dv, da
+
+
+def aba_derivatives(
+    robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, *, engine: str = "auto"
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """How forward dynamics changes: d a / dq, d a / dv, d a / d tau = M^-1, each (..., nv, nv).
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    v, tau : array_like, shape (..., nv)
+
+    Notes
+    -----
+    d a / dq = -M^-1 d tau / dq at a = aba(q, v, tau); displacements as in `rnea_derivatives`.
+
+    References
+    ----------
+    Carpentier & Mansard (2018), Analytical derivatives of rigid body dynamics algorithms.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, tau = robot.sample(seed=0)
+    >>> dq, dv, dtau = dp.aba_derivatives(robot, q, v, tau)
+    >>> bool(np.allclose(dtau, dp.minv(robot, q)))
+    True
+    """
+    dq, dv, dtau = np.moveaxis(compute(robot, "aba_derivatives", (q, v, tau), engine, None), -3, 0)
+    return dq, dv, dtau
+
+
+def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Inverse of the joint-space inertia matrix, shape (..., nv, nv), by its branch-sparse L^T D L factors.
 
     References
@@ -328,10 +437,12 @@ def minv(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
     >>> bool(np.allclose(dp.minv(robot, q) @ dp.crba(robot, q), np.eye(6)))
     True
     """
-    return call(robot, "minv", {"q": q}, engine=engine)
+    return compute(robot, "minv", (q,), engine, out)
 
 
-def kinetic_energy(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def kinetic_energy(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """T = v^T M v / 2 [J], shape (...,).
 
     Examples
@@ -340,10 +451,10 @@ def kinetic_energy(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "a
     >>> float(dp.kinetic_energy(dp.load("ur5"), np.zeros(6), np.zeros(6)))
     0.0
     """
-    return call(robot, "kinetic_energy", {"q": q, "v": v}, engine=engine)
+    return compute(robot, "kinetic_energy", (q, v), engine, out)
 
 
-def potential_energy(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """U = -sum m g . c [J], zero with all mass at the world's origin, shape (...,).
 
     Examples
@@ -352,10 +463,10 @@ def potential_energy(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.
     >>> dp.potential_energy(dp.load("ur5"), np.zeros((3, 6))).shape
     (3,)
     """
-    return call(robot, "potential_energy", {"q": q}, engine=engine)
+    return compute(robot, "potential_energy", (q,), engine, out)
 
 
-def com(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Centre of mass of the moving bodies in the world [m], shape (..., 3).
 
     Examples
@@ -364,10 +475,10 @@ def com(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
     >>> dp.com(dp.load("ur5"), np.zeros(6)).shape
     (3,)
     """
-    return call(robot, "com", {"q": q}, engine=engine)
+    return compute(robot, "com", (q,), engine, out)
 
 
-def com_jacobian(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Jacobian of the centre of mass, dc/dt = J v, world axes, shape (..., 3, nv).
 
     Examples
@@ -376,10 +487,12 @@ def com_jacobian(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndar
     >>> dp.com_jacobian(dp.load("ur5"), np.zeros(6)).shape
     (3, 6)
     """
-    return call(robot, "com_jacobian", {"q": q}, engine=engine)
+    return compute(robot, "com_jacobian", (q,), engine, out)
 
 
-def centroidal_momentum_matrix(robot: Robot, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def centroidal_momentum_matrix(
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """A(q) with momentum about the centre of mass = A v, world axes, shape (..., 6, nv).
 
     Rows [l; p], angular first.
@@ -394,11 +507,11 @@ def centroidal_momentum_matrix(robot: Robot, q: ArrayLike, *, engine: str = "aut
     >>> dp.centroidal_momentum_matrix(dp.load("ur5"), np.zeros(6)).shape
     (6, 6)
     """
-    return call(robot, "centroidal_momentum_matrix", {"q": q}, engine=engine)
+    return compute(robot, "centroidal_momentum_matrix", (q,), engine, out)
 
 
 def joint_torque_regressor(
-    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, engine: str = "auto"
+    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
     """Y with rnea = Y p, shape (..., nv, 10 njoints).
 
@@ -418,7 +531,7 @@ def joint_torque_regressor(
     >>> bool(np.allclose(Y @ dp.inertial_parameters(robot), dp.rnea(robot, q, v, a)))
     True
     """
-    return call(robot, "joint_torque_regressor", {"q": q, "v": v, "a": a}, engine=engine)
+    return compute(robot, "joint_torque_regressor", (q, v, a), engine, out)
 
 
 def inertial_parameters(robot: Robot) -> np.ndarray:
@@ -491,7 +604,9 @@ def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto"
     return LinkTerms(robot.joint_names, call(robot, "link_terms", {"q": q, "v": v}, engine=engine))
 
 
-def integrate(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def integrate(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """The configuration reached from q by moving with v for one unit of time, shape (..., nq).
 
     On the group: a floating base moves along the screw of its twist, q * exp(v).
@@ -504,10 +619,12 @@ def integrate(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto")
     >>> bool(abs(dp.difference(robot, q, dp.integrate(robot, q, 0.1 * v)) - 0.1 * v).max() < 1e-14)
     True
     """
-    return call(robot, "integrate", {"q": q, "v": v}, engine=engine)
+    return compute(robot, "integrate", (q, v), engine, out)
 
 
-def difference(robot: Robot, q0: ArrayLike, q1: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+def difference(
+    robot: Robot, q0: ArrayLike, q1: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
     """The v with integrate(q0, v) = q1, shape (..., nv).
 
     Examples
@@ -516,16 +633,4 @@ def difference(robot: Robot, q0: ArrayLike, q1: ArrayLike, *, engine: str = "aut
     >>> dp.difference(dp.load("ur5"), np.zeros(6), np.ones(6)).tolist()
     [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
     """
-    # `where` inside the logarithm chooses a sign: not a straight line of operations, so never compiled
-    return call(robot, "difference", {"q0": q0, "q1": q1}, engine="numpy" if engine == "auto" else engine)
-
-
-def _frame(robot: Robot, frame: FrameLike) -> Frame:
-    if not isinstance(robot, Robot):
-        raise ArgumentError(f"a Robot expected first, got {type(robot).__name__}")
-    return robot.frame(frame)
-
-
-def _seen(robot: Robot, frame: FrameLike, reference: str) -> dict[str, Frame | str]:
-    """Checked options of everything that is seen from somewhere."""
-    return {"frame": _frame(robot, frame), "reference": choice("reference", reference, References)}
+    return compute(robot, "difference", (q0, q1), engine, out)

@@ -38,7 +38,7 @@ def rnea_derivatives(
     X = joint_poses(robot, q)
     V: dict[Joint | None, Vector3] = {None: REST}
     A: dict[Joint | None, Vector3] = {None: robot.at_rest}
-    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}  # noqa: E741
+    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
     B: dict[Joint | None, Connection] = {}
     F: dict[Joint | None, Vector3] = {}
     P: dict[int, list[Vector3]] = {}

@@ -1,8 +1,8 @@
 """How a term is executed on arrays: compiled for this machine, or by NumPy.
 
-    "auto"      compiled where there is a compiler and the term is a straight line, else NumPy
-    "compiled"  compiled, or an error that says why not
-    "numpy"     the source itself on arrays
+"auto"      compiled where there is a compiler and the term is a straight line, else NumPy
+"compiled"  compiled, or an error that says why not
+"numpy"     the source itself on arrays
 """
 
 from __future__ import annotations
@@ -110,7 +110,6 @@ def _bind(robot: Robot, term: Term, dtype: np.dtype, options: Options) -> Callab
     from dataclasses import replace
 
     from ..boundary import call
-
     from . import entry
 
     one_q = term.inputs[0] == "q" and "q1" not in term.inputs

@@ -74,7 +74,9 @@ class Kernel:
         result = np.empty((n, self.width), self.dtype) if out is None else out
         if n == 0 or self.width == 0:
             return result
-        if out is not None and (rowwise(out, self.dtype) is not out or any(np.may_share_memory(out, x) for x in arrays)):
+        if out is not None and (
+            rowwise(out, self.dtype) is not out or any(np.may_share_memory(out, x) for x in arrays)
+        ):
             result = np.empty((n, self.width), self.dtype)
         everything = [*arrays, result]
         steps = [x.strides[0] for x in everything]
@@ -96,7 +98,9 @@ class Kernel:
 
 def rowwise(x: np.ndarray, dtype: np.dtype) -> np.ndarray:
     """x, or a copy of it whose rows are contiguous numbers of this type."""
-    fits = x.dtype == dtype and x.strides[0] % dtype.itemsize == 0 and (x.shape[1] < 2 or x.strides[1] == dtype.itemsize)
+    fits = (
+        x.dtype == dtype and x.strides[0] % dtype.itemsize == 0 and (x.shape[1] < 2 or x.strides[1] == dtype.itemsize)
+    )
     return x if fits else np.ascontiguousarray(x, dtype=dtype)
 
 

@@ -61,7 +61,7 @@ def set_num_threads(n: int | None) -> None:
     1
     >>> dp.set_num_threads(None)
     """
-    global _chosen  # noqa: PLW0603
+    global _chosen
     if n is not None and (not isinstance(n, (int, np.integer)) or isinstance(n, bool) or n < 1):
         raise ArgumentError(f"set_num_threads: a number of threads, 1 or more, or None expected, got {n!r}")
     _chosen = None if n is None else int(n)
@@ -88,7 +88,7 @@ def spread(work: Callable[[int, int], None], n: int, seconds: float, multiple: i
 
 
 def _workers(n: int) -> ThreadPoolExecutor:
-    global _pool  # noqa: PLW0603
+    global _pool
     pool = _pool
     if pool is None or pool[0] < n:
         if pool is not None:
@@ -98,7 +98,7 @@ def _workers(n: int) -> ThreadPoolExecutor:
 
 
 def _forget() -> None:
-    global _pool  # noqa: PLW0603
+    global _pool
     _pool = None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isfinite, pi
@@ -336,6 +336,11 @@ class Robot:
         return lifted(self, scalar)
 
     # compiled terms
+
+    @cached_property
+    def _ready(self) -> dict[Hashable, Callable[..., np.ndarray]]:
+        """Callables of terms already used, by name and options as they were given."""
+        return {}
 
     def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
         """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
