@@ -246,31 +246,37 @@ def _gather(
     keys = ["q", "q1"] if check.term == "difference" else list(TERMS[check.term].inputs)
     inputs = {key: batch[key] for key in keys}
     named = {"q0": batch["q"], "q1": batch["q1"]} if check.term == "difference" else inputs
-    for variant, options in enumerate(check.variants(robot, seed)):
+    variants = check.variants(robot, seed)
+    answers = oracle.compute(check.term, inputs, variants)
+    for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
         ours = call(robot, check.term, named, engine=engine, **options)
-        theirs = oracle.compute(check.term, inputs, **options)
         n = len(batch["q"])
         difference = np.abs(ours - theirs).reshape(n, -1)
         scale = np.maximum(1.0, np.abs(theirs).reshape(n, -1).max(axis=1, initial=0.0))
         error = difference.max(axis=1, initial=0.0) / scale
+        error = np.where(np.isfinite(error), error, np.inf)
         bound = tolerance.recursion(robot, n)
         if check.solves:
-            M = crba(robot, batch["q"], engine=engine)
-            if check.term == "aba":
-                h = bias(robot, batch["q"], batch["v"], engine=engine)
-                bound = tolerance.solution(robot, M, np.abs(batch["tau"]) + np.abs(h), theirs)
-            else:
-                bound = tolerance.inverse(robot, M)
-            hopeless = ~(tolerance.scaled_condition(M) < tolerance.SINGULAR)
-            error = np.where(hopeless, np.nan, np.where(np.isfinite(error), error, np.inf))
-        else:
-            error = np.where(np.isfinite(error), error, np.inf)
+            bound, hopeless = _solved(check.term, robot, batch, theirs, engine)
+            error = np.where(hopeless, np.nan, error)
         tally.errors.append(error)
         tally.bounds.append(bound.value)
         tally.where.append(difference.argmax(axis=1) if difference.shape[1] else np.zeros(n, int))
         tally.samples += batch["sample"].tolist()
         tally.variants += [variant] * n
         tally.reason = bound.reason
+
+
+def _solved(
+    term: str, robot: Robot, batch: dict[str, np.ndarray], theirs: np.ndarray, engine: str
+) -> tuple[tolerance.Tolerance, np.ndarray]:
+    """The tolerance of a term that solves with M, and the samples where M is singular."""
+    M = crba(robot, batch["q"], engine=engine)
+    hopeless = ~(tolerance.scaled_condition(M) < tolerance.SINGULAR)
+    if term == "minv":
+        return tolerance.inverse(robot, M), hopeless
+    forces = np.abs(batch["tau"]) + np.abs(bias(robot, batch["q"], batch["v"], engine=engine))
+    return tolerance.solution(robot, M, forces, theirs), hopeless
 
 
 def _arbitrate(
@@ -280,7 +286,7 @@ def _arbitrate(
     one = slice(result.worst["sample"], result.worst["sample"] + 1)
     options = check.variants(robot, seed)[result.worst["variant"]]
     state = {key: given[key][one] for key in TERMS[check.term].inputs}
-    theirs = oracle.compute(check.term, state, **options)
+    (theirs,) = oracle.compute(check.term, state, [options])
     result.worst["against_50_digits"] = _fifty_digits(
         robot, check.term, {k: x[0] for k, x in state.items()}, theirs, **options
     )

@@ -14,7 +14,8 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +107,17 @@ class Layout:
 
             self._moves.append(axial)
 
+    def states(self, ours: dict[str, np.ndarray], coupled: bool) -> dict[str, np.ndarray]:
+        """Inputs (n, size) of dualpin to those of Pinocchio."""
+        how = {"q": self.q, "q1": self.q, "v": self.v, "a": self.v}
+        if not coupled:  # G is a permutation then, good for forces too
+            how["tau"] = self.v
+        return {key: how[key](x) if key in how else x for key, x in ours.items()}
+
+    def v(self, ours: np.ndarray) -> np.ndarray:
+        """(n, nv) of dualpin to (n, nv) of Pinocchio."""
+        return ours @ self.G.T
+
     def q(self, ours: np.ndarray) -> np.ndarray:
         """(n, nq) of dualpin to (n, nq) of Pinocchio."""
         pins = np.zeros((*ours.shape[:-1], self.model.nq))
@@ -155,37 +167,44 @@ class Pinocchio:
     def _native(self, term: str) -> bool:
         return self.coupled is not None and term in NATIVE_WITH_MIMIC
 
-    def compute(self, term: str, states: dict[str, np.ndarray], **options: Any) -> np.ndarray:
-        """A term on states (n, size), in dualpin's conventions, shape (n, ...)."""
-        shape = TERMS[term].shape(self.robot, **options)
-        if 0 in shape:  # a robot without joints: Pinocchio 4.1 crashes on Jacobians without columns
-            return np.zeros((len(states["q"]), *shape))
+    def compute(
+        self, term: str, states: dict[str, np.ndarray], variants: Sequence[dict[str, Any]] = ({},)
+    ) -> list[np.ndarray]:
+        """A term on states (n, size), once for each variant, in dualpin's conventions: arrays (n, ...)."""
+        shapes = [TERMS[term].shape(self.robot, **options) for options in variants]
+        n = len(states["q"])
+        if 0 in shapes[0]:  # a robot without joints: Pinocchio 4.1 crashes on Jacobians without columns
+            return [np.zeros((n, *shape)) for shape in shapes]
+        if self.robot.coupled and QUESTIONS[term].solves:
+            return [self._solved(term, states)]
         layout = self.coupled if self._native(term) and self.coupled is not None else self.free
-        one = getattr(self, "_" + term)
-        data, G = layout.model.createData(), layout.G
-        pins = dict(states)
-        for key in ("q", "q1"):
-            if key in states:
-                pins[key] = layout.q(states[key])
-        for key in ("v", "a"):
-            if key in states:
-                pins[key] = states[key] @ G.T
-        if "tau" in states and not self.robot.coupled:  # G is a permutation then
-            pins["tau"] = states["tau"] @ G.T
-        rows = zip(*pins.values(), strict=True)
+        m, G = layout.model, layout.G
+        question, d = QUESTIONS[term], m.createData()
+        choices = [self._chosen(m, options) for options in variants]
+        answers: list[list[np.ndarray]] = [[] for _ in variants]
+        rows = layout.states(states, coupled=self.robot.coupled)
         with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
-            results = [one(layout.model, data, G, dict(zip(pins, row, strict=True)), **options) for row in rows]
-        return np.array(results)
+            for k in range(n):
+                state = {key: x[k] for key, x in rows.items()}
+                found = question.run(self.pin, m, d, state)
+                for answer, choice in zip(answers, choices, strict=True):
+                    # copied: what the binding returns may live in its data
+                    answer.append(np.array(question.read(self.pin, m, d, *choice) if question.read else found))
+            return [
+                question.convert(np.array(a), G).reshape(n, *shape) for a, shape in zip(answers, shapes, strict=True)
+            ]
 
-    # --- one sample of each term ---------------------------------------------------------------------
-
-    def _fk(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        self.pin.forwardKinematics(m, d, s["q"])
-        return np.array([d.oMi[i].homogeneous for i in range(1, m.njoints)]).reshape(-1, 4, 4)
-
-    def _frame_pose(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame) -> np.ndarray:
-        self.pin.framesForwardKinematics(m, d, s["q"])
-        return d.oMf[self._frame(m, frame)].homogeneous.copy()
+    def _chosen(self, m: Any, options: dict[str, Any]) -> list[Any]:
+        """Options as Pinocchio's: frame's index, reference, classical."""
+        references = {
+            "world": self.pin.WORLD, "local": self.pin.LOCAL, "local_world_aligned": self.pin.LOCAL_WORLD_ALIGNED
+        }  # fmt: skip
+        how: dict[str, Callable[[Any], Any]] = {
+            "frame": lambda f: self._frame(m, f),
+            "reference": references.get,
+            "classical": bool,
+        }
+        return [how[key](value) for key, value in options.items()]
 
     def _frame(self, m: Any, frame: Frame) -> int:
         """Pinocchio's index of a frame; a link and a joint may share a name, so the kind counts."""
@@ -197,109 +216,129 @@ class Pinocchio:
             )
         return next((i for i, kind in named if kind == kinds.get(frame.kind)), named[0][0])
 
-    def _reference(self, reference: str) -> Any:
-        return {
-            "world": self.pin.WORLD,
-            "local": self.pin.LOCAL,
-            "local_world_aligned": self.pin.LOCAL_WORLD_ALIGNED,
-        }[reference]
-
-    def _jacobian(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
-        self.pin.computeJointJacobians(m, d, s["q"])
-        self.pin.updateFramePlacements(m, d)
-        return self.pin.getFrameJacobian(m, d, self._frame(m, frame), self._reference(reference))[ANGULAR_FIRST] @ G
-
-    def _jacobian_dot(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
-        self.pin.computeJointJacobiansTimeVariation(m, d, s["q"], s["v"])
-        self.pin.updateFramePlacements(m, d)
-        dJ = self.pin.getFrameJacobianTimeVariation(m, d, self._frame(m, frame), self._reference(reference))
-        return dJ[ANGULAR_FIRST] @ G
-
-    def _frame_velocity(self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str) -> np.ndarray:
-        self.pin.forwardKinematics(m, d, s["q"], s["v"])
-        self.pin.updateFramePlacements(m, d)
-        return self.pin.getFrameVelocity(m, d, self._frame(m, frame), self._reference(reference)).vector[ANGULAR_FIRST]
-
-    def _frame_acceleration(
-        self, m: Any, d: Any, G: np.ndarray, s: Any, frame: Frame, reference: str, classical: bool
-    ) -> np.ndarray:
-        self.pin.forwardKinematics(m, d, s["q"], s["v"], s["a"])
-        self.pin.updateFramePlacements(m, d)
-        get = self.pin.getFrameClassicalAcceleration if classical else self.pin.getFrameAcceleration
-        return get(m, d, self._frame(m, frame), self._reference(reference)).vector[ANGULAR_FIRST]
-
-    def _rnea(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.rnea(m, d, s["q"], s["v"], s["a"])
-
-    def _wrenches(self, f_ext: np.ndarray) -> Any:
-        forces = self.pin.StdVec_Force()
-        forces.append(self.pin.Force.Zero())
-        for f in f_ext.reshape(-1, 6):
-            forces.append(self.pin.Force(f[3:], f[:3]))
-        return forces
-
-    def _rnea_f_ext(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.rnea(m, d, s["q"], s["v"], s["a"], self._wrenches(s["f_ext"]))
-
-    def _bias(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.nonLinearEffects(m, d, s["q"], s["v"])
-
-    def _gravity(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.computeGeneralizedGravity(m, d, s["q"])
-
-    def _crba(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        upper = np.triu(self.pin.crba(m, d, s["q"]))
-        return G.T @ (upper + np.triu(upper, 1).T) @ G
-
-    def _coriolis(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.computeCoriolisMatrix(m, d, s["q"], s["v"]) @ G
-
-    def _aba(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        if self.robot.coupled:
-            h = G.T @ self.pin.nonLinearEffects(m, d, s["q"], s["v"])
-            return _solve(self._crba(m, d, G, s), s["tau"] - h)
-        return G.T @ self.pin.aba(m, d, s["q"], s["v"], s["tau"])
-
-    def _minv(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        if self.robot.coupled:
-            return _solve(self._crba(m, d, G, s), np.eye(G.shape[1]))
-        upper = np.triu(self.pin.computeMinverse(m, d, s["q"]))
-        return G.T @ (upper + np.triu(upper, 1).T) @ G
-
-    def _kinetic_energy(self, m: Any, d: Any, G: np.ndarray, s: Any) -> float:
-        return self.pin.computeKineticEnergy(m, d, s["q"], s["v"])
-
-    def _potential_energy(self, m: Any, d: Any, G: np.ndarray, s: Any) -> float:
-        return self.pin.computePotentialEnergy(m, d, s["q"])
-
-    def _com(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return self.pin.centerOfMass(m, d, s["q"]).copy()
-
-    def _com_jacobian(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return self.pin.jacobianCenterOfMass(m, d, s["q"]) @ G
-
-    def _centroidal_momentum_matrix(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return self.pin.computeCentroidalMap(m, d, s["q"])[ANGULAR_FIRST] @ G
-
-    def _joint_torque_regressor(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return G.T @ self.pin.computeJointTorqueRegressor(m, d, s["q"], s["v"], s["a"])
-
-    def _difference(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        return np.linalg.pinv(G) @ self.pin.difference(m, s["q"], s["q1"])
-
-    def _rnea_derivatives(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        dq, dv, da = self.pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])
-        full = np.triu(da) + np.triu(da, 1).T
-        return np.array([G.T @ x @ G for x in (dq, dv, full)])
-
-    def _aba_derivatives(self, m: Any, d: Any, G: np.ndarray, s: Any) -> np.ndarray:
-        dq, dv, dtau = self.pin.computeABADerivatives(m, d, s["q"], s["v"], s["tau"])[:3]
-        full = np.triu(dtau) + np.triu(dtau, 1).T
-        return np.array([G.T @ x @ G for x in (dq, dv, full)])
+    def _solved(self, term: str, states: dict[str, np.ndarray]) -> np.ndarray:
+        """Forward dynamics of a coupled robot, which Pinocchio does not do: its M and h, and NumPy's solve."""
+        (M,) = self.compute("crba", states)
+        if term == "minv":
+            return _solve(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
+        (h,) = self.compute("bias", states)
+        return _solve(M, (states["tau"] - h)[..., None])[..., 0]
 
 
 def _solve(M: np.ndarray, b: np.ndarray) -> np.ndarray:
-    try:
-        return np.linalg.solve(M, b)
-    except np.linalg.LinAlgError:
-        return np.full_like(b, np.nan)
+    """Solutions of a batch of systems; nan where one is singular."""
+    x = np.full(b.shape, np.nan)
+    for k in range(len(M)):
+        with contextlib.suppress(np.linalg.LinAlgError):
+            x[k] = np.linalg.solve(M[k], b[k])
+    return x
+
+
+# --- the questions -------------------------------------------------------------------------------
+#
+# run computes a sample, read picks what a variant asks for, convert turns all samples into dualpin's
+# conventions at once.
+
+
+def _plain(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return x
+
+
+def _six(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return x[:, ANGULAR_FIRST]
+
+
+def _columns(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return x @ G
+
+
+def _six_columns(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return x[:, ANGULAR_FIRST] @ G
+
+
+def _forces(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return np.einsum("ki,nk...->ni...", G, x)
+
+
+def _matrix(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return G.T @ (x @ G)
+
+
+def _symmetric(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    upper = np.triu(x)
+    return _matrix(upper + np.swapaxes(np.triu(x, 1), -1, -2), G)
+
+
+def _velocities(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    return x @ np.linalg.pinv(G).T
+
+
+@dataclass(frozen=True)
+class Question:
+    """How Pinocchio computes a term: (pin, model, data, state), then (pin, model, data, *options)."""
+
+    run: Callable[..., Any]
+    convert: Callable[[np.ndarray, np.ndarray], np.ndarray] = _plain
+    read: Callable[..., Any] | None = None
+    solves: bool = False
+
+
+def _motion(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> None:
+    pin.forwardKinematics(m, d, s["q"], s["v"], *([s["a"]] if "a" in s else []))
+    pin.updateFramePlacements(m, d)
+
+
+def _jacobians(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> None:
+    if "v" in s:
+        pin.computeJointJacobiansTimeVariation(m, d, s["q"], s["v"])
+    else:
+        pin.computeJointJacobians(m, d, s["q"])
+    pin.updateFramePlacements(m, d)
+
+
+def _acceleration(pin: Any, m: Any, d: Any, frame: int, reference: Any, classical: bool) -> np.ndarray:
+    get = pin.getFrameClassicalAcceleration if classical else pin.getFrameAcceleration
+    return get(m, d, frame, reference).vector
+
+
+def _pushed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray:
+    forces = pin.StdVec_Force()
+    forces.append(pin.Force.Zero())
+    for f in s["f_ext"].reshape(-1, 6):
+        forces.append(pin.Force(f[3:], f[:3]))
+    return pin.rnea(m, d, s["q"], s["v"], s["a"], forces)
+
+
+QUESTIONS = {
+    "fk": Question(
+        lambda pin, m, d, s: pin.forwardKinematics(m, d, s["q"]),
+        read=lambda pin, m, d: [d.oMi[i].homogeneous for i in range(1, m.njoints)],
+    ),
+    "frame_pose": Question(
+        lambda pin, m, d, s: pin.framesForwardKinematics(m, d, s["q"]),
+        read=lambda pin, m, d, frame: d.oMf[frame].homogeneous,
+    ),
+    "jacobian": Question(_jacobians, _six_columns, lambda pin, m, d, f, r: pin.getFrameJacobian(m, d, f, r)),
+    "jacobian_dot": Question(
+        _jacobians, _six_columns, lambda pin, m, d, f, r: pin.getFrameJacobianTimeVariation(m, d, f, r)
+    ),
+    "frame_velocity": Question(_motion, _six, lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
+    "frame_acceleration": Question(_motion, _six, _acceleration),
+    "rnea": Question(lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]), _forces),
+    "rnea_f_ext": Question(_pushed, _forces),
+    "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), _forces),
+    "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), _forces),
+    "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), _symmetric),
+    "coriolis": Question(lambda pin, m, d, s: pin.computeCoriolisMatrix(m, d, s["q"], s["v"]), _matrix),
+    "aba": Question(lambda pin, m, d, s: pin.aba(m, d, s["q"], s["v"], s["tau"]), _forces, solves=True),
+    "minv": Question(lambda pin, m, d, s: pin.computeMinverse(m, d, s["q"]), _symmetric, solves=True),
+    "kinetic_energy": Question(lambda pin, m, d, s: pin.computeKineticEnergy(m, d, s["q"], s["v"])),
+    "potential_energy": Question(lambda pin, m, d, s: pin.computePotentialEnergy(m, d, s["q"])),
+    "com": Question(lambda pin, m, d, s: pin.centerOfMass(m, d, s["q"])),
+    "com_jacobian": Question(lambda pin, m, d, s: pin.jacobianCenterOfMass(m, d, s["q"]), _columns),
+    "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), _six_columns),
+    "joint_torque_regressor": Question(
+        lambda pin, m, d, s: pin.computeJointTorqueRegressor(m, d, s["q"], s["v"], s["a"]), _forces
+    ),
+    "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), _velocities),
+}
