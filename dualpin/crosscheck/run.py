@@ -24,9 +24,13 @@ from .arbiter import arbitrate as _fifty_digits
 from .oracles.pinocchio import Pinocchio, build
 from .results import Refusal, Report, RobotResult, TermResult, versions
 from .sampling import batches, frames, states
+from .where import locate
 
 LAST_DIGITS = 1e-13
 """A scaled error from which it is worth knowing who is right."""
+
+QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
+"""Which quantiles of its scaled errors a term keeps."""
 
 Variants = Callable[[Robot, int], list[dict[str, Any]]]
 
@@ -220,6 +224,10 @@ def compare(
             _gather(tally, CHECKS[term], robot, oracle, batch, seed, engine)
     results = {c.term: TermResult(0.0, 0.0, True, note="no moving body has mass") for c in checks}
     results |= {term: _judged(tally, oracle.source(term), given) for term, tally in tallies.items()}
+    for term, result in results.items():
+        if result.worst:
+            options = CHECKS[term].variants(robot, seed)[result.worst["variant"]]
+            result.worst["where"] = locate(robot, term, result.worst["entry"], options)
     if arbitrate:
         for term, result in results.items():
             if result.max_scaled_error > LAST_DIGITS and term != "difference":
@@ -303,6 +311,7 @@ def _judged(tally: _Tally, oracle: str, given: dict[str, np.ndarray]) -> TermRes
     ratio = np.where(compared, error / bound, -1.0)
     worst = int(ratio.argmax())
     result.max_scaled_error = float(np.nanmax(error))
+    result.quantiles = np.quantile(error[compared], QUANTILES, method="lower").tolist()
     result.tolerance = float(bound[worst])
     result.passed = bool(ratio[worst] <= 1.0)
     sample = tally.samples[worst]
