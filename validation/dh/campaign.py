@@ -51,7 +51,7 @@ def examine(robot: dp.Robot, oracle: Pinocchio, leaf: Any, samples: int, seed: i
     if not links.axes:
         return None
     q = links.sample(samples, seed)
-    truth = oracle.compute("frame_pose", {"q": q}, frame=leaf)
+    (truth,) = oracle.compute("frame_pose", {"q": q}, [{"frame": leaf}])
     out: dict[str, Any] = {"leaf": leaf.name, "joints": "".join(a.kind for a in links.axes)}
     for form in FORMS:
         start = time.perf_counter()
@@ -125,7 +125,8 @@ Written by `python validation/dh/campaign.py --samples {s["samples"]} --seed {s[
 
 {s["robots"]} robots of example-robot-data, {s["chains"]} root-to-leaf chains with at least one moving joint, and
 {s["chains_with_mimic"]} more with mimic joints coupled; {s["samples"]} random q each.
-**{"Passed" if s["passed"] else "FAILED"}**: largest entry of abs(T - T_pinocchio) at most {s["tolerance"]:g}, and abs(d) below {LONGEST:g} m.
+**{"Passed" if s["passed"] else "FAILED"}**: largest entry of abs(T - T_pinocchio) at most {s["tolerance"]:g},
+and abs(d) below {LONGEST:g} m.
 
 | form | max error | worst chain |
 |---|---|---|
