@@ -42,10 +42,11 @@ def adaptive_steps(
     h = min(dt, _first_step(k0, rtol, atol, t_end))
     while done < n:
         h = min(h, t_end - t) if t_end - t > 1.01 * h else t_end - t
-        first = k0
-        K = stages(
-            method, lambda i, x, t=t, h=h, first=first: f(t + method.nodes[i] * h, x) if i else first, y, h, space
-        )
+
+        def rate(i: int, x: np.ndarray, t: float = t, h: float = h, first: np.ndarray = k0) -> np.ndarray:
+            return f(t + method.nodes[i] * h, x) if i else first
+
+        K = stages(method, rate, y, h, space)
         evaluations += method.evaluations - 1
         u = combination(method.b, K, h)
         error = np.abs(h * np.tensordot(weights, np.stack(K), 1))

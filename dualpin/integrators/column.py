@@ -31,16 +31,16 @@ class Column(tuple):
         part = tuple.__getitem__(self, i)
         return Column(part) if isinstance(i, slice) else part
 
-    def __add__(self, b: Iterable[Scalar]) -> Column:  # type: ignore[override]
+    def __add__(self, b: Iterable[Scalar]) -> Column:
         return Column(x + y for x, y in zip(self, b, strict=True))
 
     def __sub__(self, b: Iterable[Scalar]) -> Column:
         return Column(x - y for x, y in zip(self, b, strict=True))
 
-    def __mul__(self, s: Scalar) -> Column:  # type: ignore[override]
+    def __mul__(self, s: Scalar) -> Column:
         return Column(x * s for x in self)
 
-    def __rmul__(self, s: Scalar) -> Column:  # type: ignore[override]
+    def __rmul__(self, s: Scalar) -> Column:
         return self * s
 
 

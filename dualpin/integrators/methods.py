@@ -70,7 +70,7 @@ class RungeKutta(Method):
     dense: tuple[Row, ...] = ()
 
     @cached_property
-    def nodes(self) -> Row:  # type: ignore[override]
+    def nodes(self) -> Row:
         return tuple(float(round(sum(row), 15)) for row in self.A)
 
     @property
@@ -86,7 +86,7 @@ class CrouchGrossman(Method):
     b: Row
 
     @cached_property
-    def nodes(self) -> Row:  # type: ignore[override]
+    def nodes(self) -> Row:
         return tuple(float(round(sum(row), 15)) for row in self.A)
 
 

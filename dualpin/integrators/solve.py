@@ -86,7 +86,11 @@ def fixed_steps(
         done = kernel(k, y[k], past) if kernel and current is method and len(past) >= method.depth else None
         if done is None:
             nodes = current.nodes
-            value, new = step(current, lambda i, x, k=k, c=nodes: rate(k, c[i], x), y[k], dt, past, space)
+
+            def evaluate(i: int, x: np.ndarray, k: int = k, nodes: tuple[float, ...] = nodes) -> np.ndarray:
+                return rate(k, nodes[i], x)
+
+            value, new = step(current, evaluate, y[k], dt, past, space)
             done = value, (new + past)[: method.depth] if current is not method else new
         y[k + 1], past = done
         evaluations += current.evaluations

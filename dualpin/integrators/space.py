@@ -55,7 +55,7 @@ class ConfigurationSpace(Space):
         return y + u if self.additive else _on_columns(self._move, y, u)
 
     def straighten(self, u: Any, k: Any, order: int) -> Any:
-        return k if self.additive else _on_columns(lambda *x: self._straighten(*x, order), u, k)
+        return k if self.additive else _on_columns(lambda u, k: self._straighten(u, k, order), u, k)
 
     def _move(self, y: Sequence[Scalar], u: Sequence[Scalar]) -> Column:
         return Column(x for j in self.joints for x in j.model.integrate(y[j.q], u[j.v]))

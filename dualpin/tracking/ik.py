@@ -127,8 +127,7 @@ def ik(
         if not isinstance(value, (int, float)) or not 0 < value < np.inf:
             raise ArgumentError(f"ik: {name} = {value!r}, a positive number expected")
     poses = _targets(target)
-    middle = robot.neutral if q0 is None else q0
-    guess = as_array(robot, "ik", "q0", _inside(robot, middle) if q0 is None else middle)
+    guess = _inside(robot, robot.neutral) if q0 is None else as_array(robot, "ik", "q0", q0)
     if not np.isfinite(guess).all():
         raise ArgumentError("ik: q0 has entries that are not finite")
     try:
@@ -168,7 +167,9 @@ class _Search:
     ) -> None:
         self.robot, self.frame, self.damping, self.tolerance = robot, frame, damping, tolerance
         self.most, self.engine, self.space = most, engine, ConfigurationSpace(robot)
-        self.lower, self.upper = (robot.lower, robot.upper) if limits else (robot.lower - np.inf, robot.upper + np.inf)
+        far = 0.0 if limits else np.inf
+        self.lower: np.ndarray = robot.lower - far
+        self.upper: np.ndarray = robot.upper + far
         # coordinates that are their own velocities: only these can be held at a limit
         pairs = [(j.q, j.v) for j in robot if j.mimic is None and j.kind not in ("floating", "planar")]
         self.q_of = np.array([i for q, _ in pairs for i in range(q.start, q.stop)], dtype=int)

@@ -52,8 +52,8 @@ class Loop:
             times = ((np.array(steps)[:, None] + np.array(nodes)) * self.dt).ravel()
             pose, twist = self.desired(times)
             poses, twists = (
-                np.ascontiguousarray(x.reshape(len(steps), m, self.n, -1).swapaxes(1, 2)).reshape(
-                    len(steps), self.n, -1
+                np.ascontiguousarray(x.reshape(len(steps), m, self.n, x.shape[-1]).swapaxes(1, 2)).reshape(
+                    len(steps), self.n, m * x.shape[-1]
                 )
                 for x in (pose, twist)
             )

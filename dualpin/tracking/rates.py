@@ -38,7 +38,7 @@ class Resolved(NamedTuple):
 
 
 def resolved_rate(
-    columns: Sequence[Sequence[Scalar]], twist: Sequence[Scalar], damping: Scalar, damped: bool
+    columns: Sequence[Sequence[Scalar] | None], twist: Sequence[Scalar], damping: Scalar, damped: bool
 ) -> Resolved:
     """J^+ twist by Gauss's elimination in the smaller of J J^T and J^T J.   (Whitney 1969)
 
@@ -49,7 +49,7 @@ def resolved_rate(
     square of the relative error to be expected.
     """
     moving = [k for k, c in enumerate(columns) if c is not None]
-    J = [columns[k] for k in moving]
+    J = [c for c in columns if c is not None]
     if damped or len(J) >= len(twist):
         A = [[_dot([c[i] for c in J], [c[j] for c in J]) for j in range(6)] for i in range(6)]
         if damped:
@@ -166,7 +166,8 @@ def tracking_step(method: Method, held: bool, depth: int) -> Term:
         robot: Robot, q: Any, poses: Any, twists: Any, gain: Any, damping: Any, h: Any, past: Any = (), *,
         frame: Frame, damped: bool,
     ) -> Any:  # fmt: skip
-        losses, kept = [], []
+        losses: list[Scalar] = []
+        kept: list[Column] = []
 
         def rate(i: int, x: Any) -> Column:
             twist = Column(twists[6 * i : 6 * i + 6])
@@ -204,13 +205,14 @@ def dynamics_step(method: Method) -> Term:
 def _variational(robot: Robot, q: Any, p: Any, v: Any, tau: Any, h: Any, sweeps: int) -> Any:
     """Fixed-point sweeps of the discrete Euler-Lagrange equations; see `simulate`."""
     for _ in range(sweeps):
+        before = v
         middle = Column(q) + Column(v) * (h[0] / 2)
         C, g = coriolis(robot, middle, v), gravity(robot, middle)
         force = Column(tau[k] - g[k] + _dot([row[k] for row in C], v) for k in range(robot.nv))
         momentum = Column(p) + force * (h[0] / 2)
         v = solve_inertia(crba(robot, middle), list(momentum))
-    return [*v, *force]
+    return [*v, *force, *before]
 
 
-VARIATIONAL_SWEEP = Term("variational_sweep", ("q", "p", "v", "tau", "h"), _variational, lambda r, **_: (2 * r.nv,))
-"""The midpoint velocity after some sweeps, and the generalised force that goes with it."""
+VARIATIONAL_SWEEP = Term("variational_sweep", ("q", "p", "v", "tau", "h"), _variational, lambda r, **_: (3 * r.nv,))
+"""The midpoint velocity after some sweeps, the generalised force, and the velocity one sweep before."""

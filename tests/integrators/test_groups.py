@@ -35,7 +35,13 @@ def screws(nv):
 def end(kind, method, n, span=2.0, **options):
     robot = BODIES[kind]
     return solve(
-        screws(robot.nv), robot.neutral, method=method, dt=span / n, t_end=span, space=ConfigurationSpace(robot), **options
+        screws(robot.nv),
+        robot.neutral,
+        method=method,
+        dt=span / n,
+        t_end=span,
+        space=ConfigurationSpace(robot),
+        **options,
     ).y[-1]
 
 

@@ -126,17 +126,17 @@ def test_evaluations_are_counted(name, evaluations):
 
 
 BAD = [
-    (dict(dt=0.0), "dt = 0.0 s, a positive step"),
-    (dict(dt=-0.1), "dt = -0.1 s, a positive step"),
-    (dict(dt=float("nan")), "dt = nan"),
-    (dict(t_end=-1.0), "t_end = -1.0 s, a duration"),
-    (dict(dt=0.3), "the nearest are 0.9 and 1.2"),
-    (dict(dt="0.1"), "dt = '0.1'"),
-    (dict(method="rk5"), "did you mean 'rk4"),
-    (dict(method="DOP835"), "did you mean 'DOP853'"),
-    (dict(method="variational"), "dualpin.simulate takes it"),
-    (dict(startup="papr"), "did you mean 'paper'"),
-    (dict(y0=[np.nan]), "finite entries"),
+    ({"dt": 0.0}, "dt = 0.0 s, a positive step"),
+    ({"dt": -0.1}, "dt = -0.1 s, a positive step"),
+    ({"dt": float("nan")}, "dt = nan"),
+    ({"t_end": -1.0}, "t_end = -1.0 s, a duration"),
+    ({"dt": 0.3}, "the nearest are 0.9 and 1.2"),
+    ({"dt": "0.1"}, "dt = '0.1'"),
+    ({"method": "rk5"}, "did you mean 'rk4"),
+    ({"method": "DOP835"}, "did you mean 'DOP853'"),
+    ({"method": "variational"}, "dualpin.simulate takes it"),
+    ({"startup": "papr"}, "did you mean 'paper'"),
+    ({"y0": [np.nan]}, "finite entries"),
 ]
 
 
