@@ -1,0 +1,266 @@
+"""Speed beside Pinocchio, in one run: correctness first, then medians of alternating measurements."""
+
+from __future__ import annotations
+
+import gc
+import os
+import platform
+import statistics
+import time
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .boundary import compute
+from .crosscheck.oracles.pinocchio import Pinocchio
+from .engine.threads import get_num_threads, set_num_threads
+from .errors import ArgumentError, DualpinError, DualpinWarning, nearest
+from .io import load
+from .model.robot import Robot
+from .terms import TERMS
+
+TERMS_MEASURED = (
+    "rnea", "aba", "crba", "coriolis", "fk", "jacobian", "gravity", "bias", "minv", "centroidal_momentum_matrix",
+    "joint_torque_regressor", "rnea_derivatives", "aba_derivatives",
+)  # fmt: skip
+AGREEMENT = 1e-8  # scaled; measured terms are right or the figures mean nothing (tolerances: the cross-check)
+REPETITIONS = 7
+SLICE = 0.02  # seconds of each measurement
+
+Call = Callable[[], Any]
+
+
+def run(
+    robots: Sequence[str | Robot],
+    terms: Sequence[str] = TERMS_MEASURED,
+    batches: Sequence[int] = (1, 4096),
+    threads: Sequence[int] = (1,),
+    *,
+    floating: bool = False,
+    repetitions: int = REPETITIONS,
+    progress: Callable[[dict[str, Any]], None] | None = None,
+) -> list[dict[str, Any]]:
+    """Measure terms of robots; one row for each combination.
+
+    Parameters
+    ----------
+    robots : names, paths or robots that were read from a file
+    batches : int
+        Samples in one call.  1 is one configuration through ``robot.kernel(term)`` with ``out=``.
+    threads : int
+        Threads for batches, on both sides where Pinocchio has them.
+
+    Returns
+    -------
+    list of dict
+        "robot", "floating", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample",
+        "ratio", and "reference": which of Pinocchio's functions it was measured against.  Medians of
+        alternating runs, in microseconds.
+
+    Raises
+    ------
+    ArgumentError
+        If a term cannot be measured.
+    DualpinError
+        If the results disagree.
+
+    Examples
+    --------
+    >>> from dualpin import bench
+    >>> rows = bench.run(["ur5"], ["rnea"], batches=[1], repetitions=1)
+    >>> rows[0]["robot"], rows[0]["batch"], rows[0]["ratio"] > 0
+    ('ur5', 1, True)
+    """
+    for term in terms:
+        if term not in TERMS_MEASURED:
+            raise ArgumentError(f"bench: term {term!r}; {nearest(term, TERMS_MEASURED, 'terms')}")
+    before, rows = get_num_threads(), []
+    try:
+        for given in robots:
+            robot, name = _loaded(given, floating)
+            for term in terms:
+                for batch in batches:
+                    for count in threads if batch > 1 else (1,):
+                        pair = Pair(robot, term, batch, count)
+                        row = {"robot": name, "floating": robot.joints[0].kind == "floating", **pair.measured(repetitions)}
+                        rows.append(row)
+                        if progress:
+                            progress(row)
+    finally:
+        set_num_threads(before)
+    return rows
+
+
+def _loaded(given: str | Robot, floating: bool) -> tuple[Robot, str]:
+    if isinstance(given, Robot):
+        return given, given.name
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)  # its robots are not the question here
+        return load(given, floating=floating), str(given)
+
+
+class Pair:
+    """The same term of the same states, by us and by Pinocchio, as two calls without arguments."""
+
+    def __init__(self, robot: Robot, term: str, batch: int, threads: int) -> None:
+        if robot.source is None:
+            raise ArgumentError(f"bench: {robot.name} was not read from a file, and Pinocchio needs one")
+        self.robot, self.term, self.batch, self.threads = robot, TERMS[term], batch, threads
+        floating = robot.joints[0].kind == "floating"
+        self.oracle = Pinocchio(robot, robot.source, floating, mimic=False)
+        q, v, a = robot.sample(batch, seed=0)
+        self.states = {"q": q, "v": v, "a": a, "tau": a}
+        self.options: dict[str, Any] = {}
+        if term == "jacobian":
+            # the frame with most joints under it: Pinocchio's cost grows with them too
+            frame = max(robot.frames, key=lambda f: len(list(f.joint.chain)) if f.joint else 0)
+            self.options = {"frame": frame, "reference": "local"}
+        self.inputs = [self.states[key] for key in self.term.inputs]
+
+    def ours(self) -> tuple[Call, np.ndarray]:
+        shape = self.term.shape(self.robot, **self.options)
+        f = self.robot.kernel(self.term.name, **self.options)
+        if self.batch == 1:
+            out, args = np.empty(shape), [x[0].copy() for x in self.inputs]
+        else:
+            out, args = np.empty((self.batch, *shape)), self.inputs
+        return (lambda: f(*args, out=out)), out
+
+    def function(self) -> Call:
+        """The public function's way, for one configuration."""
+        args = tuple(x[0].copy() for x in self.inputs)
+        robot, name, options = self.robot, self.term.name, self.options
+        return lambda: compute(robot, name, args, "auto", None, **options)
+
+    def theirs(self) -> tuple[Call, int, str]:
+        """Pinocchio's fastest: its parallel loop in C++ where there is one, else its Python call.
+
+        Returns the call, how many samples it computes, and its name.
+        """
+        pin, model = self.oracle.pin, self.oracle.free.model
+        states = self.oracle.free.states(self.states, coupled=False)
+        in_parallel = {"rnea": "rneaInParallel", "aba": "abaInParallel"}.get(self.term.name)
+        if self.batch > 1 and in_parallel:
+            pool = pin.ModelPool(model, self.threads)
+            arrays = [np.asfortranarray(states[key].T) for key in self.term.inputs]
+            out, f, n = np.empty((model.nv, self.batch), order="F"), getattr(pin, in_parallel), self.threads
+            return (lambda: f(n, pool, *arrays, out)), self.batch, f"{in_parallel}({n})"
+        data = model.createData()
+        name, call = _PINOCCHIO[self.term.name]
+        extra = []
+        if self.term.name == "jacobian":
+            extra = [self.oracle._frame(model, self.options["frame"])]
+        few = min(self.batch, 64)
+        samples = [[np.ascontiguousarray(states[key][i]) for key in self.term.inputs] + extra for i in range(few)]
+        if few == 1:
+            one = samples[0]
+            return (lambda: call(pin, model, data, *one)), 1, name
+
+        def loop() -> None:
+            for one in samples:
+                call(pin, model, data, *one)
+
+        return loop, few, f"{name}, Python loop"
+
+    def check(self) -> None:
+        """Both give the same, or there is nothing to compare."""
+        call, out = self.ours()
+        call()
+        few = min(self.batch, 16)
+        states = {key: x[:few] for key, x in zip(self.term.inputs, self.inputs, strict=True)}
+        expected = self.oracle.compute(self.term.name, states, [self.options])[0]
+        got = out.reshape((self.batch, *expected.shape[1:]))[:few]
+        error = float(np.abs(got - expected).max() / max(1.0, np.abs(expected).max()))
+        if not error <= AGREEMENT:
+            raise DualpinError(f"bench: {self.term.name} of {self.robot.name} differs from Pinocchio by {error:.2g} (scaled)")
+
+    def measured(self, repetitions: int = REPETITIONS) -> dict[str, Any]:
+        """The row of this pair."""
+        set_num_threads(self.threads)
+        self.check()
+        theirs, samples, name = self.theirs()
+        mine, other = alternating([self.ours()[0], theirs], repetitions)
+        mine, other = mine / self.batch * 1e6, other / samples * 1e6
+        return {
+            "term": self.term.name, "batch": self.batch, "threads": self.threads,
+            "us_per_sample": round(mine, 5), "pinocchio_us_per_sample": round(other, 5),
+            "ratio": round(other / mine, 2), "reference": name,
+        }  # fmt: skip
+
+
+_PINOCCHIO: dict[str, tuple[str, Callable[..., Any]]] = {
+    "rnea": ("rnea", lambda pin, m, d, q, v, a: pin.rnea(m, d, q, v, a)),
+    "aba": ("aba", lambda pin, m, d, q, v, tau: pin.aba(m, d, q, v, tau)),
+    "crba": ("crba", lambda pin, m, d, q: pin.crba(m, d, q)),
+    "coriolis": ("computeCoriolisMatrix", lambda pin, m, d, q, v: pin.computeCoriolisMatrix(m, d, q, v)),
+    "fk": ("forwardKinematics", lambda pin, m, d, q: pin.forwardKinematics(m, d, q)),
+    "jacobian": ("computeFrameJacobian", lambda pin, m, d, q, f: pin.computeFrameJacobian(m, d, q, f, pin.LOCAL)),
+    "gravity": ("computeGeneralizedGravity", lambda pin, m, d, q: pin.computeGeneralizedGravity(m, d, q)),
+    "bias": ("nonLinearEffects", lambda pin, m, d, q, v: pin.nonLinearEffects(m, d, q, v)),
+    "minv": ("computeMinverse", lambda pin, m, d, q: pin.computeMinverse(m, d, q)),
+    "centroidal_momentum_matrix": ("computeCentroidalMap", lambda pin, m, d, q: pin.computeCentroidalMap(m, d, q)),
+    "joint_torque_regressor": (
+        "computeJointTorqueRegressor", lambda pin, m, d, q, v, a: pin.computeJointTorqueRegressor(m, d, q, v, a),
+    ),
+    "rnea_derivatives": (
+        "computeRNEADerivatives", lambda pin, m, d, q, v, a: pin.computeRNEADerivatives(m, d, q, v, a),
+    ),
+    "aba_derivatives": (
+        "computeABADerivatives", lambda pin, m, d, q, v, tau: pin.computeABADerivatives(m, d, q, v, tau),
+    ),
+}  # fmt: skip
+
+
+def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: float = SLICE) -> list[float]:
+    """Median seconds of each call, measured in turns so that whatever slows the machine slows them all."""
+    calls = list(calls)
+    loops = []
+    for f in calls:
+        f()
+        start = time.perf_counter()
+        f()
+        loops.append(max(1, int(seconds / max(time.perf_counter() - start, 1e-7))))
+    times: list[list[float]] = [[] for _ in calls]
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        for _ in range(repetitions):
+            for k, f in enumerate(calls):
+                again = range(loops[k])
+                start = time.perf_counter()
+                for _ in again:
+                    f()
+                times[k].append((time.perf_counter() - start) / loops[k])
+    finally:
+        if collecting:
+            gc.enable()
+    return [statistics.median(t) for t in times]
+
+
+def machine() -> dict[str, Any]:
+    """What the figures depend on, for the head of a report."""
+    from importlib import metadata
+
+    from .engine.host import this_host
+
+    def version(package: str) -> str:
+        try:
+            return metadata.version(package)
+        except metadata.PackageNotFoundError:
+            return "-"
+
+    host = this_host()
+    model = host.cpu
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        names = [line.partition(":")[2].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
+        model = f"{names[0]} ({host.cpu})" if names else model
+    return {
+        "processor": model, "cores": os.cpu_count(), "vector_bits": 8 * host.width, "fma": host.fma,
+        "system": f"{platform.system()} {platform.machine()}", "python": platform.python_version(),
+        **{p: version(p) for p in ("dualpin", "numpy", "llvmlite", "pin")},
+        "pin_is": "the PyPI wheel, compiled for any x86-64 (SSE2)",
+    }  # fmt: skip
