@@ -7,8 +7,9 @@ The everyday robots are those with prismatic joints, near-parallel axes, mimic j
 
 from __future__ import annotations
 
-import sys
+import importlib.util
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -17,9 +18,19 @@ import dualpin as dp
 from dualpin.forms.chain import chain, leaves
 
 pytest.importorskip("pinocchio")
-sys.path.insert(0, str(Path(__file__).parents[2] / "validation" / "dh"))
 
-import campaign
+
+def _campaign() -> ModuleType:
+    """The script of the full campaign: the same comparison on all robots."""
+    path = Path(__file__).parents[2] / "validation" / "dh" / "campaign.py"
+    spec = importlib.util.spec_from_file_location("dh_campaign", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+campaign = _campaign()
 
 TOLERANCE = 1e-12
 EVERYDAY = ["panda", "ur5_robot", "xarm7", "kinova", "talos_left_arm", "tiago", "z1", "pr2"]

@@ -96,11 +96,9 @@ def test_random_tables_in_the_chosen_form_come_back_row_for_row(convention: str,
         dh = dp.to_dh(arm)
         if len(dh.rows) != len(rows):  # drawn nearly parallel by two rows together: not this test's
             continue
-        got = (
-            dh.columns
-            if convention == "standard"
-            else dp.to_dh(dp.from_dh(dp.to_dh(arm, convention=convention))).columns
-        )
+        if convention == "modified":
+            dh = dp.to_dh(dp.from_dh(dp.to_dh(arm, convention=convention)))
+        got = dh.columns
         # an angle and the same less a turn are equal
         difference = got - rows
         difference[:, [0, 3]] = (difference[:, [0, 3]] + pi) % (2 * pi) - pi

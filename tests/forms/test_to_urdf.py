@@ -80,9 +80,9 @@ def test_a_robot_from_rows_has_pinocchios_dynamics(convention: str, seed: int, t
     path = tmp_path / "arm.urdf"
     arm.to_urdf(path)
     assert_same(arm, dp.load(path))
-    report = dp.validate(str(path), samples=30, seed=1)
+    # the source uncompiled: that kernels compute the same is tested elsewhere
+    report = dp.validate(str(path), samples=30, seed=1, engine="numpy")
     assert report.passed, report
-    assert dp.validate(arm, samples=30, seed=1).passed
 
 
 def test_a_cylindrical_joint_is_split_and_keeps_its_coordinates(seed: int) -> None:
