@@ -1,14 +1,32 @@
 """Other forms of a robot: Denavit-Hartenberg tables and products of exponentials, to and fro."""
 
-from .build import from_dh
-from .build_screws import from_screws
-from .dh import to_dh
-from .khalil import KhalilRow, KhalilTable
-from .screw_tree import ScrewTree
-from .screws import Screws, to_screws
-from .table import DHEnd, DHRow, DHStep, DHTable
+from __future__ import annotations
 
-__all__ = [
-    "DHEnd", "DHRow", "DHStep", "DHTable", "KhalilRow", "KhalilTable", "ScrewTree", "Screws", "from_dh",
-    "from_screws", "to_dh", "to_screws",
-]  # fmt: skip
+import importlib
+from typing import Any
+
+# module -> names; imported when first used: a table needs neither the screws nor the exports
+_HOMES = {
+    "build": ("from_dh",),
+    "build_screws": ("from_screws",),
+    "dh": ("to_dh",),
+    "khalil": ("KhalilRow", "KhalilTable"),
+    "screw_tree": ("ScrewTree",),
+    "screws": ("Screws", "to_screws"),
+    "table": ("DHEnd", "DHRow", "DHStep", "DHTable"),
+}
+_WHERE = {name: module for module, names in _HOMES.items() for name in names}
+
+__all__ = [*sorted(_WHERE)]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _WHERE:
+        value = getattr(importlib.import_module(f"{__name__}.{_WHERE[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return list(__all__)
