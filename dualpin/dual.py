@@ -15,14 +15,7 @@ import numpy as np
 
 from .errors import ArgumentError, DualDivisionError
 from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product
-from .scalars import ONE, ZERO, Exact, Scalar, exact, library
-
-
-class Compound:
-    """Things made of scalars (vectors, rotations, ...): a scalar on their left leaves the product to them."""
-
-    __slots__ = ()
-    __array_ufunc__ = None
+from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
 
 
 class Dual(Parts):
@@ -252,9 +245,13 @@ class Function:
             raise ArgumentError(f"{self.name} of {x}: no real value there ({e}); complex parts have one") from None
 
 
+def _square(x: Scalar) -> Scalar:
+    return x * x
+
+
 sin: Function = Function("sin", lambda x: cos(x))
 cos: Function = Function("cos", lambda x: -sin(x))
-tan: Function = Function("tan", lambda x: 1 / (cos(x) * cos(x)))
+tan: Function = Function("tan", lambda x: 1 + _square(tan(x)))
 asin: Function = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
 acos: Function = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
 atan: Function = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))

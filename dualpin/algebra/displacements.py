@@ -41,9 +41,7 @@ def homogeneous(A: Any) -> np.ndarray:
     S = D @ R.swapaxes(-1, -2)
     T = np.zeros((*R.shape[:-2], 4, 4))
     T[..., :3, :3], T[..., 3, 3] = R, 1.0
-    T[..., 0, 3], T[..., 1, 3], T[..., 2, 3] = (
-        (S[..., i, j] - S[..., j, i]) / 2 for i, j in ((2, 1), (0, 2), (1, 0))
-    )
+    T[..., 0, 3], T[..., 1, 3], T[..., 2, 3] = ((S[..., i, j] - S[..., j, i]) / 2 for i, j in ((2, 1), (0, 2), (1, 0)))
     return T
 
 
@@ -207,4 +205,3 @@ def twist_between(T0: ArrayLike, T1: ArrayLike, dt: float = 1.0) -> Motor:
     x0, x1 = (from_matrix(x) if np.shape(x)[-2:] == (4, 4) else np.asarray(x, dtype=float) for x in (T0, T1))
     twist = twist_of(compose(x1, inverse(x0))) / dt
     return Motor(twist[..., :3], twist[..., 3:])
-

@@ -148,7 +148,7 @@ class Motor:
 
     @property
     def kind(self) -> np.ndarray:
-        """"screw", "line", "couple" or "zero"; see `classify`."""
+        """ "screw", "line", "couple" or "zero"; see `classify`."""
         return classify(self)
 
     def shifted(self, origin: ArrayLike) -> Motor:

@@ -184,4 +184,3 @@ def _product(steps: Sequence[Rotation]) -> Rotation:
     for M in steps[1:]:
         total = total @ M
     return total
-

@@ -16,9 +16,7 @@ al = dp.algebra
 @pytest.mark.parametrize("case", REFERENCE["polynomials"], ids=lambda c: c["name"])
 def test_golden_roots(case):
     x = al.polyroots(dp.Dual(numbers(case["coeff_real_ascending"]), numbers(case["coeff_dual_ascending"])))
-    want = [
-        dp.Dual(complex(*numbers(r["real"])), complex(*numbers(r["dual"]))) for r in case["roots"]
-    ]
+    want = [dp.Dual(complex(*numbers(r["real"])), complex(*numbers(r["dual"]))) for r in case["roots"]]
     want = np.stack(sorted(want, key=lambda r: (r.real.real, r.real.imag)))
     close(x.astype(complex), want)
 
