@@ -34,6 +34,8 @@ def compute(
         else:
             return found(*arrays, out)
     check_robot(robot, name)
+    if engine == "auto" and robot.numbers != "double":
+        engine = "numpy"  # constants of more digits are no machine numbers: they run uncompiled
     settled = settle(robot, options)
     q = arrays[0]
     if engine == "auto" and isinstance(q, np.ndarray) and q.ndim == 1:
@@ -141,6 +143,11 @@ def check_robot(robot: Robot, term: str) -> None:
     if not isinstance(robot, Robot):
         hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
         raise ArgumentError(f"{term}: a Robot expected first, got {type(robot).__name__}{hint}")
+    if robot.numbers == "symbolic":
+        raise ArgumentError(
+            f"{term}: the constants of {robot.name} are symbols; arrays of numbers need numbers. "
+            "The functions of dualpin.algorithms take lists of symbols"
+        )
 
 
 def check_quaternions(robot: Robot, term: str, q: np.ndarray) -> None:

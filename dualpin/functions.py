@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .boundary import call, check_out, choice, compute
+from .boundary import call, check_out, check_robot, choice, compute
 from .model.robot import Frame, Robot
 
 FrameLike = str | int | Frame
@@ -183,7 +183,10 @@ def frame_acceleration(
     out: np.ndarray | None = None,
     engine: str = "auto",
 ) -> np.ndarray:
-    """Spatial acceleration of a frame, J a + dJ/dt v; gravity is not in it.
+    """Spatial acceleration of a frame; gravity is not in it.
+
+        J a + dJ/dt v     the spatial one with "world" and "local", the classical one with
+                          "local_world_aligned", whose observer moves along with the origin
 
     Parameters
     ----------
@@ -543,6 +546,7 @@ def inertial_parameters(robot: Robot) -> np.ndarray:
     >>> dp.inertial_parameters(dp.load("ur5")).shape
     (60,)
     """
+    check_robot(robot, "inertial_parameters")
     return np.array([float(x) for b in robot for x in b.inertia.parameters])
 
 

@@ -22,6 +22,13 @@ Scalar = Any
 """A float, an array, a symbol, an mpmath or SymPy number, an `Exact` constant or a `Dual`."""
 
 
+class Compound:
+    """Things made of scalars (vectors, rotations, ...): a scalar on their left leaves the product to them."""
+
+    __slots__ = ()
+    __array_ufunc__ = None
+
+
 class Exact:
     """One of -1, 0, 1, known for certain: 0 x is 0, 0 + x and 1 x are x, whatever x is.
 
@@ -74,7 +81,9 @@ class Exact:
         return x if self.n == 0 else x - self.n
 
     def __mul__(self, x: Scalar) -> Scalar:
-        return ZERO if self.n == 0 else x if self.n == 1 else -x
+        if self.n == 0:
+            return NotImplemented if isinstance(x, Compound) else ZERO
+        return x if self.n == 1 else -x
 
     def __truediv__(self, x: Scalar) -> Scalar:
         if type(x) is Exact:

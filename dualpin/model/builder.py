@@ -69,6 +69,8 @@ class Builder:
     @classmethod
     def of(cls, robot: Robot) -> Builder:
         """A builder that already holds all of a robot, to add to it."""
+        if not isinstance(robot, Robot):
+            raise ArgumentError(f"Builder.of: a Robot expected, got {type(robot).__name__}")
         b = cls(robot.name)
         b.gravity, b.notes, b.source = robot.gravity, list(robot.notes), robot.source
         for j in robot:
@@ -98,6 +100,7 @@ class Builder:
     ) -> None:
         """A joint whose fixed side has the pose `placement` in the frame `on`, and the link it moves."""
         self._unused(name)
+        _check_types(name, placement, inertia, model)
         _check_counts(name, model, limits, armature)
         at = self._place(on)
         X = at.placement @ placement
@@ -121,6 +124,7 @@ class Builder:
     ) -> None:
         """A fixed joint: its link's inertia joins the body that carries it."""
         self._unused(name)
+        _check_types(name, placement, inertia)
         at = self._place(on)
         X = at.placement @ placement
         self._frames.append((name, "fixed_joint", at.joint, X, at.frame))
@@ -135,6 +139,7 @@ class Builder:
     def frame(self, name: str, on: str | None = None, placement: Pose = GROUND) -> None:
         """A named frame without a body."""
         self._unused(name)
+        _check_types(name, placement, None)
         at = self._place(on)
         X = at.placement @ placement
         self._frames.append((name, "frame", at.joint, X, at.frame))
@@ -217,6 +222,17 @@ class Builder:
                 f"joint {seen[-1]!r} mimics {part.name!r}, whose {part.model.kind} kind has no single angle"
             )
         return part.name, multiplier, offset
+
+
+def _check_types(name: str, placement: Pose, inertia: Inertia | None, model: JointModel | None = None) -> None:
+    if model is not None and not isinstance(model, JointModel):
+        raise ArgumentError(f"joint {name!r}: a joint model (revolute(), prismatic(), ...) expected, got {model!r}")
+    if not isinstance(placement, Pose):
+        raise ArgumentError(
+            f"{name!r}: placement: a Pose expected (Pose.from_matrix makes one), got {type(placement).__name__}"
+        )
+    if inertia is not None and not isinstance(inertia, Inertia):
+        raise ArgumentError(f"{name!r}: inertia: an Inertia expected, got {type(inertia).__name__}")
 
 
 def _check_counts(name: str, model: JointModel, limits: Limits | None, armature: Sequence[Scalar]) -> None:

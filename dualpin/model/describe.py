@@ -11,10 +11,12 @@ _UNITS = {"angle": "rad", "length": "m", "quaternion": ""}
 
 def summary(robot: Robot) -> str:
     """The text of `Robot.summary`."""
-    g = ", ".join(f"{float(x):g}" for x in robot.gravity)
+    symbolic = robot.numbers == "symbolic"
+    g = ", ".join(str(x) if symbolic else f"{float(x):g}" for x in robot.gravity)
+    weight = "symbolic constants" if symbolic else f"{robot.mass:.6g} kg"
     lines = [
         f"{robot.name}: {len(robot.joints)} joints, nq = {robot.nq}, nv = {robot.nv}, {len(robot.links)} links, "
-        f"{robot.mass:.6g} kg, gravity ({g}) m/s^2",
+        f"{weight}, gravity ({g}) m/s^2",
         *([f"read from {robot.source}"] if robot.source else []),
         "",
         *_table(robot),

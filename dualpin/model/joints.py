@@ -159,6 +159,7 @@ class Planar(JointModel):
         return [x + c * tx - s * ty, y + s * tx + c * ty, angle + w]
 
     def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
+        """The inverse of `integrate`; without a solution where angles differ by whole turns and places do not agree."""
         (x, y, angle), (x1, y1, angle1) = q0, q1
         w = angle1 - angle
         c, s = cos_sin(angle)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
-from ..scalars import Scalar, exact
+from ..scalars import Exact, Scalar, exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, Vector3, motor
@@ -153,6 +153,19 @@ class Robot:
     def coupled(self) -> bool:
         """Whether joints share coordinates (mimic)."""
         return any(j.mimic for j in self.joints)
+
+    @cached_property
+    def numbers(self) -> str:
+        """What its constants are: "double", "other" (numbers of more digits, as lifted), or "symbolic"."""
+        constants = list(_constants(self))
+        if all(isinstance(x, (int, float, Exact)) for x in constants):
+            return "double"
+        try:
+            for x in constants:
+                float(x)
+        except (TypeError, ValueError):
+            return "symbolic"
+        return "other"
 
     # names
 
@@ -397,6 +410,8 @@ class Robot:
     @property
     def mass(self) -> float:
         """Total moving mass [kg]."""
+        if self.numbers == "symbolic":
+            raise ArgumentError(f"{self.name}: its constants are symbols, so its mass is no number")
         return float(sum(float(j.inertia.mass) for j in self.joints))
 
     def summary(self) -> str:
@@ -406,11 +421,20 @@ class Robot:
         return summary(self)
 
     def __repr__(self) -> str:
-        try:
-            weight = f", {self.mass:.6g} kg"
-        except (TypeError, ValueError):  # symbolic masses
-            weight = ""
+        weight = "" if self.numbers == "symbolic" else f", {self.mass:.6g} kg"
         return f"<Robot {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}{weight}>"
+
+
+def _constants(robot: Robot) -> Iterator[Scalar]:
+    """Every number a result can depend on."""
+    yield from robot.gravity
+    for j in robot:
+        yield from j.inertia.parameters
+        yield from j.armature
+        yield from (x for row in j.placement.rows for x in row)
+        yield from (x for s in j.model.screws for c in s for x in (c.real, c.dual))
+        offset = getattr(j.model, "offset", None)
+        yield from () if offset is None else (offset.real, offset.dual)
 
 
 def gravity_vector(gravity: Sequence[float]) -> Vector3:

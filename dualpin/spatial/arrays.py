@@ -61,7 +61,8 @@ def _together(what: str, *shapes: tuple[int, ...]) -> None:
 
 
 def _stack(q: Quaternion) -> np.ndarray:
-    return np.stack(np.broadcast_arrays(*map(_float, (*q.real, *q.dual))), axis=-1)
+    # + 0.0: zeros without a sign
+    return np.stack(np.broadcast_arrays(*map(_float, (*q.real, *q.dual))), axis=-1) + 0.0
 
 
 def _float(x: object) -> np.ndarray:
@@ -161,9 +162,12 @@ def exp(twist: ArrayLike) -> np.ndarray:
     --------
     >>> import dualpin as dp
     >>> dp.spatial.exp([0, 0, 0, 1, 2, 3]).tolist()
-    [1.0, 0.0, 0.0, 0.0, -0.0, 0.5, 1.0, 1.5]
+    [1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5]
     """
-    return _stack(Quaternion.exp(_motor("exp: twist", twist) / 2))
+    x = _numbers("exp: twist", twist, (6,))
+    rows = x.reshape(-1, 6)  # arrays also for one: they say nan where floats raise
+    with np.errstate(all="ignore"):
+        return _stack(Quaternion.exp(_motor("exp: twist", rows) / 2)).reshape(*x.shape[:-1], 8)
 
 
 def log(x: ArrayLike) -> np.ndarray:
@@ -274,6 +278,6 @@ def screw_parameters(T: ArrayLike) -> ScrewParameters:
     axis = np.where(turns[..., None], w / safe, direction)
     distance = np.einsum("...i,...i", v, axis)
     moment = np.where(turns[..., None], (v - distance[..., None] * axis) / safe, 0.0)
-    angle = np.where(turns, turn, 0.0)
+    angle = np.where(turns | np.isnan(turn), turn, 0.0)
     pitch = np.where(turns, distance / safe[..., 0], np.where(slide > 0, np.inf, 0.0))
-    return ScrewParameters(angle, distance, axis, moment, np.cross(axis, moment), pitch)
+    return ScrewParameters(angle, distance, axis, moment, np.cross(axis, moment) + 0.0, pitch)

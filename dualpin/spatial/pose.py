@@ -10,7 +10,7 @@ import numpy as np
 from ..dual import Dual
 from ..scalars import ONE, ZERO, Scalar, exact
 from .quaternion import Quaternion, displaced
-from .rotation import IDENTITY, Rotation
+from .rotation import IDENTITY, Rotation, check_convention
 from .vector import AXES, NOUGHT, UX, UZ, Vector3, motor
 
 EPSILON = float_info.epsilon
@@ -40,6 +40,7 @@ class Pose:
     @classmethod
     def dh(cls, theta: Dual, alpha: Dual, convention: str = "standard") -> Pose:
         """Denavit-Hartenberg step Z(theta + eps d) X(alpha + eps a), or X Z if modified."""
+        check_convention(convention)
         Z, X = cls.about(UZ, theta), cls.about(UX, alpha)
         return Z @ X if convention == "standard" else X @ Z
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 from ..dual import Compound, cos_sin
+from ..errors import ArgumentError, nearest
 from ..scalars import ZERO, Scalar
 from .vector import AXES, UX, UY, UZ, Vector3
 
@@ -86,6 +87,7 @@ class Rotation(Matrix3):
         return cls(*(along + (IDENTITY - along) * c + skew(axis) * s).rows)
 
 
+CONVENTIONS = ("standard", "modified")
 IDENTITY = Rotation(*AXES)
 ZEROS = diagonal(ZERO)
 
@@ -100,5 +102,11 @@ def dh_rotation(theta: Scalar, alpha: Scalar, convention: str = "standard") -> R
 
     standard (distal):  Rz(theta) Rx(alpha);    modified (proximal, Craig):  Rx(alpha) Rz(theta)
     """
+    check_convention(convention)
     Z, X = Rotation.about(UZ, theta), Rotation.about(UX, alpha)
     return Z @ X if convention == "standard" else X @ Z
+
+
+def check_convention(convention: str) -> None:
+    if convention not in CONVENTIONS:
+        raise ArgumentError(f"convention {convention!r} is not known; {nearest(str(convention), CONVENTIONS)}")

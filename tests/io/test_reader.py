@@ -114,7 +114,8 @@ def test_what_does_not_move_is_not_read():
         "<link name='extra'><visual><geometry><cylinder/></geometry></visual><collision><origin xyz='?'/></collision>"
         "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'><x/></inertia>"
         "</inertial></link><joint name='glue' type='fixed'><parent link='hand'/><child link='extra'/>"
-        "<calibration rising='x'/><axis xyz='?'/><safety_controller k_velocity='x'/></joint><!-- <link name='base'/> --><?pi <link/> ?>"
+        "<calibration rising='x'/><axis xyz='?'/><safety_controller k_velocity='x'/></joint>"
+        "<!-- <link name='base'/> --><?pi <link/> ?>"
     )
     with warnings.catch_warnings():
         warnings.simplefilter("error")

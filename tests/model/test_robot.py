@@ -8,6 +8,7 @@ import pickle
 import mpmath
 import numpy as np
 import pytest
+import sympy
 from random_robots import SPECS, random_inertia, random_pose, robot
 
 import dualpin as dp
@@ -170,6 +171,11 @@ def test_a_payload_adds_its_weight_and_leaves_the_robot_alone():
         (lambda b: b.joint("universe", revolute()), "defined twice"),
         (lambda b: b.joint("x", revolute(), on="lb"), "'lb' is not in r yet; did you mean 'la'"),
         (lambda b: b.frame("x", on="nowhere"), "not in r yet"),
+        (lambda b: b.joint("x", revolute), "a joint model .* expected"),
+        (lambda b: b.joint("x", revolute(), placement=np.eye(4)), "a Pose expected .* got ndarray"),
+        (lambda b: b.fixed("x", inertia=3.0), "an Inertia expected, got float"),
+        (lambda b: b.frame("x", placement=None), "a Pose expected"),
+        (lambda b: Builder.of("panda"), "Builder.of: a Robot expected, got str"),
         (lambda b: b.joint("x", revolute(), armature=(1.0, 2.0)), "2 rotor inertias; 1 expected"),
         (lambda b: b.joint("x", cylindrical(), limits=Limits((0.0,), (1.0,))), "1 lower limits; 2 expected"),
         (lambda b: b.joint("x", revolute(Vector3(0.0, 0.0, 2.0))), "unit axis expected.*length 2"),
@@ -185,7 +191,7 @@ def test_a_payload_adds_its_weight_and_leaves_the_robot_alone():
             "planar kind has no single angle",
         ),
     ],
-    ids=range(19),
+    ids=range(24),
 )  # fmt: skip
 def test_what_cannot_be_built_is_refused(build, match):
     b = Builder("r")
@@ -259,3 +265,32 @@ def test_a_lifted_robot_can_be_built_upon():
             assert abs(mpmath.mpf(getattr(length, "n", length)) - 1) < mpmath.mpf(10) ** -38
         assert free.nv > r.nv
         assert repr(r)
+
+
+def test_robots_of_more_digits_run_through_the_array_functions():
+    r = robot("floating")
+    exact = r.lift(mpmath.mpf)
+    assert (r.numbers, exact.numbers) == ("double", "other")
+    q, v, a = r.sample(3, seed=0)
+    for x in ((q, v, a), (q[0], v[0], a[0])):
+        tau = dp.rnea(exact, *x)
+        assert tau.dtype == np.float64
+        assert np.allclose(tau, dp.rnea(r, *x, engine="numpy"), rtol=1e-12, atol=1e-12)
+    assert "kg" in exact.summary() and exact.mass == pytest.approx(r.mass)
+
+
+def test_symbolic_robots_say_that_they_are():
+    m = sympy.Symbol("m")
+    b = Builder("letters")
+    b.joint("j", revolute(), inertia=random_inertia(np.random.default_rng(0)), armature=(m,))
+    r = b.robot()
+    assert r.numbers == "symbolic"
+    assert "letters" in repr(r) and "symbolic" in r.summary()
+    for use in (
+        lambda: dp.rnea(r, [0], [0], [0]),
+        lambda: dp.crba(r, [0], engine="numpy"),
+        lambda: dp.inertial_parameters(r),
+        lambda: r.mass,
+    ):
+        with pytest.raises(dp.ArgumentError, match=r"letters.*symbols|constants of letters are symbols"):
+            use()

@@ -249,6 +249,13 @@ def test_what_is_no_motion_is_refused(function, arguments, match):
         function(*arguments)
 
 
+def test_what_is_not_finite_stays_so():
+    for twist in (np.full(6, np.nan), np.full(6, 1e200), np.full((2, 6), np.inf)):
+        assert np.isnan(exp(twist)).any()
+    s = screw_parameters(np.full(8, np.nan))
+    assert np.isnan(s.angle) and np.isnan(s.distance)
+
+
 def test_lists_and_integers_are_accepted():
     assert near(exp([0, 0, 0, 2, 0, 0]), [1, 0, 0, 0, 0, 1, 0, 0])
     assert near(to_matrix([1, 0, 0, 0, 0, 0, 0, 0]), np.eye(4))

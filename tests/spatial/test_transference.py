@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+import dualpin as dp
 from dualpin.dual import Dual, cos_sin, real_part
 from dualpin.scalars import ONE, ZERO, Exact
 from dualpin.spatial import (
@@ -260,6 +261,12 @@ def test_dh_rotations_are_textbook_matrices(kind, convention):
     assert close(kind, dh_rotation(theta, alpha, convention), X.rotation)
 
 
+@pytest.mark.parametrize("step", [dh_rotation, Pose.dh])
+def test_other_conventions_are_refused(step):
+    with pytest.raises(dp.ArgumentError, match="'standart' is not known; did you mean 'standard'"):
+        step(Dual(0.1, 0.2), Dual(0.3, 0.4), "standart")
+
+
 # --- inertia -------------------------------------------------------------------------------------
 
 
@@ -289,3 +296,11 @@ def test_inertia_is_not_dual_linear():
 
 def test_real_parts_of_dual_numbers():
     assert real_part(Dual(2.0, 3.0)) == 2.0 and real_part(2.0) == 2.0 and real_part(ONE) is ONE
+
+
+@pytest.mark.parametrize("s", [ZERO, ONE, -ONE, 2, 2.5, np.float64(2), Dual(2.0, 3.0)], ids=repr)
+def test_a_scalar_may_stand_on_either_side(s):
+    for thing in (Vector3(1.0, 2.0, 3.0), Quaternion(1.0, 2.0, 3.0, 4.0)):
+        left, right = s * thing, thing * s
+        assert type(left) is type(right) is type(thing)
+        assert distance(left, right) == 0
