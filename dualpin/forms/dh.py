@@ -171,7 +171,11 @@ def _paired(links: Chain, z: list[tuple[Dual, Axis | None]], x: list[Dual], conv
     first, last = (moving[0], moving[-1] + 1) if moving else (0, 0)
     base, inner, tool = rows[:first], rows[first:last], rows[last:]  # without joints, all is tool
     fixed = sum(r.kind == "F" for r in inner)
-    notes = (f"{fixed} fixed row{'s' if fixed > 1 else ''} between nearly parallel axes",) if fixed else ()
+    notes: tuple[str, ...] = (
+        (f"{fixed} fixed row{'s' if fixed > 1 else ''} between nearly parallel axes",) if fixed else ()
+    )
+    if len(tool) > 1 and moving:
+        notes += (f"the tool's axis and that of the last joint are nearly parallel: the tool has {len(tool)} steps",)
     name, nq = links.robot.name, links.robot.nq
     return DHTable(tuple(inner), end(base, convention), end(tool, convention), convention, name, nq, links, notes)
 
