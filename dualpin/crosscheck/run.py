@@ -15,7 +15,7 @@ import numpy as np
 from ..algorithms.kinematics import References
 from ..boundary import call
 from ..errors import ArgumentError, DualpinError, DualpinWarning, nearest
-from ..functions import bias, crba
+from ..functions import aba, bias, crba
 from ..io.urdf import load
 from ..model.robot import Robot
 from ..terms import TERMS
@@ -70,7 +70,7 @@ CHECKS = {
         Check("aba", solves=True), Check("minv", solves=True), Check("kinetic_energy"), Check("potential_energy"),
         Check("com", weighs=True), Check("com_jacobian", weighs=True), Check("centroidal_momentum_matrix", weighs=True),
         Check("joint_torque_regressor"),
-        Check("difference"),
+        Check("rnea_derivatives"), Check("aba_derivatives", solves=True), Check("difference"),
     )
 }  # fmt: skip
 
@@ -284,6 +284,9 @@ def _solved(
     if term == "minv":
         return tolerance.inverse(robot, M), hopeless
     forces = np.abs(batch["tau"]) + np.abs(bias(robot, batch["q"], batch["v"], engine=engine))
+    if term == "aba_derivatives":
+        a = aba(robot, batch["q"], batch["v"], batch["tau"], engine=engine)
+        return tolerance.derivatives(robot, M, forces, a, theirs), hopeless
     return tolerance.solution(robot, M, forces, theirs), hopeless
 
 

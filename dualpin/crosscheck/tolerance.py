@@ -68,6 +68,19 @@ def solution(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray) -> 
     return Tolerance(value, "the recursion's x the larger of cond(M) and |M^-1| (|M| |a| + |forces|) / |a|")
 
 
+def derivatives(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray, X: np.ndarray) -> Tolerance:
+    """Of X = M^-1 D, with D = d tau / d(q, v) at the acceleration a that was itself solved for.
+
+    Two errors come through M^-1: the recursion's, of M and D, as in `inverse`; and that of D where a
+    is off by da.  M da is no more than the recursion's error of the forces, and dM/dq is scaled as M
+    is, so that M^-1 (dM/dq) da is of the size of da.
+    """
+    of_a = solution(robot, M, forces, a).value * np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
+    scale = np.maximum(1.0, np.abs(X).reshape(len(M), -1).max(axis=-1, initial=0.0))
+    value = recursion(robot, len(M)).value * condition(M) + of_a / scale
+    return Tolerance(value, "the recursion's x cond(M) + the error of the acceleration it is taken at")
+
+
 def condition(M: np.ndarray) -> np.ndarray:
     """The condition number of M; infinite where that is not finite."""
     if M.shape[-1] == 0:

@@ -52,7 +52,8 @@ def locate(robot: Robot, term: str, entry: int, options: Mapping[str, Any] | Non
     if len(names) == 2:
         place = f"row {names[0]}, column {names[1]}"
     elif len(names) == 3:
-        place = f"joint {robot.joint_names[index[0]]}, row {index[1]}, column {index[2]}"
+        which = robot.joint_names[index[0]] if term == "fk" else ("by q", "by v", "by the last argument")[index[0]]
+        place = f"{which}, row {index[1]}, column {index[2]}"
     else:
         place = ", ".join(names)
     variant = ", ".join(

@@ -221,6 +221,11 @@ class Pinocchio:
         (M,) = self.compute("crba", states)
         if term == "minv":
             return _solve(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
+        if term == "aba_derivatives":
+            a = self._solved("aba", states)
+            (D,) = self.compute("rnea_derivatives", {**states, "a": a})
+            inverse = self._solved("minv", states)
+            return np.stack([-inverse @ D[:, 0], -inverse @ D[:, 1], inverse], axis=1)
         (h,) = self.compute("bias", states)
         return _solve(M, (states["tau"] - h)[..., None])[..., 0]
 
@@ -267,6 +272,11 @@ def _matrix(x: np.ndarray, G: np.ndarray) -> np.ndarray:
 def _symmetric(x: np.ndarray, G: np.ndarray) -> np.ndarray:
     upper = np.triu(x)
     return _matrix(upper + np.swapaxes(np.triu(x, 1), -1, -2), G)
+
+
+def _derivatives(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+    """By q, by v, and a symmetric matrix of which one triangle is filled."""
+    return np.stack([_matrix(x[:, 0], G), _matrix(x[:, 1], G), _symmetric(x[:, 2], G)], axis=1)
 
 
 def _velocities(x: np.ndarray, G: np.ndarray) -> np.ndarray:
@@ -339,6 +349,12 @@ QUESTIONS = {
     "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), _six_columns),
     "joint_torque_regressor": Question(
         lambda pin, m, d, s: pin.computeJointTorqueRegressor(m, d, s["q"], s["v"], s["a"]), _forces
+    ),
+    "rnea_derivatives": Question(
+        lambda pin, m, d, s: pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])[:3], _derivatives
+    ),
+    "aba_derivatives": Question(
+        lambda pin, m, d, s: pin.computeABADerivatives(m, d, s["q"], s["v"], s["tau"])[:3], _derivatives, solves=True
     ),
     "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), _velocities),
 }
