@@ -143,7 +143,8 @@ def _stumpff_complex(k: int, y: complex) -> complex:
 def _stumpff_array(k: int, y: np.ndarray) -> np.ndarray:
     small = y < 1.0
     near, far = np.where(small, y, 0.0), np.where(small, 1.0, y)
-    return np.where(small, _stumpff_series(k, near), _stumpff_closed(k, far, ARRAY))
+    result: Any = np.where(small, _stumpff_series(k, near), _stumpff_closed(k, far, ARRAY))
+    return result
 
 
 def _library(module: Any, **more: Any) -> SimpleNamespace:

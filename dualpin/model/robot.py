@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import inf, isfinite, pi
 from typing import Any
@@ -124,6 +124,13 @@ class Robot:
     """What the reader assumed or found odd."""
     source: str | None = None
     """The file it was read from."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        # what it is, without what was computed or compiled for it since
+        return {f.name: getattr(self, f.name) for f in fields(self)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
 
     # the tree, as the algorithms walk it
 
