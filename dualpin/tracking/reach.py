@@ -66,7 +66,7 @@ def reach(robot: Robot, frame: Frame) -> Reach | None:
     >>> robot = dp.load("ur5")
     >>> bound = reach(robot, robot.frame("tool0"))
     >>> bound.first, bound.last, round(bound.farthest, 3)
-    ('shoulder_pan_joint', 'wrist_3_joint', 0.953)
+    ('shoulder_pan_joint', 'wrist_3_joint', 0.919)
     """
     known = robot.__dict__.setdefault("_reach", {})
     if frame not in known:

@@ -92,9 +92,10 @@ def simulate(
     tau : array_like (..., nv), or callable, optional
         Constant torques, or a controller (t, q, v) -> tau over the batch; none without it.
     method : str
-        Runge-Kutta methods work on the group by themselves; "semi_implicit_euler" and
-        "variational" are for mechanics and symplectic, the latter implicit, of second order, for
-        robots without a floating or planar base.
+        Runge-Kutta methods work on the group by themselves.  "variational" is symplectic, implicit
+        and of second order, for robots without a floating or planar base: its energy error stays
+        bounded.  "semi_implicit_euler" is symplectic only where the inertia does not depend on the
+        configuration; of an arm it loses or gains energy like any method of first order.
     dt, t_end : float
         Step and duration [s].
     hold : bool

@@ -1,0 +1,234 @@
+"""Compare integrators on a circle of any robot: peak errors, cost, measured stability limits."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..errors import ArgumentError, DualpinWarning
+from ..functions import jacobian
+from ..model.robot import Frame, Robot
+from .track import track
+from .trajectories import Circle
+
+METHODS = ("euler", "trapezoidal", "abm4", "rk4")
+STEPS = (0.01, 0.1, 1.0)
+GAINS = (0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: what was asked, the largest errors [m, rad], and what it cost.
+
+    ``late`` are the largest errors of the last turn.
+    """
+
+    robot: str
+    frame: str
+    method: str
+    dt: float
+    gain: float
+    feedback: str
+    turns: float
+    position_peak: float
+    orientation_peak: float
+    position_late: float
+    orientation_late: float
+    evaluations: int
+    seconds: float
+    warnings: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """As plain data, for JSON."""
+        return asdict(self)
+
+
+def pa10() -> Robot:
+    """The Mitsubishi PA-10 with seven joints, by standard Denavit-Hartenberg rows, a = 0.
+
+    Examples
+    --------
+    >>> from dualpin.tracking.study import pa10
+    >>> pa10().nq
+    7
+    """
+    return _anthropomorphic("pa10", (0.317, 0.450, 0.480, 0.070))
+
+
+def seven_joint_arm() -> Robot:
+    """An arm with the proportions of a KUKA iiwa: shoulder, elbow and wrist of intersecting axes.
+
+    Examples
+    --------
+    >>> from dualpin.tracking.study import seven_joint_arm
+    >>> seven_joint_arm().nv
+    7
+    """
+    return _anthropomorphic("seven_joint_arm", (0.360, 0.420, 0.400, 0.126))
+
+
+def _anthropomorphic(name: str, lengths: tuple[float, float, float, float]) -> Robot:
+    from dataclasses import replace
+
+    from ..forms import from_dh
+
+    base, upper, lower, tool = lengths
+    d = (base, 0.0, upper, 0.0, lower, 0.0, tool)
+    alpha = (-pi / 2, pi / 2) * 3 + (0.0,)
+    robot = from_dh([(0.0, x, 0.0, a) for x, a in zip(d, alpha, strict=True)], joints="R" * 7, convention="standard")
+    return replace(robot, name=name)
+
+
+def comfortable(robot: Robot, frame: Frame, samples: int = 2000, seed: int = 0) -> np.ndarray:
+    """The configuration with the best conditioned Jacobian among random ones in the middle half of the limits.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.tracking.study import comfortable
+    >>> robot = dp.load("ur5")
+    >>> comfortable(robot, robot.frame("tool0")).shape
+    (6,)
+    """
+    q, _, _ = robot.sample(samples, seed=seed)
+    bounded = np.isfinite(robot.lower) & np.isfinite(robot.upper)
+    with np.errstate(invalid="ignore"):
+        middle = np.where(bounded, (robot.lower + robot.upper) / 2, 0.0)
+    inner = np.where(bounded, middle + (q - middle) / 2, q)
+    s = np.linalg.svd(jacobian(robot, inner, frame, "local_world_aligned"), compute_uv=False)
+    return np.asarray(inner[int((s[:, -1] / s[:, 0]).argmax())])
+
+
+def run(
+    robot: Robot,
+    *,
+    frame: str | int | Frame | None = None,
+    q0: ArrayLike | None = None,
+    radius: float = 0.05,
+    period: float = 10.0,
+    plane: str = "yz",
+    turns: int = 2,
+    methods: Sequence[str] = METHODS,
+    steps: Sequence[float] = STEPS,
+    gains: Sequence[float] = GAINS,
+    feedback: str = "stage",
+    startup: str = "paper",
+) -> list[Row]:
+    """Follow a circle with every method, step and gain.
+
+    Parameters
+    ----------
+    frame : optional
+        The last frame if not given.
+    q0 : array_like, shape (nq,), optional
+        Without it, a well conditioned configuration is looked for.
+    radius, period, plane
+        Of the circle [m], [s].
+    turns : int
+    methods, steps, gains : sequences
+        Names, dt [s], K [1/s].
+    feedback, startup
+        As of `dualpin.track`.
+
+    Returns
+    -------
+    list of Row
+
+    Raises
+    ------
+    ArgumentError
+        Also where the circle cannot be reached.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.tracking.study import run
+    >>> rows = run(dp.load("ur5"), frame="tool0", steps=[0.1], gains=[0.0], turns=1)
+    >>> [r.method for r in sorted(rows, key=lambda r: r.position_peak)]
+    ['rk4', 'abm4', 'trapezoidal', 'euler']
+    """
+    if isinstance(turns, bool) or not isinstance(turns, (int, np.integer)) or turns < 1:
+        raise ArgumentError(f"study: turns = {turns!r}, a whole number of 1 or more expected")
+    goal = robot.frame(-1 if frame is None else frame)
+    start = comfortable(robot, goal) if q0 is None else q0
+    path = Circle(radius, period, plane, start=start)
+    rows = []
+    for gain in gains:
+        for dt in steps:
+            for method in methods:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", DualpinWarning)  # they are in the rows
+                    found = track(robot, path, frame=goal, method=method, dt=dt, t_end=turns * period, gain=gain,
+                                  feedback=feedback, startup=startup)  # fmt: skip
+                last = found.t >= (turns - 1) * period - dt / 2
+                p, o = found.position_error, found.orientation_error
+                peaks = _max(p), _max(o), _max(p[last]), _max(o[last])
+                rows.append(
+                    Row(robot.name, goal.name, found.method.name, dt, gain, feedback, turns, *peaks,
+                        found.cost.evaluations, found.cost.seconds, found.warnings)
+                )  # fmt: skip
+    return rows
+
+
+def _max(x: np.ndarray) -> float:
+    return float(x.max()) if np.isfinite(x).all() else float("inf")
+
+
+def table(rows: Sequence[Row]) -> str:
+    """The rows as a Markdown table: peak position error / peak orientation error by method.
+
+    Examples
+    --------
+    >>> from dualpin.tracking.study import table
+    >>> table([])
+    ''
+    """
+    if not rows:
+        return ""
+    methods = list(dict.fromkeys(r.method for r in rows))
+    lines = [f"| loop | dt [s] | {' | '.join(methods)} |", f"|---|---|{'---|' * len(methods)}"]
+    for key in dict.fromkeys((r.gain, r.feedback, r.dt) for r in rows):
+        gain, feedback, dt = key
+        same = [r for r in rows if (r.gain, r.feedback, r.dt) == key]
+        cells = {r.method: f"{r.position_peak:.1e} / {r.orientation_peak:.1e}" for r in same}
+        loop = f"K = {gain:g} ({feedback})" if gain else "open"
+        lines.append(f"| {loop} | {dt:g} | {' | '.join(cells.get(m, '') for m in methods)} |")
+    return "\n".join(lines)
+
+
+def measured_stability_limit(
+    robot: Robot, q0: ArrayLike, frame: str | int | Frame | None, method: str, rounds: int = 11
+) -> float:
+    """The largest K dt for which a small error of the robot at rest dies out, by bisection between 0 and 4.
+
+    The frame is asked to stay where it is; the arm starts off by 1e-7 rad, and grows or shrinks
+    the error over 300 steps.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualpin.tracking.study import measured_stability_limit, pa10
+    >>> q0 = np.radians([0, 30, 0, 60, 0, 60, 0])
+    >>> abs(measured_stability_limit(pa10(), q0, None, "euler") - 2.0) < 0.02
+    True
+    """
+    start = np.asarray(q0, dtype=float)
+    rest, off, dt = Circle(0.0, 1.0, start=start), start + 1e-7 * np.cos(np.arange(len(start))), 0.1
+    low, high = 0.0, 4.0
+    for _ in range(rounds):
+        z = (low + high) / 2
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DualpinWarning)
+            found = track(robot, rest, off, frame=frame, method=method, dt=dt, t_end=30.0, gain=z / dt)
+        e = found.position_error + found.orientation_error
+        late, before = e[-50:].max(), e[100:150].max()
+        # shrinking, or dead down to rounding; and not saturated far from where it started
+        stable = np.isfinite(e).all() and late < max(before, 1e-13) and late < 1e-5
+        low, high = (z, high) if stable else (low, z)
+    return (low + high) / 2

@@ -1,0 +1,1 @@
+"""The study of integrators: which method and which step, measured."""
