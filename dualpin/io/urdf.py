@@ -8,8 +8,10 @@ axes normalised.
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from io import BytesIO
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,7 @@ from ..spatial.vector import AXES, NOUGHT, Vector3
 from .catalogue import find
 from .xml import Document, parse, read
 
+_ENCODING = re.compile(r"^(\s*<\?xml[^>]*?)\s+encoding\s*=\s*(?:'[^']*'|\"[^\"]*\")")
 _AXIS_TOLERANCE = 1e-12  # Pinocchio's: closer than this to a coordinate axis is that axis
 
 
@@ -67,7 +70,13 @@ def load(name_or_path: str | os.PathLike[str], floating: bool = False, mimic: bo
 
 def loads(data: bytes | str, floating: bool = False, mimic: bool = False, source: str = "<text>") -> Robot:
     """A robot from the text of a URDF."""
-    raw = data.encode() if isinstance(data, str) else data
+    if not isinstance(data, (bytes, str)):
+        raise ArgumentError(f"loads: the text of a URDF expected, got {type(data).__name__}")
+    try:
+        # text has been decoded already: what it says of its encoding no longer holds
+        raw = _ENCODING.sub(r"\1", data, count=1).encode() if isinstance(data, str) else data
+    except UnicodeEncodeError as e:
+        raise UrdfError(f"{source}: not text that can be written ({e})") from None
     return _announced(build(parse(raw, source), floating, mimic, None))
 
 
@@ -101,7 +110,8 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
     try:
         return b.robot()
     except ArgumentError as e:
-        raise UrdfError(f"{document.source}: {e}") from None
+        where = (joint for name, joint in document.joints.items() if str(e).startswith(f"joint {name!r} "))
+        document.fail(next(where, None), str(e))
 
 
 def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:
@@ -170,7 +180,8 @@ def _limits(joint: Any) -> Limits:
     bounds: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
     if joint.type in ("revolute", "prismatic"):
         bounds = (float(limit.lower or 0.0),), (float(limit.upper or 0.0),)
-    return Limits(*bounds, float(limit.velocity or 0.0), float(limit.effort or 0.0), damping, friction)
+    velocity, effort = (inf if x is None else float(x) for x in (limit.velocity, limit.effort))
+    return Limits(*bounds, velocity, effort, damping, friction)
 
 
 def _inertia(link: Any) -> Inertia | None:

@@ -36,6 +36,7 @@ def test_continuous_joints_have_no_position_limits():
     assert r.lower.tolist() == [-np.inf] and r.upper.tolist() == [np.inf] and r.velocity_limit.tolist() == [2.0]
     assert r.joint("j").kind == "continuous" and (r.nq, r.nv) == (1, 1)
     assert np.isinf(loads(joint("continuous")).velocity_limit).all()
+    assert np.isinf(loads(joint("continuous", '<limit effort="1"/>')).velocity_limit).all()
 
 
 @pytest.mark.parametrize(
@@ -105,6 +106,19 @@ def test_text_bytes_and_paths_give_the_same_robot(tmp_path):
         assert r.name == "two" and r.nq == 2
     assert dp.load(path).source == str(path)
     assert loads(GOOD).source is None
+
+
+@pytest.mark.parametrize("encoding", ["", ' encoding="UTF-16"', " encoding='ISO-8859-1'", ' encoding = "klingon"'])
+def test_text_has_been_decoded_already(encoding):
+    for rest in ("", ' standalone="yes"'):
+        text = f'<?xml version="1.0"{encoding}{rest}?>' + '<robot name="r"><link name="m\u00e3o \u624b"/></robot>'
+        assert loads(text).link_names == ["m\u00e3o \u624b"]
+
+
+@pytest.mark.parametrize("thing", [None, 3, ["<robot/>"], "<robot name='\ud800'/>"])
+def test_what_is_no_text_is_refused(thing):
+    with pytest.raises(dp.DualpinError, match="text"):
+        loads(thing)
 
 
 def test_what_does_not_move_is_not_read():
