@@ -85,7 +85,11 @@ def run(
                 for batch in batches:
                     for count in threads if batch > 1 else (1,):
                         pair = Pair(robot, term, batch, count)
-                        row = {"robot": name, "floating": robot.joints[0].kind == "floating", **pair.measured(repetitions)}
+                        row = {
+                            "robot": name,
+                            "floating": robot.joints[0].kind == "floating",
+                            **pair.measured(repetitions),
+                        }
                         rows.append(row)
                         if progress:
                             progress(row)
@@ -175,7 +179,9 @@ class Pair:
         got = out.reshape((self.batch, *expected.shape[1:]))[:few]
         error = float(np.abs(got - expected).max() / max(1.0, np.abs(expected).max()))
         if not error <= AGREEMENT:
-            raise DualpinError(f"bench: {self.term.name} of {self.robot.name} differs from Pinocchio by {error:.2g} (scaled)")
+            raise DualpinError(
+                f"bench: {self.term.name} of {self.robot.name} differs from Pinocchio by {error:.2g} (scaled)"
+            )
 
     def measured(self, repetitions: int = REPETITIONS) -> dict[str, Any]:
         """The row of this pair."""

@@ -5,6 +5,7 @@ Algorithms never see the shapes of arrays; kernels never see names or options.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -40,10 +41,8 @@ def compute(
     q = arrays[0]
     if engine == "auto" and isinstance(q, np.ndarray) and q.ndim == 1:
         found = robot.kernel(name, **settled)
-        try:
+        with contextlib.suppress(TypeError):  # options that are no keys: settled every time
             robot._ready[(name, *options.values()) if options else name] = found
-        except TypeError:
-            pass  # options that are no keys: settled every time
         return found(*arrays, out)
     return call(robot, name, dict(zip(TERMS[name].inputs, arrays, strict=True)), engine=engine, out=out, **settled)
 

@@ -81,8 +81,8 @@ class _Emission:
             elif step.op == "inv":
                 x = e.binary("fdiv", e.constant(1.0), get(a[0]))
             elif step.op == "neg":
-                # a result of 0 - 0 is 0, not -0
-                x = e.binary("fsub", e.constant(0.0), get(a[0])) if step.i in plan.output_slot else e.negative(get(a[0]))
+                result = step.i in plan.output_slot  # 0 - 0 is 0: no result is -0
+                x = e.binary("fsub", e.constant(0.0), get(a[0])) if result else e.negative(get(a[0]))
             elif step.op == "sqrt":
                 x = e.unary("sqrt", get(a[0]))
             else:

@@ -151,8 +151,11 @@ class Sym:
             return self + y
         if x is not None:
             return -(x + b)
-        opposite = self.graph.known("-", b.i, self.i)
-        return self._new("-", self.i, b.i) if opposite is None else self._new("neg", opposite)
+        if self.graph.known("-", self.i, b.i) is None:
+            opposite = self.graph.known("-", b.i, self.i)
+            if opposite is not None:
+                return self._new("neg", opposite)
+        return self._new("-", self.i, b.i)
 
     def __rsub__(self, b: Any) -> Any:
         return -self + b
@@ -329,12 +332,12 @@ def trace(robot: Robot, term: Term, options: Options) -> Trace:
     UntraceableError
         If the term chooses its way by the numbers it meets.
     """
+    for x in (x for j in robot for x in (*robot.gravity, *j.inertia.parameters, *j.placement.position)):
+        if _number(x) is None:
+            raise UntraceableError(f"the constants of {robot.name} are {type(x).__name__}, which cannot be compiled")
     graph, sizes = Graph(), term.sizes(robot)
     symbols = [graph.inputs(k, n) for k, n in enumerate(sizes)]
     outputs = list(flat(term.compute(robot, *symbols, **options)))
-    if not all(type(x) is Sym or _number(x) is not None for x in outputs):
-        kind = next(type(x).__name__ for x in outputs if type(x) is not Sym and _number(x) is None)
-        raise UntraceableError(f"{term.name} of {robot.name} computes {kind}, not symbols: its constants are no floats")
     return Trace(graph, sizes, outputs)
 
 
