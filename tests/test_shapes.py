@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from random_robots import robot
 
 import dualpin as dp
 from dualpin.engine import reference
+from tests.random_robots import robot
 
 # name -> inputs, and the options that make it callable
 FUNCTIONS = {

@@ -7,13 +7,13 @@ import warnings
 
 import numpy as np
 import pytest
-from test_shapes import FUNCTIONS, tail
 
 import dualpin as dp
 from dualpin import functions
 from dualpin.io.urdf import loads
 from dualpin.model import Builder, prismatic, revolute
 from dualpin.spatial import Pose, Vector3
+from tests.test_shapes import FUNCTIONS, tail
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 STILL = (

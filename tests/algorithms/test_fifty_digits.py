@@ -11,12 +11,12 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from random_robots import robot
 
 import dualpin as dp
 from dualpin.model import Robot
 from dualpin.scalars import Exact
 from dualpin.terms import TERMS, flat
+from tests.random_robots import robot
 
 DIGITS, CLOSE = 60, 1e-45
 NAMES = ("massless", "screws", "mixed", "floating_mimic")

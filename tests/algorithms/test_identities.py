@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from complex_step import along, gradient
-from random_robots import FIXED_BASE, SPECS, robot
 
 import dualpin as dp
 from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import Inertia, Matrix3, Vector3
+from tests.complex_step import along, gradient
+from tests.random_robots import FIXED_BASE, SPECS, robot
 
 TIGHT = 1e-12
 REFERENCES = ("world", "local", "local_world_aligned")

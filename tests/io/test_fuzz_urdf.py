@@ -10,13 +10,14 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from bad_urdfs import CASES, GOOD
-from random_robots import random_urdf
 
 import dualpin as dp
 from dualpin.io.urdf import loads
+from tests.random_robots import random_urdf
 
-SECONDS = 20  # for one file; the slowest honest one takes 0.2 s
+from .bad_urdfs import CASES, GOOD
+
+SECONDS = 60  # for one file; the slowest honest one takes 0.2 s on a machine with nothing else to do
 
 
 @contextmanager

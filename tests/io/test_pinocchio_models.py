@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_robots import random_urdf
 
 import dualpin as dp
 from dualpin.model import Robot
+from tests.random_robots import random_urdf
 
 pin = pytest.importorskip("pinocchio")
 

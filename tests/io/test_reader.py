@@ -7,12 +7,13 @@ import warnings
 
 import numpy as np
 import pytest
-from bad_urdfs import GOOD
-from random_robots import random_urdf
 
 import dualpin as dp
 from dualpin.io.urdf import loads
 from dualpin.scalars import ONE, Exact
+from tests.random_robots import random_urdf
+
+from .bad_urdfs import GOOD
 
 
 def joint(kind: str, inside: str = "") -> str:

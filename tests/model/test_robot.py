@@ -9,12 +9,12 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from random_robots import SPECS, random_inertia, random_pose, robot
 
 import dualpin as dp
 from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
 from dualpin.scalars import ONE, ZERO
 from dualpin.spatial import Pose, Vector3
+from tests.random_robots import SPECS, random_inertia, random_pose, robot
 
 names = pytest.mark.parametrize("name", SPECS)
 
