@@ -86,9 +86,9 @@ def from_screws(
             f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite"
         )
     if frame == "body":
-        from .screws import adjoint
+        from .screws import carried
 
-        S = adjoint(np.asarray(home, dtype=float)) @ S
+        S = carried(tip, S)
     bodies = _bodies(Mlist, Glist, S.shape[1])
     b = Builder(name, gravity)
     b.base("base_link")

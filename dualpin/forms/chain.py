@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..boundary import numbers
 from ..dual import EPS, Dual
-from ..errors import ArgumentError, ShapeError, nearest
+from ..errors import ArgumentError, ShapeError
 from ..functions import fk
 from ..model.joints import Axial, Floating, Planar
 from ..model.robot import Frame, Joint, Robot
@@ -25,6 +25,7 @@ from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, UX, UY, UZ, Vector3, motor
 
 KINDS = {"R": "revolute", "P": "prismatic", "C": "cylindrical", "H": "helical", "F": "fixed"}
+MOST = 40  # leaves that an error message lists
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +74,11 @@ class Chain:
     axes: tuple[Axis, ...]
     home: Pose
     """Of the tip in the base, every coordinate at zero."""
+
+    @property
+    def downward(self) -> bool:
+        """Whether every joint is passed from its parent to its child."""
+        return self.base.joint is None or self.base.joint in _path(self.tip.joint)
 
     @cached_property
     def joint_names(self) -> list[str]:
@@ -150,9 +156,9 @@ def _only_leaf(robot: Robot, what: str) -> Frame:
     if len(ends) == 1:
         return ends[0]
     names = [f.name for f in ends]
+    shown = ", ".join(names[:MOST]) + (f", ... ({len(names)} in all)" if len(names) > MOST else "")
     raise ArgumentError(
-        f"{what}: {robot.name} branches and ends in {len(names)} links; choose one with tip=. "
-        + nearest("", names, "leaves")
+        f"{what}: {robot.name} branches and ends in {len(names)} links; choose one with tip=. leaves: {shown}"
     )
 
 

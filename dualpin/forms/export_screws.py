@@ -93,13 +93,16 @@ def _code(poe: Screws, language: str, degrees: bool, digits: int | None) -> str:
     matrices = [(name, getattr(poe, name)) for name in ("M", "Slist", "Blist")]
     if language == "matlab":
         parts = [f"% joints: {joints}", *(text.array(name, A, "matlab", digits) for name, A in matrices)]
+        if not poe.chain.downward:
+            return "\n".join([*parts, ""])
         parts.append(f"Mlist = zeros(4, 4, {len(poe) + 1}); Glist = zeros(6, 6, {len(poe)});")
         for name, stack in (("Mlist", poe.Mlist), ("Glist", poe.Glist)):
             parts += [text.array(f"{name}(:, :, {i})", A, "matlab", digits) for i, A in enumerate(stack, 1)]
         return "\n".join([*parts, ""])
     parts = [f"# joints: {joints}", "import numpy as np", ""]
     parts += [text.array(name, A, "python", digits) for name, A in matrices]
-    for name, stack in (("Mlist", poe.Mlist), ("Glist", poe.Glist)):
+    stacks = (("Mlist", poe.Mlist), ("Glist", poe.Glist)) if poe.chain.downward else ()
+    for name, stack in stacks:
         blocks = ["    " + repr([[float(text.number(x, digits)) for x in row] for row in A]) for A in stack]
         parts.append(f"{name} = np.array([\n" + ",\n".join(blocks) + "\n])")
     return "\n".join([*parts, ""])

@@ -19,7 +19,9 @@ from ..functions import fk, jacobian
 from ..model.joints import Planar
 from ..model.robot import Frame, Joint, Robot
 from ..scalars import Scalar
+from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
+from ..spatial.vector import NOUGHT, Vector3, motor
 from .chain import Chain, chain, leaves, whole_q
 
 FRAMES = ("space", "body")
@@ -30,11 +32,17 @@ def as_matrix(X: Pose) -> np.ndarray:
     return np.array([[float(x) for x in row] for row in X.rows])
 
 
-def adjoint(T: np.ndarray) -> np.ndarray:
-    """[R 0; [p]R R]: twists [w; v] of the inner frame, seen from the outer one, (6, 6)."""
-    R, p = T[:3, :3], T[:3, 3]
-    skew = np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
-    return np.block([[R, np.zeros((3, 3))], [skew @ R, R]])
+def carried(X: Pose, screws: np.ndarray) -> np.ndarray:
+    """Screws [w; v] of the frame X, as columns, in the frame that X is described in, (6, n)."""
+    moved = (X @ motor(Vector3(*s[:3]), Vector3(*s[3:])) for s in screws.T.tolist())
+    return np.array([[*map(float, m.real), *map(float, m.dual)] for m in moved]).reshape(-1, 6).T
+
+
+def at_centre(body: Inertia) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of mass, and the inertia matrix about it."""
+    c = body.moment / body.mass if float(body.mass) > 0 else NOUGHT
+    about = (Pose(position=-c) @ body).rotational
+    return np.array([float(x) for x in c]), np.array([[float(x) for x in row] for row in about.rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +94,16 @@ class Screws:
     @cached_property
     def Blist(self) -> np.ndarray:
         """Body screws B = Ad(M^-1) S as columns, shape (6, n)."""
-        return adjoint(np.linalg.inv(self.home)) @ self.Slist
+        return carried(self.chain.home.inverse, self.Slist)
 
     @cached_property
     def _bodies(self) -> tuple[list[np.ndarray], list[np.ndarray]]:
         """Home poses of centre-of-mass frames, and inertias there, one for each screw."""
+        if not self.chain.downward:
+            raise ArgumentError(
+                f"Mlist, Glist: the chain from {self.chain.base.name!r} to {self.chain.tip.name!r} passes joints from "
+                "child to parent; inertias are those of a robot that stands on its base link"
+            )
         poses, inertias = [], []
         base = np.linalg.inv(as_matrix(_home_of(self.chain, self.chain.base.joint) @ self.chain.base.placement))
         axes = self.chain.axes
@@ -101,17 +114,11 @@ class Screws:
             G = np.zeros((6, 6))
             body = axis.joint.inertia
             m = float(body.mass)
+            X_com = X
             if last:
-                h = np.array([float(x) for x in body.moment])
-                J = np.array([[float(x) for x in row] for row in body.rotational.rows])
-                c = h / m if m > 0 else np.zeros(3)
-                G[:3, :3] = J - m * (c @ c * np.eye(3) - np.outer(c, c))
+                c, G[:3, :3] = at_centre(body)
                 G[3:, 3:] = m * np.eye(3)
-                shift = np.eye(4)
-                shift[:3, 3] = c
-                X_com = X @ shift
-            else:
-                X_com = X
+                X_com = X @ as_matrix(Pose(position=Vector3(*c.tolist())))
             # of the screws of one joint, the last moves the body
             poses += [X] * (count - 1) + [X_com]
             inertias += [np.zeros((6, 6))] * (count - 1) + [G]

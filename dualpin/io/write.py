@@ -18,6 +18,7 @@ from ..model.joints import Axial, Floating, Planar
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
+from ..spatial.vector import NOUGHT
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
 TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
@@ -138,17 +139,16 @@ class _Writer:
         if not ten.any():
             return name
         m, h = ten[0], ten[1:4]
-        xx, xy, yy, xz, yz, zz = ten[4:]
-        J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         if m == 0 and h.any():
             raise ArgumentError(f"to_urdf: link {name!r} has a first moment {h.tolist()} kg m but no mass")
-        c = h / m if m else np.zeros(3)
-        J = J - m * (c @ c * np.eye(3) - np.outer(c, c))
+        centre = body.moment / body.mass if m else NOUGHT
+        c = [float(x) for x in centre]
+        J = [[float(x) for x in row] for row in (Pose(position=-centre) @ body).rotational.rows]
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
         etree.SubElement(inertial, "mass", value=_numbers([m]))
         keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        values = (J[0, 0], J[0, 1], J[0, 2], J[1, 1], J[1, 2], J[2, 2])
+        values = (J[0][0], J[0][1], J[0][2], J[1][1], J[1][2], J[2][2])
         etree.SubElement(inertial, "inertia", **{k: _numbers([x]) for k, x in zip(keys, values, strict=True)})
         return name
 

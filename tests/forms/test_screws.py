@@ -109,6 +109,14 @@ def test_a_planar_joint_is_two_slides_and_a_turn() -> None:
         poe.jacobian(q)
 
 
+def test_a_chain_that_runs_upwards_has_screws_but_no_inertias() -> None:
+    poe = dp.to_screws(dp.load("ur5"), "base_link", base="tool0")
+    assert poe.residual <= TOLERANCE
+    with pytest.raises(dp.ArgumentError, match="from child to parent"):
+        poe.Glist
+    assert "Blist" in poe.export("python") and "Glist" not in poe.export("python") + poe.export("matlab")
+
+
 def test_screws_are_exported_in_full_and_as_code() -> None:
     import json
 

@@ -65,6 +65,16 @@ def test_every_robot_is_written_and_read_back_the_same() -> None:
             assert_same(robot, reread(robot, **how))
 
 
+@pytest.mark.parametrize("name", ["panda", "talos_left_arm", "hyq_no_sensors"])
+def test_pinocchio_reads_the_written_file_as_the_same_robot(name: str, tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    robot = dp.load(name)
+    robot.to_urdf(tmp_path / "again.urdf")
+    report = dp.validate(str(tmp_path / "again.urdf"), samples=10, seed=2, terms=["fk", "rnea", "crba"], engine="numpy")
+    assert report.passed, report
+    assert_same(robot, dp.load(tmp_path / "again.urdf"))
+
+
 @pytest.mark.parametrize("convention", ["standard", "modified"])
 def test_a_robot_from_rows_has_pinocchios_dynamics(convention: str, seed: int, tmp_path: Path) -> None:
     pytest.importorskip("pinocchio")
