@@ -12,6 +12,7 @@ from ..terms import TERMS
 
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 MOMENTUM = ("lx", "ly", "lz", "px", "py", "pz")
+_PARTS = {"floating": TWIST, "planar": ("vx", "vy", "w"), "cylindrical": ("angle", "slide")}
 PARAMETERS = ("mass", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 
 
@@ -52,8 +53,7 @@ def locate(robot: Robot, term: str, entry: int, options: Mapping[str, Any] | Non
     if len(names) == 2:
         place = f"row {names[0]}, column {names[1]}"
     elif len(names) == 3:
-        which = robot.joint_names[index[0]] if term == "fk" else ("by q", "by v", "by the last argument")[index[0]]
-        place = f"{which}, row {index[1]}, column {index[2]}"
+        place = f"{names[0]}, row {names[1]}, column {names[2]}"
     else:
         place = ", ".join(names)
     variant = ", ".join(
@@ -65,8 +65,12 @@ def locate(robot: Robot, term: str, entry: int, options: Mapping[str, Any] | Non
 def _label(robot: Robot, term: str, axis: int, size: int, i: int) -> str:
     """The name of index i along an axis of a term."""
     last = axis == 1
+    if term == "fk" and axis == 0:
+        return f"joint {robot.joint_names[i]}"
     if term in ("frame_pose", "fk"):
         return str(i)
+    if term.endswith("_derivatives") and axis == 0:
+        return ("by q", "by v", "by the last argument")[i]
     if term == "joint_torque_regressor" and last:
         body, parameter = divmod(i, 10)
         return f"{PARAMETERS[parameter]} of the body of {robot.joint_names[body]}"
@@ -80,12 +84,12 @@ def _label(robot: Robot, term: str, axis: int, size: int, i: int) -> str:
 
 
 def velocity_names(robot: Robot) -> list[str]:
-    """One name for each entry of v: the joint's, numbered where it has several."""
+    """One name for each entry of v: the joint's, and which of its velocities where it has several."""
     names = [str(i) for i in range(robot.nv)]
     for j in robot:
         if j.mimic:
             continue
-        span = range(j.v.start, j.v.stop)
-        for k, i in enumerate(span):
-            names[i] = j.name if len(span) == 1 else f"{j.name}[{k}]"
+        parts = _PARTS.get(j.kind) or [str(k) for k in range(j.v.stop - j.v.start)]
+        for i, part in zip(range(j.v.start, j.v.stop), parts, strict=True):
+            names[i] = j.name if len(parts) == 1 else f"{j.name} {part}"
     return names

@@ -9,8 +9,10 @@ from random_robots import random_urdf
 import dualpin as dp
 from dualpin.algorithms import coriolis as coriolis_module
 from dualpin.crosscheck import CHECKS, tolerance
+from dualpin.crosscheck.where import locate
 from dualpin.model.robot import Joint, Robot
 from dualpin.spatial import Inertia, Pose, Vector3, diagonal
+from dualpin.terms import TERMS
 
 pytest.importorskip("pinocchio")
 
@@ -146,3 +148,13 @@ def test_random_trees_agree_through_the_same_file(tmp_path, seed, case, floating
     path.write_text(random_urdf(seed + case, joints=7))
     report = dp.validate(str(path), samples=5, seed=case, floating=floating, engine="numpy")
     assert report.passed, {k: (t.max_scaled_error, t.tolerance) for k, t in report.terms.items() if not t.passed}
+
+
+@pytest.mark.parametrize(("name", "floating"), [("double_pendulum", False), ("ur5", True), ("bluevolta", False)])
+def test_every_entry_of_every_term_has_a_name(name, floating):
+    robot = dp.load(name, floating=floating)
+    for term, check in CHECKS.items():
+        options = check.variants(robot, 0)[0]
+        shape = (robot.nv,) if term == "difference" else TERMS[term].shape(robot, **options)
+        names = [locate(robot, term, entry, options) for entry in range(int(np.prod(shape, dtype=int)))]
+        assert len(set(names)) == len(names)
