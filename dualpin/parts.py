@@ -15,10 +15,14 @@ SEQUENCES = {list, tuple, int, np.ndarray}
 """Types of parts that are looked at when a dual number is made; all others are taken as they are."""
 
 
+FLOAT64 = np.dtype(float)
+
+
 def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     """Lists become arrays, parts of different shapes are broadcast; exact constants stay exact."""
-    if type(real) is type(dual) is np.ndarray and real.shape == dual.shape and _floating(real) and _floating(dual):
-        return real, dual
+    if type(real) is type(dual) is np.ndarray and real.shape == dual.shape:
+        if real.dtype is dual.dtype is FLOAT64 or (_floating(real) and _floating(dual)):
+            return real, dual
     if not any(isinstance(x, (list, tuple, np.ndarray)) for x in (real, dual)):
         return real, dual
     try:

@@ -43,7 +43,7 @@ class Row:
     right: Any
     ours: Any
     erratum: str = ""
-    """Number in docs/errata.md of this directory's sources, empty if the print holds."""
+    """Number of the misprint (paper.number), empty if the print holds."""
     digits: float = 5e-13
     """Half a unit of the last printed digit, relative to max(1, |right|): how far a right print may be off."""
     tol: float = 1e-12
