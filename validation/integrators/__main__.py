@@ -26,7 +26,7 @@ def main() -> int:
     if quick:
         print(page.markdown(results))
     else:
-        (HERE / "results.json").write_text(json.dumps(results, indent=1, allow_nan=True) + "\n")
+        (HERE / "results.json").write_text(json.dumps(results, indent=1, allow_nan=False) + "\n")
         (HERE / "README.md").write_text(page.markdown(results))
         figures.draw(results, HERE)
     return 0 if results["passed"] else 1

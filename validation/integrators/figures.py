@@ -47,7 +47,7 @@ def _drift(results: dict[str, Any]) -> Any:
             method, loop = name.split()
             e = np.array(values["by_turn"])
             turns = 1 + np.arange(len(e)) * results["drift"]["turns"] / len(e)
-            axes[loop != "K=0"].loglog(turns, e, label=method)
+            axes[int(loop != "K=0")].loglog(turns, e, label=method)
     for ax, title in zip(axes, ("open loop", "closed loop, K = 1/s"), strict=True):
         ax.set(xlabel="turn", title=title)
     axes[0].set(ylabel="peak position error of the turn [m]")
@@ -59,7 +59,7 @@ def _energy(results: dict[str, Any]) -> Any:
     fig, ax = _axes(1)
     for name, values in results["energy"].items():
         if isinstance(values, dict):
-            e = np.array(values["by_time"])
+            e = np.array(values["by_time"], dtype=float)  # null: not finite
             t = (1 + np.arange(len(e))) / len(e) * values["steps"] * results["energy"]["dt"]
             ax.loglog(t, e, label=name)
     ax.set(
