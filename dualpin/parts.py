@@ -20,9 +20,9 @@ FLOAT64 = np.dtype(float)
 
 def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     """Lists become arrays, parts of different shapes are broadcast; exact constants stay exact."""
-    if type(real) is type(dual) is np.ndarray and real.shape == dual.shape:
-        if real.dtype is dual.dtype is FLOAT64 or (_floating(real) and _floating(dual)):
-            return real, dual
+    alike = type(real) is type(dual) is np.ndarray and real.shape == dual.shape
+    if alike and (real.dtype is dual.dtype is FLOAT64 or (_floating(real) and _floating(dual))):
+        return real, dual
     if not any(isinstance(x, (list, tuple, np.ndarray)) for x in (real, dual)):
         return real, dual
     try:

@@ -11,9 +11,9 @@ PAPERS = ("tapia_herrera", "laus", "pennestri", "gouasmi", "sariyildiz")
 INTRO = """# The papers, recomputed
 
 Every table, example and formula of five papers that dualpin stands on: what is printed, what is right, what dualpin
-computes. `make papers` writes these pages; `tests/papers` holds every row. Corrected values are definitions written out
-with NumPy, derivatives by complex steps, golden values from mpmath at 140 digits, or, for dynamics, the Lagrangian terms
-that are checked against Pinocchio.
+computes. `make papers` writes these pages; `tests/papers` holds every row. Corrected values are definitions written
+out with NumPy, derivatives by complex steps, golden values from mpmath at 140 digits, or, for dynamics, Lagrangian
+terms that are checked against Pinocchio.
 
 Verdicts: *holds*; *misprint* with the number of the erratum; *measured*, where the paper prints nothing.
 """
