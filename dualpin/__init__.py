@@ -19,9 +19,11 @@ _HOMES = {
         "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
         "UrdfError",
     ),
+    "dualpin.export": ("export_c", "symbolic"),
     "dualpin.forms": ("from_dh", "from_screws", "to_dh", "to_screws"),
     "dualpin.functions": (
-        "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba", "difference", "fk",
+        "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian", "coriolis", "crba",
+        "difference", "fk",
         "frame_acceleration", "frame_velocity", "gravity", "inertial_parameters", "integrate", "jacobian",
         "jacobian_dot", "joint_torque_regressor", "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea",
         "rnea_derivatives",

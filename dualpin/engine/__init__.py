@@ -106,7 +106,7 @@ def bind(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> Ca
     return found
 
 
-def _bind(robot: Robot, term: Term, dtype: np.dtype, options: Options) -> Callable[..., np.ndarray]:
+def _bind(robot: Robot, term: Term, dtype: np.dtype, options: dict[str, Any]) -> Callable[..., np.ndarray]:
     from dataclasses import replace
 
     from ..boundary import call

@@ -143,7 +143,7 @@ def text() -> str:
     """The module's IR."""
     declarations = "".join(f"declare {kind.replace(' (', f' @{name}(', 1)}\n" for name, kind in _API.items())
     fields = ""
-    for i, (name, kind) in enumerate(Spec._fields_):
+    for i, (name, kind, *_) in enumerate(Spec._fields_):
         ir_kind = "i64" if kind is ctypes.c_int64 else "ptr"
         fields += f"  %at.{name} = getelementptr i64, ptr %spec, i64 {i}\n  %{name} = load {ir_kind}, ptr %at.{name}\n"
     body = _ENTRY.replace("FIELDS\n", fields)

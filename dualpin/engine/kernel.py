@@ -152,7 +152,7 @@ def compiled(
     program = trace(robot, term, options)
     if len(program.graph.nodes) > LARGEST:
         raise UntraceableError(
-            f"{term.name} of {robot.name} takes {len(program.graph.nodes)} operations; beyond {LARGEST} none is compiled"
+            f"{term.name} of {robot.name} takes {len(program.graph.nodes)} operations; {LARGEST} is the most compiled"
         )
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     plan = schedule(program)

@@ -1,0 +1,220 @@
+"""The same source in other languages: dependency-free C, and SymPy's formulas."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .boundary import check_robot, settle
+from .engine.trace import Sym, Trace, trace
+from .errors import ArgumentError, nearest
+from .model.robot import Robot
+from .terms import TERMS, Term, flat, input_shape
+
+
+@dataclass(frozen=True)
+class CCode:
+    """A term of a robot as C99.
+
+    Attributes
+    ----------
+    name : str
+        Of the function, and of both files without their suffixes.
+    header, source : str
+        The texts of `name`.h and `name`.c.
+    """
+
+    name: str
+    header: str
+    source: str
+
+    def write(self, folder: str | Path) -> Path:
+        """Write both files into a folder; returns the path of the source."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        (place / f"{self.name}.h").write_text(self.header)
+        path = place / f"{self.name}.c"
+        path.write_text(self.source)
+        return path
+
+
+def export_c(
+    robot: Robot, term: str, folder: str | Path | None = None, *, name: str | None = None, dtype: Any = np.float64,
+    **options: Any,
+) -> CCode:  # fmt: skip
+    """One term as a C99 function without dependencies but `math.h`, from the graph that is compiled here.
+
+    It takes one configuration: an array for each input and one for the result, row by row.  It
+    keeps no state and allocates nothing, so it may run on a microcontroller and on many threads.
+
+    Parameters
+    ----------
+    term : str
+        "rnea", "crba", "fk", "frame_pose", ...
+    folder : path, optional
+        Where ``name.c`` and ``name.h`` are written.
+    name : str, optional
+        Of the function; by default the robot's and the term's.
+    dtype : float64 or float32
+        ``double`` or ``float``.
+    **options
+        What the term takes besides arrays: ``frame=``, ``reference=``.
+
+    Returns
+    -------
+    CCode
+        With ``.name``, ``.header``, ``.source`` and ``.write(folder)``.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such term or the name is no C identifier.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> print(dp.export_c(dp.load("ur5"), "gravity").header.splitlines()[-3])
+    void ur5_gravity(const double q[6], double result[6]);
+    """
+    chosen = _term(robot, term)
+    kind = {"d": "double", "f": "float"}.get(np.dtype(dtype).char)
+    if kind is None:
+        raise ArgumentError(f"export_c: dtype float64 or float32 expected, got {np.dtype(dtype)}")
+    name = re.sub(r"\W", "_", f"{robot.name}_{term}") if name is None else name
+    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        better = re.sub(r"[^A-Za-z0-9_]", "_", f"f_{name}")
+        raise ArgumentError(f"export_c: {name!r} is no C identifier; {better!r} would be one")
+    settled = settle(robot, options)
+    program = trace(robot, chosen, settled)
+    shape = chosen.shape(robot, **settled)
+    size = int(np.prod(shape, dtype=int))
+    arguments = [f"const {kind} {key}[{n}]" for key, n in zip(chosen.inputs, program.sizes, strict=True)]
+    signature = f"void {name}({', '.join(arguments)}, {kind} result[{size}])"
+    detail = "".join(f", {key} {getattr(value, 'name', value)}" for key, value in sorted(settled.items()))
+    about = f"/* {term} of {robot.name}{detail}: result of shape {shape}, row by row. SI units, radians. */\n"
+    guard = f"{name.upper()}_H"
+    header = f"{about}#ifndef {guard}\n#define {guard}\n\n{_LINKAGE}\n{signature};\n\n#endif\n"
+    body = "\n".join(c_lines(program, chosen, kind))
+    source = f'{about}#include "{name}.h"\n\n#include <math.h>\n\n{signature}\n{{\n{body}\n}}\n'
+    code = CCode(name, header, source)
+    if folder is not None:
+        code.write(folder)
+    return code
+
+
+_LINKAGE = '#ifdef __cplusplus\nextern "C"\n#endif'
+
+
+def c_lines(program: Trace, term: Term, kind: str) -> list[str]:
+    """The statements of a graph, one for each operation used; results are written last, inputs may be overwritten."""
+    nodes, names = program.graph.nodes, {}
+    suffix = "f" if kind == "float" else ""
+
+    def number(x: float) -> str:
+        text = repr(float(np.float32(x))) if suffix else repr(x)
+        return f"{text}{suffix}"
+
+    lines = []
+    for i in program.graph.live(program.outputs):
+        op, *args = nodes[i]
+        if op == "in":
+            names[i] = f"{term.inputs[args[0]]}[{args[1]}]"
+            continue
+        if op == "const":
+            names[i] = number(args[0]) if args[0] >= 0 else f"({number(args[0])})"
+            continue
+        a = [names[j] for j in args]
+        text = {
+            "+": "{0} + {1}", "-": "{0} - {1}", "*": "{0} * {1}", "inv": number(1.0) + " / {0}", "neg": "-{0}",
+            "select": "{0} < {1} ? {2} : {3}",
+        }.get(op, f"{op}{suffix}({{0}})")  # fmt: skip
+        names[i] = f"t{len(lines)}"
+        lines.append(f"    const {kind} {names[i]} = {text.format(*a)};")
+    for k, x in enumerate(program.outputs):
+        if type(x) is Sym and nodes[x.i][0] == "in":  # read before anything is written
+            lines.append(f"    const {kind} r{k} = {names[x.i]};")
+    for k, x in enumerate(program.outputs):
+        copied = type(x) is Sym and nodes[x.i][0] == "in"
+        value = f"r{k}" if copied else names[x.i] if type(x) is Sym else number(x)
+        lines.append(f"    result[{k}] = {value};")
+    unused = [key for key in term.inputs if not any(f"{key}[" in line for line in lines)]
+    return [f"    (void){key};" for key in unused] + lines
+
+
+def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) -> Any:
+    """One term as SymPy expressions: the algorithm itself, run on symbols.  For small robots.
+
+    Parameters
+    ----------
+    term : str
+        "crba", "coriolis", "gravity", "rnea", "fk", ...
+    simplify : bool
+        Whether SymPy simplifies each entry.
+    **given
+        Symbols for the inputs (``q=``, ``v=``, ...: a sequence each; by default q0, q1, ..., real), and
+        what the term takes besides arrays: ``frame=``, ``reference=``.
+
+    Returns
+    -------
+    sympy.Expr, sympy.Matrix or sympy.Array
+        By the number of axes: none, one (a column) or two, more.
+
+    Notes
+    -----
+    Constants of the robot that are short decimals become fractions, so 0.5 is 1/2.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such term, or symbols of the wrong number are given.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.model import Builder, revolute
+    >>> from dualpin.spatial import UY, Inertia, Matrix3, NOUGHT, Vector3
+    >>> b = Builder("pendulum")
+    >>> b.joint("hinge", revolute(UY), inertia=Inertia(2.0, Vector3(1.0, 0.0, 0.0), Matrix3(NOUGHT, UY * 0.5, NOUGHT)))
+    >>> dp.symbolic(b.robot(), "crba"), dp.symbolic(b.robot(), "gravity")
+    (Matrix([[1/2]]), Matrix([[-981*cos(q0)/100]]))
+    """
+    import sympy
+
+    chosen = _term(robot, term)
+    inputs = []
+    for key in chosen.inputs:
+        shape = input_shape(robot, key)
+        size = int(np.prod(shape, dtype=int))
+        symbols: Sequence[Any] = given.pop(key, None) or sympy.symbols(f"{key}0:{size}", real=True)
+        if len(symbols) != size:
+            raise ArgumentError(f"symbolic: {size} symbols for {key} expected, got {len(symbols)}")
+        inputs.append(list(symbols))
+
+    def fraction(x: Any) -> Any:
+        return sympy.Rational(repr(float(x))) if isinstance(x, (int, float)) else x
+
+    settled = settle(robot, given)
+    exact = robot.lift(fraction)
+    if "frame" in settled:
+        settled["frame"] = exact.frames[robot.frames.index(settled["frame"])]
+    entries = [sympy.sympify(x) for x in flat(chosen.compute(exact, *inputs, **settled))]
+    if simplify:
+        entries = [sympy.simplify(x) for x in entries]
+    shape = chosen.shape(robot, **settled)
+    if len(shape) == 0:
+        return entries[0]
+    if len(shape) <= 2:
+        return sympy.Matrix(shape[0], shape[1] if len(shape) == 2 else 1, entries)
+    return sympy.Array(entries, shape)
+
+
+def _term(robot: Robot, name: str) -> Term:
+    check_robot(robot, name)
+    if name not in TERMS:
+        raise ArgumentError(f"term {name!r} is not known; {nearest(name, TERMS, 'terms')}")
+    return TERMS[name]
