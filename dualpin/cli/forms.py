@@ -19,7 +19,9 @@ Digits = Annotated[int | None, typer.Option("--digits", min=1, help="Significant
 @app.command()
 def dh(
     robot: RobotName,
-    convention: Annotated[str, typer.Option("--convention", help="standard, or modified (Craig).")] = "standard",
+    convention: Annotated[
+        str, typer.Option("--convention", help="standard, modified (Craig), or khalil-kleinfinger.")
+    ] = "standard",
     format: Format = "table",
     base: Base = None,
     tip: Tip = None,
@@ -36,8 +38,6 @@ def dh(
 
     table = to_dh(load(robot), base, tip, convention, snap=snap)
     print(table.export("json" if json else format, degrees=degrees, digits=digits))
-    if snap is not None:
-        print(f"snapping moved the tip by up to {table.deviation:.3g} m (or rad)", file=sys.stderr)
     for note in table.notes:
         print(f"note: {note}", file=sys.stderr)
 

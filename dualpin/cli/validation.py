@@ -1,8 +1,7 @@
-"""`dualpin validate` and `dualpin report`."""
+"""`dualpin validate`."""
 
 from __future__ import annotations
 
-import json as jsonlib
 import os
 import sys
 from collections.abc import Callable
@@ -13,6 +12,7 @@ import typer
 
 from ..errors import ArgumentError
 from .main import Floating, Json, Mimic, app
+from .show import formats, show
 
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
 
@@ -56,11 +56,11 @@ def validate(
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     with _progress(len(cases)) as tick:
         report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick)
-    written = report.write(out, ("json", "md", "html")) if out else []
+    written = report.write(out, formats()) if out else []
     if json:
         print(report.to_json())
     else:
-        _print(report)
+        show(report)
     for path in written:
         print(f"wrote {path}", file=sys.stderr)
     if report.partial:
@@ -68,31 +68,6 @@ def validate(
     if not report.robots and any(r.by_pinocchio for r in report.refused) and not all_:
         raise typer.Exit(2)  # nothing could be read at all
     raise typer.Exit(0 if report.passed else EXIT_FAILED)
-
-
-@app.command()
-def report(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A report.json.")],
-    out: Annotated[Path | None, typer.Option("--out", help="Write it as .md and .html into this folder.")] = None,
-    json: Json = False,
-) -> None:
-    """Print a report again, or write it in other formats."""
-    from ..crosscheck.results import Report
-
-    try:
-        found = Report.from_dict(jsonlib.loads(file.read_text(encoding="utf-8")))
-    except OSError as e:
-        raise ArgumentError(f"report: cannot read {file} ({e.strerror or e})") from None
-    except (ValueError, LookupError, TypeError) as e:
-        raise ArgumentError(f"report: {file} is not a report of `dualpin validate --json` ({e})") from None
-    if out:
-        for path in found.write(out, ("json", "md", "html")):
-            print(f"wrote {path}", file=sys.stderr)
-    if json:
-        print(found.to_json())
-    else:
-        _print(found)
-    raise typer.Exit(0 if found.passed else EXIT_FAILED)
 
 
 class _progress:
@@ -120,42 +95,3 @@ class _progress:
     def __exit__(self, *_: object) -> None:
         if self.bar:
             self.bar.stop()
-
-
-def _print(report: Any) -> None:
-    """A table on a terminal, aligned text elsewhere."""
-    from rich.console import Console
-    from rich.table import Table
-
-    console = Console(width=None if sys.stdout.isatty() else 140, highlight=False)
-    single = len(report.robots) == 1 and report.robots[0].terms
-    table = Table(box=None, pad_edge=False)
-    if single:
-        r = report.robots[0]
-        table.title = f"{r.label}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
-        for name in ("term", "max scaled error", "tolerance", "", "oracle", ""):
-            table.add_column(name, justify="right" if "e" in name and name not in ("oracle", "term") else "left")
-        for name, t in r.terms.items():
-            table.add_row(name, f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}", _mark(t.passed), t.oracle, t.remark)
-    else:
-        for name in ("robot", "nv", "worst scaled error", "in", "", "remark"):
-            table.add_column(name, justify="right" if name in ("nv", "worst scaled error") else "left")
-        for r in report.robots:
-            compared = {k: t.max_scaled_error for k, t in r.terms.items() if t.compared}
-            worst = max(compared, key=lambda k: compared[k], default="-")
-            failed = [k for k, t in r.terms.items() if not t.passed]
-            remark = r.error or ("out of tolerance: " + ", ".join(failed) if failed else "")
-            table.add_row(
-                r.label, str(r.nv), f"{compared.get(worst, float('nan')):.1e}", worst, _mark(r.passed), remark
-            )
-    console.print(table)
-    for refusal in report.refused:
-        who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"
-        console.print(f"refused by {who}: {refusal.name}: {refusal.reason}", markup=False)
-    verdict = "partial" if report.partial else "passed" if report.passed else "FAILED"
-    against = report.versions.get("pinocchio", "?")
-    console.print(f"{verdict}: {len(report.robots)} robots against Pinocchio {against}")
-
-
-def _mark(passed: bool) -> str:
-    return "ok" if passed else "FAILED"

@@ -161,9 +161,15 @@ class Report:
         return paths
 
     def to_html(self) -> str:
-        from .html import html
+        """One self-contained page; needs Jinja (``pip install 'dualpin[report]'``)."""
+        from ..report import page
 
-        return html(self)
+        return page(self)
+
+    def _repr_html_(self) -> str:
+        from ..report.notebook import report_html
+
+        return report_html(self)
 
 
 def _finite(x: Any) -> Any:

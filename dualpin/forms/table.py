@@ -212,6 +212,11 @@ class DHTable:
         kinds = "".join(row.kind for row in self.rows)
         return f"<DHTable {self.name!r}: {self.convention}, {kinds or 'no joints'}>"
 
+    def _repr_html_(self) -> str:
+        from ..report.notebook import dh_html
+
+        return dh_html(self)
+
     def __len__(self) -> int:
         return len(self.rows)
 

@@ -28,9 +28,10 @@ def summary(robot: Robot) -> str:
     return "\n".join(lines)
 
 
-def _table(robot: Robot) -> list[str]:
-    rows = [("", "joint", "kind", "parent", "q", "v", "limits")]
-    rows += [
+def rows(robot: Robot) -> list[tuple[str, ...]]:
+    """The joints as rows of text, the heading first."""
+    found: list[tuple[str, ...]] = [("", "joint", "kind", "parent", "q", "v", "limits")]
+    return found + [
         (
             str(j.index),
             j.name,
@@ -42,8 +43,12 @@ def _table(robot: Robot) -> list[str]:
         )
         for j in robot
     ]
-    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in rows]
+
+
+def _table(robot: Robot) -> list[str]:
+    lines = rows(robot)
+    widths = [max(len(row[k]) for row in lines) for k in range(len(lines[0]))]
+    return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in lines]
 
 
 def _span(s: slice) -> str:

@@ -421,6 +421,11 @@ class Robot:
             raise ArgumentError(f"{self.name}: its constants are symbols, so its mass is no number")
         return float(sum(float(j.inertia.mass) for j in self.joints))
 
+    def _repr_html_(self) -> str:
+        from ..report.notebook import robot_html
+
+        return robot_html(self)
+
     def summary(self) -> str:
         """The tree, the order of q and v, limits, and what was assumed, as text."""
         from .describe import summary

@@ -138,7 +138,7 @@ def test_a_report_survives_json(tmp_path):
     again = type(report).from_dict(data)
     assert again.to_json() == report.to_json()
     assert "| rnea |" in paths[1].read_text()
-    assert "<table>" in paths[2].read_text()
+    assert "<table" in paths[2].read_text()
 
 
 @pytest.mark.parametrize("case", range(6))

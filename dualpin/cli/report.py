@@ -1,0 +1,81 @@
+"""`dualpin report`: results again, in other formats, and what changed between two of them."""
+
+from __future__ import annotations
+
+import json as jsonlib
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import ArgumentError
+from .main import Json, app, show_json
+from .show import formats, show, show_comparison, show_rows
+
+
+@app.command()
+def report(
+    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Result files: validation, speed, ...")],
+    out: Annotated[Path | None, typer.Option("--out", help="Write one report.html of them into this folder.")] = None,
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Two files, OLD NEW: what got worse, slower, or changed verdict.")
+    ] = False,
+    error_factor: Annotated[
+        float, typer.Option("--error-factor", min=1.0, help="An error that grew by more is worse.")
+    ] = 10.0,
+    speed_factor: Annotated[
+        float, typer.Option("--speed-factor", min=1.0, help="A time that grew by more is worse.")
+    ] = 1.1,
+    json: Json = False,
+) -> None:
+    """Print results again, write them as one HTML page, or compare two of them.
+
+    Exit code 1 if a validation among them failed, or, with --compare, if something got worse.
+
+    Examples:  dualpin report out/report.json --out page  |  dualpin report --compare old.json new.json
+    """
+    from ..report import compare as compared
+    from ..report import read
+
+    studies = [read(file) for file in files]
+    if compare:
+        if len(studies) != 2:
+            raise ArgumentError(f"report --compare: two files expected, OLD and NEW; {len(studies)} given")
+        found = compared(studies[0], studies[1], error_factor=error_factor, speed_factor=speed_factor)
+        if out:
+            _write(out, found)
+        if json:
+            show_json(found.to_dict())
+        else:
+            show_comparison(found)
+        raise typer.Exit(0 if found.passed else 1)
+    if out:
+        if len(studies) == 1 and studies[0].report is not None:
+            for path in studies[0].report.write(out, formats()):
+                print(f"wrote {path}", file=sys.stderr)
+        else:
+            _write(out, *studies)
+    if json:
+        documents = [s.report.to_dict() if s.report else s.tables for s in studies]
+        print(jsonlib.dumps(documents[0] if len(documents) == 1 else documents, indent=1))
+    else:
+        for s in studies:
+            if s.report is not None:
+                show(s.report)
+            for name, rows in s.tables.items():
+                show_rows(name, rows)
+    raise typer.Exit(0 if all(s.report is None or s.report.passed for s in studies) else 1)
+
+
+def _write(folder: Path, *of: object) -> None:
+    """One page into a folder."""
+    from ..report import page
+
+    text = page(*of)  # type: ignore[arg-type]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "report.html").write_text(text, encoding="utf-8")
+    except OSError as e:
+        raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None
+    print(f"wrote {folder / 'report.html'}", file=sys.stderr)

@@ -1,0 +1,116 @@
+"""Results as tables on a terminal, as aligned text in pipes."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ..crosscheck.results import Report, RobotResult
+    from ..report import Comparison
+
+PIPE = 160  # columns where nobody looks
+
+
+def formats() -> tuple[str, ...]:
+    """The formats a report is written in; says on stderr why HTML is not among them."""
+    from ..report.page import HINT, available
+
+    if available():
+        return ("json", "md", "html")
+    print(f"note: {HINT}", file=sys.stderr)
+    return ("json", "md")
+
+
+def console() -> Console:
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else PIPE, highlight=False)
+
+
+def table(*columns: str, title: str | None = None) -> Table:
+    """A table without lines; a column whose name ends in ">" is flush right."""
+    from rich.table import Table
+
+    found = Table(box=None, pad_edge=False, title=title, title_justify="left", header_style="bold")
+    for name in columns:
+        found.add_column(name.removesuffix(">"), justify="right" if name.endswith(">") else "left", overflow="fold")
+    return found
+
+
+def show(report: Report) -> None:
+    """The terms of one robot, or a line for each of several; refusals; the verdict."""
+    out = console()
+    single = len(report.robots) == 1 and report.robots[0].terms
+    if report.robots:
+        out.print(_terms(report.robots[0]) if single else _robots(report.robots))
+    for refusal in report.refused:
+        who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"
+        out.print(f"refused by {who}: {refusal.name}: {refusal.reason}", markup=False)
+    verdict = "partial" if report.partial else "passed" if report.passed else "FAILED"
+    style = {"passed": "bold green", "partial": "bold yellow", "FAILED": "bold red"}[verdict]
+    against = report.versions.get("pinocchio", "?")
+    out.print(f"[{style}]{verdict}[/]: {len(report.robots)} robots against Pinocchio {against}")
+
+
+def _terms(r: RobotResult) -> Table:
+    title = f"{r.label}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
+    found = table("term", "max scaled error>", "tolerance>", "", "oracle", "", title=title)
+    for name, t in r.terms.items():
+        figures = (f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}") if t.compared else ("-", "-")
+        remark = t.remark if t.passed else "; ".join(x for x in (f"at {t.worst.get('where', '?')}", t.remark) if x)
+        found.add_row(name, *figures, mark(t.passed), t.oracle, _plain(remark))
+    return found
+
+
+def _robots(robots: list[RobotResult]) -> Table:
+    found = table("robot", "nv>", "worst scaled error>", "in", "", "remark")
+    for r in robots:
+        compared = {k: t.max_scaled_error for k, t in r.terms.items() if t.compared}
+        worst = max(compared, key=lambda k: compared[k], default="-")
+        failed = [k for k, t in r.terms.items() if not t.passed]
+        remark = r.error or ("out of tolerance: " + ", ".join(failed) if failed else "")
+        error = f"{compared[worst]:.1e}" if compared else "-"
+        found.add_row(_plain(r.label), str(r.nv), error, worst, mark(r.passed), _plain(remark))
+    return found
+
+
+def show_comparison(found: Comparison) -> None:
+    """What changed, the worst first, and the verdict."""
+    out = console()
+    if found.changes:
+        listing = table("", "what", "where", "old", "new", "factor>")
+        for c in found.changes:
+            verdict = "[red]WORSE[/]" if c.worse else "better" if c.factor < 1 else "changed"
+            factor = f"{c.factor:.3g}" if c.what in ("error", "speed") else ""
+            listing.add_row(verdict, c.what, _plain(c.where), _plain(c.old), _plain(c.new), factor)
+        out.print(listing)
+    for name, old, new in found.versions:
+        out.print(f"{name}: {old} -> {new}", markup=False)
+    verdict = "[bold green]nothing got worse[/]" if found.passed else f"[bold red]{len(found.worse)} got WORSE[/]"
+    out.print(f"{verdict}: {found.compared} figures compared")
+
+
+def show_rows(name: str, rows: list[dict[str, Any]], most: int = 40) -> None:
+    """Records as a table, cut after some rows."""
+    from ..report.matrix import number
+
+    columns = [k for k in dict.fromkeys(k for r in rows for k in r) if not isinstance(rows[0].get(k), (list, dict))]
+    listing = table(*columns, title=f"{name}: {len(rows)} rows")
+    for row in rows[:most]:
+        listing.add_row(*(_plain(number(row.get(k))) for k in columns))
+    console().print(listing)
+
+
+def mark(passed: bool) -> str:
+    return "[green]ok[/]" if passed else "[bold red]FAILED[/]"
+
+
+def _plain(text: str) -> str:
+    """Text in which brackets are brackets."""
+    from rich.markup import escape
+
+    return escape(text)

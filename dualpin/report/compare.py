@@ -1,0 +1,183 @@
+"""What changed between two results: verdicts, errors, speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..crosscheck.results import Report, RobotResult
+from ..errors import ArgumentError
+from .read import Row, Study
+
+LAST_DIGITS = 1e-14
+"""An error below this is a few roundings of the largest entry: its changes say nothing."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One difference.
+
+    Attributes
+    ----------
+    what : str
+        "verdict", "error", "speed", "missing" or "new".
+    where : str
+        The robot and the term, or the setting.
+    old, new : str
+        As they were, as they are.
+    worse : bool
+        Whether it is for the worse, past the threshold.
+    factor : float
+        How many times larger the new figure is; 1 where that has no meaning.
+    """
+
+    what: str
+    where: str
+    old: str
+    new: str
+    worse: bool
+    factor: float = 1.0
+
+
+@dataclass
+class Comparison:
+    """All differences of two results, the worst first.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.report import compare, Study
+    >>> report = dp.validate("ur5", samples=2, terms=["fk"])
+    >>> compare(report, report).passed
+    True
+    """
+
+    old: dict[str, str]
+    new: dict[str, str]
+    changes: list[Change] = field(default_factory=list)
+    compared: int = 0
+    error_factor: float = 10.0
+    speed_factor: float = 1.1
+
+    @property
+    def worse(self) -> list[Change]:
+        return [c for c in self.changes if c.worse]
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is worse past the thresholds."""
+        return not self.worse
+
+    @property
+    def versions(self) -> list[tuple[str, str, str]]:
+        """(name, old, new) of the versions and machines that differ."""
+        names = dict.fromkeys([*self.old, *self.new])
+        pairs = [(n, self.old.get(n, "–"), self.new.get(n, "–")) for n in names]
+        return [p for p in pairs if p[1] != p[2]]
+
+    def to_dict(self) -> dict[str, Any]:
+        return {
+            "passed": self.passed,
+            "compared": self.compared,
+            "error_factor": self.error_factor,
+            "speed_factor": self.speed_factor,
+            "changes": [vars(c) for c in self.changes],
+            "versions": {n: {"old": o, "new": w} for n, o, w in self.versions},
+        }
+
+
+def compare(
+    old: Study | Report, new: Study | Report, error_factor: float = 10.0, speed_factor: float = 1.1
+) -> Comparison:
+    """Say what got worse, better, slower or faster, and which verdicts changed.
+
+    Parameters
+    ----------
+    old, new : Study or Report
+        Two results of the same kind: two validations, or two measurements of speed.
+    error_factor : float
+        An error that grew by more than this, and is above 1e-14, is worse.
+    speed_factor : float
+        A time that grew by more than this is worse: of the ratio to Pinocchio where both have
+        one (measured side by side, so that another machine does not count), of the time else.
+
+    Raises
+    ------
+    ArgumentError
+        If the results are of different kinds, or of a kind that cannot be compared.
+    """
+    old, new = (Study("validation", "", s, header=dict(s.versions)) if isinstance(s, Report) else s for s in (old, new))
+    if old.kind != new.kind:
+        raise ArgumentError(f"report --compare: {old.name} is a {old.kind} result, {new.name} a {new.kind} result")
+    found = Comparison(old.header, new.header, error_factor=error_factor, speed_factor=speed_factor)
+    if old.report is not None and new.report is not None:
+        found.changes += _validations(found, old.report, new.report)
+    elif old.kind == "speed":
+        found.changes += _speeds(found, old.rows, new.rows)
+    else:
+        raise ArgumentError(f"report --compare: {old.kind} results are not compared; validations and speeds are")
+    found.changes.sort(key=lambda c: (not c.worse, -abs(c.factor)))
+    return found
+
+
+def _validations(found: Comparison, old: Report, new: Report) -> Iterable[Change]:
+    before, after = ({r.label: r for r in report.robots} for report in (old, new))
+    for label in sorted(before.keys() - after.keys()):
+        yield Change("missing", label, "validated", "absent", True)
+    for label in sorted(after.keys() - before.keys()):
+        yield Change("new", label, "absent", _verdict(after[label].passed), not after[label].passed)
+    was, now = ({r.name: r for r in report.refused} for report in (old, new))
+    for name in sorted(now.keys() - was.keys()):
+        yield Change("verdict", name, "read", f"refused: {now[name].reason}", True)
+    for label, robot in after.items():
+        if label in before:
+            yield from _robots(found, before[label], robot)
+
+
+def _robots(found: Comparison, old: RobotResult, new: RobotResult) -> Iterable[Change]:
+    if old.passed != new.passed:
+        yield Change("verdict", new.label, _verdict(old.passed), _verdict(new.passed), not new.passed)
+    for name in sorted(old.terms.keys() - new.terms.keys()):
+        yield Change("missing", f"{new.label} {name}", "compared", new.error or "absent", True)
+    for name, t in new.terms.items():
+        before = old.terms.get(name)
+        if before is None:
+            continue
+        found.compared += 1
+        x, y = before.max_scaled_error or 0.0, t.max_scaled_error or 0.0
+        factor = max(y, LAST_DIGITS) / max(x, LAST_DIGITS)
+        if factor > found.error_factor or factor < 1 / found.error_factor:
+            yield Change("error", f"{new.label} {name}", f"{x:.1e}", f"{y:.1e}", factor > 1, factor)
+
+
+def _speeds(found: Comparison, old: list[Row], new: list[Row]) -> Iterable[Change]:
+    before, after = ({_setting(r): r for r in rows if "us_per_sample" in r} for rows in (old, new))
+    for setting in sorted(before.keys() - after.keys()):
+        yield Change("missing", setting, "measured", "absent", True)
+    for setting, row in after.items():
+        if setting not in before:
+            continue
+        found.compared += 1
+        x, y = (_relative(r) for r in (before[setting], row))
+        unit = "x Pinocchio's time"
+        if x is None or y is None:
+            x, y, unit = before[setting]["us_per_sample"], row["us_per_sample"], "us a sample"
+        factor = y / x if x else 1.0
+        if factor > found.speed_factor or factor < 1 / found.speed_factor:
+            yield Change("speed", setting, f"{x:.3g} {unit}", f"{y:.3g} {unit}", factor > 1, factor)
+
+
+def _relative(row: Row) -> float | None:
+    theirs = row.get("pinocchio_us_per_sample")
+    return row["us_per_sample"] / theirs if isinstance(theirs, (int, float)) and theirs else None
+
+
+def _setting(row: Row) -> str:
+    parts = [str(row.get("robot")), str(row.get("term"))]
+    parts += [f"{k} {row[k]}" for k in ("batch", "threads", "base", "floating", "engine", "mode") if k in row]
+    return ", ".join(parts)
+
+
+def _verdict(passed: bool) -> str:
+    return "passed" if passed else "failed"

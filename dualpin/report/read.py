@@ -1,0 +1,130 @@
+"""Recognise a result file by what is in it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..crosscheck.results import Report
+from ..errors import ArgumentError
+
+Row = dict[str, Any]
+SPEED = {"robot", "term", "us_per_sample"}
+"""The columns that make a row a measurement of speed."""
+
+
+@dataclass
+class Study:
+    """One result file, read.
+
+    Attributes
+    ----------
+    kind : str
+        "validation", "speed", "integrators" or "records" (anything else that has rows).
+    name : str
+        What to call it: the file's name, or "validation".
+    report : Report or None
+        The validation.
+    tables : dict of str to list of dict
+        The rows of the other kinds.
+    header : dict of str to str
+        Versions, machine, date, settings.
+    """
+
+    kind: str
+    name: str
+    report: Report | None = None
+    tables: dict[str, list[Row]] = field(default_factory=dict)
+    header: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> list[Row]:
+        """The rows of all tables."""
+        return [row for rows in self.tables.values() for row in rows]
+
+
+def read(path: str | Path) -> Study:
+    """Read one result file.
+
+    Parameters
+    ----------
+    path : str or Path
+        JSON of `dualpin validate --json`, of `dualpin bench --json`, of the integrator study, or any
+        document that holds lists of flat records.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    ArgumentError
+        If the file cannot be read, is no JSON, or holds nothing that is known.
+
+    Examples
+    --------
+    >>> import tempfile, dualpin as dp
+    >>> from dualpin.report import read
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path, = dp.validate("ur5", samples=2, terms=["fk"]).write(folder, ["json"])
+    ...     read(path).kind
+    'validation'
+    """
+    path = Path(path)
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as e:
+        raise ArgumentError(f"report: cannot read {path} ({e.strerror or e})") from None
+    except ValueError as e:
+        raise ArgumentError(f"report: {path} is not JSON ({e})") from None
+    return study(data, f"{path.parent.name}/{path.name}" if path.parent.name else path.name)
+
+
+def study(data: Any, name: str = "result") -> Study:
+    """As `read`, from what the JSON document holds.
+
+    Examples
+    --------
+    >>> from dualpin.report import study
+    >>> study([{"robot": "panda", "term": "rnea", "us_per_sample": 0.05}]).kind
+    'speed'
+    """
+    if isinstance(data, Mapping) and isinstance(data.get("robots"), list) and "refused" in data:
+        try:
+            report = Report.from_dict(dict(data))
+        except (LookupError, TypeError, AttributeError) as e:
+            raise ArgumentError(f"report: {name} is not a report of `dualpin validate --json` ({e!r})") from None
+        return Study("validation", name, report, header=dict(report.versions))
+    tables = dict(_tables(data))
+    if not tables:
+        raise ArgumentError(
+            f"report: {name} holds no result; expected a report of `dualpin validate --json`, the rows of "
+            "`dualpin bench --json`, or lists of flat records"
+        )
+    columns = {key for rows in tables.values() for row in rows for key in row}
+    kind = "speed" if columns >= SPEED else "integrators" if "method" in columns else "records"
+    return Study(kind, name, tables=tables, header=_header(data))
+
+
+def _tables(data: Any, path: str = "") -> Iterable[tuple[str, list[Row]]]:
+    """Every list of flat records in a document, by where it sits."""
+    if isinstance(data, list) and data and all(isinstance(row, Mapping) for row in data):
+        yield path or "rows", [dict(row) for row in data]
+    elif isinstance(data, Mapping):
+        for key, value in data.items():
+            yield from _tables(value, f"{path}.{key}" if path else str(key))
+
+
+def _header(data: Any, depth: int = 0) -> dict[str, str]:
+    """The plain values of a document and of the mappings right under it."""
+    found: dict[str, str] = {}
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            if isinstance(value, Mapping) and depth == 0:
+                found |= _header(value, 1)
+            elif isinstance(value, (str, int, float, bool)):
+                found[str(key)] = str(value)
+    return found
