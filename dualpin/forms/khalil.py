@@ -121,6 +121,8 @@ class KhalilTable:
     source: Robot
     tips: dict[str, int]
     """Leaf link -> number of its terminal frame."""
+    notes: tuple[str, ...] = ()
+    """What was inserted."""
 
     def __repr__(self) -> str:
         return f"<KhalilTable {self.source.name!r}: {len(self.rows)} frames, {len(self.tips)} tips>"
@@ -263,4 +265,6 @@ def khalil_table(robot: Robot, rules: Rules) -> KhalilTable:
         last = tree.add(number, step(rest @ motor(UZ, NOUGHT), rules, rest), leaf.name, None)
         tree._close(last, remaining(tree.poses[last].inverse @ home, rules))
         tree.tips[leaf.name] = last
-    return KhalilTable(tuple(tree.rows), tree.base, robot, tree.tips)
+    fixed = sum(r.kind == "F" for r in tree.rows) - len(tree.tips)
+    notes = (f"{fixed} fixed frame{'s' if fixed > 1 else ''} between nearly parallel axes",) if fixed else ()
+    return KhalilTable(tuple(tree.rows), tree.base, robot, tree.tips, notes)

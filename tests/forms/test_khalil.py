@@ -50,6 +50,13 @@ def test_coupled_joints_and_a_floating_base() -> None:
     assert len(floating.tips) == 4
 
 
+def test_frames_inserted_between_nearly_parallel_axes_are_noted() -> None:
+    table = dp.to_dh(dp.load("kinova"), convention=TREE)
+    inserted = sum(r.kind == "F" for r in table.rows) - len(table.tips)
+    assert table.notes == (f"{inserted} fixed frames between nearly parallel axes",)
+    assert not dp.to_dh(dp.load("allegro_left"), convention=TREE).notes
+
+
 def test_any_scalar_goes_through_a_tree() -> None:
     sympy = pytest.importorskip("sympy")
     robot = dp.load("panda")
