@@ -111,7 +111,7 @@ def _rate_of_pose(r: Robot, q: np.ndarray, v: np.ndarray, frame: Any) -> np.ndar
 
 def test_integrate_and_difference_undo_each_other(case):
     r, q, v, _ = case
-    step = v / 4
+    step = v / 4  # turns by less than pi
     assert worst(evaluate(r, "difference", q, evaluate(r, "integrate", q, step)) - step) < CLOSE
 
 
