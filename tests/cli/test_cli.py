@@ -100,3 +100,20 @@ def test_ctrl_c_leaves_partial_results_that_the_next_run_takes_up(tmp_path):
     assert "partial" in out
     assert json.loads((tmp_path / "report.json").read_text())["partial"] is True
     assert partial.exists()
+
+
+def test_integrate_and_bench_print_rows():
+    done = run("integrate", "ur5", "--frame", "tool0", "--dt", "1", "--turns", "1", "--gain", "0", "--json")
+    rows = json.loads(done.stdout)
+    assert [r["method"] for r in rows] == ["euler", "trapezoidal", "abm4", "rk4"]
+    assert rows[3]["position_peak"] < rows[0]["position_peak"]
+    done = run("bench", "ur5", "--terms", "rnea", "--batch", "64", "--json")
+    (row,) = json.loads(done.stdout)
+    assert {"robot", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample", "ratio"} <= set(row)
+
+
+def test_dh_and_screws_print_every_digit_or_as_many_as_asked():
+    rows = json.loads(run("dh", "panda", "--tip", "panda_link8", "--convention", "modified", "--json").stdout)
+    assert "0.316" in json.dumps(rows)
+    assert run("screws", "ur5", "--tip", "tool0", "--digits", "6").returncode == 0
+    assert "leaves" in run("dh", "panda").stderr

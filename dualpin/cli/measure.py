@@ -1,0 +1,95 @@
+"""`dualpin bench` and `dualpin integrate`: figures measured here and now."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import ArgumentError
+from .main import Floating, Json, RobotName, app, show_json
+
+
+@app.command()
+def bench(
+    robots: Annotated[list[str], typer.Argument(metavar="ROBOT...", help="Names or paths.")],
+    terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
+    batch: Annotated[str, typer.Option("--batch", help="Samples a call; 1 is a single call.")] = "1,4096",
+    threads: Annotated[str, typer.Option("--threads", help="Thread counts, between commas.")] = "1",
+    floating: Floating = False,
+    json: Json = False,
+) -> None:
+    """Measure terms beside Pinocchio, in one run, after checking that both agree."""
+    from .. import bench as measure
+
+    chosen = [t for t in terms.replace(",", " ").split() if t] or measure.TERMS_MEASURED
+    batches, counts = whole(batch, "--batch"), whole(threads, "--threads")
+
+    def tick(row: dict[str, Any]) -> None:
+        if sys.stderr.isatty():
+            print(f"{row['robot']} {row['term']} batch {row['batch']}", file=sys.stderr)
+
+    rows = measure.run(robots, chosen, batches, counts, floating=floating, progress=tick)
+    if json:
+        show_json(rows)
+    else:
+        show_rows(rows, ("robot", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample", "ratio"))
+
+
+@app.command()
+def integrate(
+    robot: RobotName,
+    frame: Annotated[str | None, typer.Option("--frame", help="What follows; the last frame by default.")] = None,
+    radius: Annotated[float, typer.Option("--radius", help="Of the circle, in metres.")] = 0.05,
+    period: Annotated[float, typer.Option("--period", help="Of a turn, in seconds.")] = 10.0,
+    plane: Annotated[str, typer.Option("--plane", help="xy, yz or zx.")] = "yz",
+    turns: Annotated[int, typer.Option("--turns", min=1)] = 2,
+    steps: Annotated[str, typer.Option("--dt", help="Steps in seconds, between commas.")] = "0.01,0.1,1",
+    gains: Annotated[str, typer.Option("--gain", help="Feedback gains in 1/s; 0 is open loop.")] = "0,1",
+    methods: Annotated[str, typer.Option("--methods", help="Between commas.")] = "euler,trapezoidal,abm4,rk4",
+    json: Json = False,
+) -> None:
+    """Follow a circle with several integrators, and print the peak errors and the cost."""
+    from ..io.urdf import load
+    from ..tracking import study
+
+    rows = study.run(
+        load(robot), frame=frame, radius=radius, period=period, plane=plane, turns=turns,
+        methods=methods.replace(",", " ").split(), steps=real(steps, "--dt"), gains=real(gains, "--gain"),
+    )  # fmt: skip
+    data = [row.as_dict() for row in rows]
+    if json:
+        show_json(data)
+    else:
+        columns = ("method", "dt", "gain", "position_peak", "orientation_peak", "evaluations", "seconds")
+        show_rows(data, columns)
+        for note in dict.fromkeys(note for row in rows for note in row.warnings):
+            print(f"note: {note}", file=sys.stderr)
+
+
+def whole(text: str, what: str) -> list[int]:
+    """Positive whole numbers out of text."""
+    values = real(text, what)
+    if any(v < 1 or v != int(v) for v in values):
+        raise ArgumentError(f"{what}: whole numbers from 1 expected, got {text!r}")
+    return [int(v) for v in values]
+
+
+def real(text: str, what: str) -> list[float]:
+    """Numbers out of text."""
+    try:
+        values = [float(word) for word in text.replace(",", " ").split()]
+    except ValueError:
+        values = []
+    if not values:
+        raise ArgumentError(f"{what}: numbers between commas expected, got {text!r}")
+    return values
+
+
+def show_rows(rows: list[dict[str, Any]], columns: tuple[str, ...]) -> None:
+    """Aligned text, numbers to four digits."""
+    cells = [[f"{r[c]:.4g}" if isinstance(r[c], float) else str(r[c]) for c in columns] for r in rows]
+    widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(columns)]
+    for row in ([*columns], *cells):
+        print("  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)))
