@@ -119,7 +119,7 @@ def c_lines(program: Trace, term: Term, kind: str) -> list[str]:
         text = repr(float(np.float32(x))) if suffix else repr(x)
         return f"{text}{suffix}"
 
-    lines = []
+    lines: list[str] = []
     for i in program.graph.live(program.outputs):
         op, *args = nodes[i]
         if op == "in":

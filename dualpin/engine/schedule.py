@@ -106,7 +106,7 @@ def schedule(program: Trace, chunk: int = CHUNK) -> Schedule:
         if type(x) is Sym:
             outputs.append(output_slot.setdefault(x.i, fresh))
         else:
-            outputs.append(known.setdefault(x, fresh))
+            outputs.append(known.setdefault(float(x), fresh))
     constants = {s: value for value, s in known.items() if s}
     return Schedule(nodes, stages, slot, sine, cosine, slots, output_slot, constants, outputs, program.sizes)
 

@@ -317,7 +317,7 @@ class Trace:
 
     def __init__(self, graph: Graph, sizes: Sequence[int], outputs: Sequence[Any]) -> None:
         self.graph, self.sizes = graph, list(sizes)
-        self.outputs = [x if type(x) is Sym else float(x) for x in outputs]
+        self.outputs: list[Any] = [x if type(x) is Sym else float(x) for x in outputs]
 
     @property
     def flops(self) -> int:
