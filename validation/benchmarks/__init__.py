@@ -1,0 +1,1 @@
+"""Speed beside Pinocchio, measured and written down."""

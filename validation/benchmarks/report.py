@@ -1,0 +1,85 @@
+"""Results as Markdown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+TARGETS = {
+    # term: (arms, humanoids, tiago_dual)
+    "rnea": (40, 25, 20), "fk": (15, 10, 5), "jacobian": (15, 10, 5), "crba": (30, 10, 6), "aba": (30, 25, 25),
+    "coriolis": (24, 10, 7), "rnea_derivatives": (15, 7, None),
+}  # fmt: skip
+GROUP = {"ur5": 0, "panda": 0, "talos": 1, "g1": 1, "tiago_dual": 2}
+
+
+def table(head: list[str], rows: list[list[Any]]) -> str:
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(cell(x) for x in row) + " |" for row in rows]) + "\n"
+
+
+def cell(x: Any) -> str:
+    return f"{x:.3g}" if isinstance(x, float) else str(x)
+
+
+def ratios(rows: list[dict[str, Any]], batch: int) -> str:
+    """Terms by robots: microseconds a sample / times faster, with the aim where one is set."""
+    names = list(dict.fromkeys((r["robot"], r["floating"]) for r in rows))
+    terms = list(dict.fromkeys(r["term"] for r in rows))
+    found = {(r["term"], r["robot"], r["floating"]): r for r in rows if r["batch"] == batch}
+    lines = []
+    for term in terms:
+        line: list[Any] = [f"`{term}`"]
+        for name, floating in names:
+            r = found.get((term, name, floating))
+            if r is None:
+                line.append("")
+                continue
+            aim = TARGETS.get(term, (None,) * 3)[GROUP.get(name, 1)] if batch > 1 and not floating else None
+            short = f" (aim {aim})" if aim and r["ratio"] < aim else ""
+            line.append(f"{r['us_per_sample']:.3g} / **{r['ratio']:.1f}**{short}")
+        lines.append(line)
+    return table(["", *(f"{n}{' + floating' if f else ''}" for n, f in names)], lines)
+
+
+def markdown(results: dict[str, Any]) -> str:
+    m = results["machine"]
+    text = [
+        "# Speed beside Pinocchio\n",
+        f"Measured {results['when']} by `{results['command']}`: {m['processor']}, {m['cores']} cores, vectors of "
+        f"{m['vector_bits']} bits, {m['system']}; Python {m['python']}, dualpin {m['dualpin']}, numpy {m['numpy']}, "
+        f"llvmlite {m['llvmlite']}, pin {m['pin']} ({m['pin_is']}).  float64.\n",
+        "Medians of alternating measurements in one process, after both were found to agree.  The machine was shared "
+        f"with other work; load averages after each section: {results.get('load', {})}.\n",
+    ]
+    if "main" in results:
+        text += [
+            "## Batches of 4096 on one thread\n",
+            "Microseconds a sample / times faster than Pinocchio: against `rneaInParallel(1)` and `abaInParallel(1)`, "
+            "its C++ loops, and for other terms against a Python loop over its calls.\n",
+            ratios(results["main"], 4096),
+            "## One configuration\n",
+            "`robot.kernel(term)` with `out=` against Pinocchio's call from Python.\n",
+            ratios(results["main"], 1),
+        ]
+    if "single" in results:
+        keys = ["robot", "term", "kernel_us", "function_us", "pinocchio_us"]
+        rows = [
+            [*(r[k] for k in keys), r["pinocchio_us"] / r["kernel_us"], r["pinocchio_us"] / r["function_us"]]
+            for r in results["single"]
+        ]
+        text += [
+            "## One configuration: kernel, function, Pinocchio\n",
+            table([*keys, "ratio", "ratio (function)"], rows),
+        ]
+    for name, title, keys in (
+        ("batch", "By batch (panda)", ["term", "batch", "us_per_sample", "pinocchio_us_per_sample", "ratio"]),
+        ("threads", "Two threads", ["robot", "term", "batch", "one_us", "two_us", "speedup"]),
+        ("dof", "By degrees of freedom (serial chains, batch 1024)",
+         ["dof", "term", "operations", "us_per_sample", "pinocchio_us_per_sample", "ratio"]),
+        ("memory", "Memory", ["robot", "term", "bytes_per_sample", "scratch_bytes", "operations"]),
+        ("compile", "Trace and compile, cold", ["robot", "term", "operations", "seconds", "kilobytes"]),
+        ("cold_start", "A new process to its first torques", ["robot", "cold_s", "warm_s"]),
+    ):  # fmt: skip
+        if name in results:
+            text += [f"## {title}\n", table(keys, [[r[k] for k in keys] for r in results[name]])]
+    return "\n".join(text)
