@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from .chart import Chart, Series
-from .read import Row, Study
+from .read import Curve, Row, Study
 
 COSTS = (
-    ("evaluations", "evaluations of the right-hand side"), ("rhs_evaluations", "evaluations of the right-hand side"),
-    ("seconds", "seconds"), ("wall_seconds", "seconds"), ("dt", "step in s"), ("h", "step in s"),
-)  # fmt: skip
-CHARTS = 12
+    ("evaluations", "evaluations of the right-hand side"),
+    ("rhs_evaluations", "evaluations of the right-hand side"),
+    ("seconds", "seconds"),
+    ("wall_seconds", "seconds"),
+)
+STEPS = (("dt", "step in s"), ("h", "step in s"))
+APART = ("problem", "robot", "system", "study", "trajectory", "circle", "plane", "task", "gain", "feedback")
+"""What makes two rows different problems."""
+GROUPS = 4  # charts a table gets; the rest of it is in the table
 
 
 @dataclass
@@ -23,7 +27,9 @@ class Methods:
     charts: list[Chart] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.charts = [c for name, rows in self.study.tables.items() for c in _charts(name, rows)][:CHARTS]
+        tables = sorted(self.study.tables.items(), key=lambda item: "work" not in item[0])
+        self.charts = [c for name, rows in tables for c in _charts(name, rows)]
+        self.charts += [_over(name, curves) for name, curves in self.study.curves.items()]
 
     @property
     def tables(self) -> list[tuple[str, list[str], list[Row]]]:
@@ -35,24 +41,30 @@ class Methods:
         return found
 
 
-def _charts(name: str, rows: list[Row]) -> Iterable[Chart]:
-    """Every error of a table against every cost it names, apart for each problem."""
+def _charts(name: str, rows: list[Row]) -> list[Chart]:
+    """The first error of a table against the steps it was run with, or against cost."""
     if not any("method" in r for r in rows):
-        return
-    numbers = {k for r in rows for k, v in r.items() if isinstance(v, (int, float)) and not isinstance(v, bool)}
-    errors = [k for k in dict.fromkeys(k for r in rows for k in r) if k in numbers and _is_error(k)]
-    costs = [(k, text) for k, text in COSTS if k in numbers]
-    problems = [
-        k for k in ("problem", "robot", "system", "study", "trajectory", "circle", "plane") if any(k in r for r in rows)
-    ]
-    for problem in dict.fromkeys(tuple(str(r.get(k, "")) for k in problems) for r in rows):
-        some = [r for r in rows if tuple(str(r.get(k, "")) for k in problems) == problem and "method" in r]
-        for error in errors:
-            for cost, text in costs:
-                if len({r.get(cost) for r in some}) < 3:
-                    continue
-                title = ", ".join(x for x in (*problem, name) if x)
-                yield Chart(f"{title}: {_words(error)}", text, _words(error), _series(some, cost, error))
+        return []
+    numbers = [k for k in dict.fromkeys(k for r in rows for k in r) if any(_is_number(r.get(k)) for r in rows)]
+    errors = [k for k in numbers if any(word in k for word in ("error", "drift", "peak"))]
+    steps = [s for s in STEPS if len({r.get(s[0]) for r in rows}) > 2]
+    against = [c for c in steps or COSTS if c[0] in numbers]
+    apart = [k for k in APART if len({str(r.get(k)) for r in rows}) > 1]
+    found = []
+    for problem in dict.fromkeys(tuple((k, r.get(k)) for k in apart) for r in rows):
+        some = [r for r in rows if "method" in r and all(r.get(k) == v for k, v in problem)]
+        for x, text in against if errors else []:
+            if len({r.get(x) for r in some}) > 2:
+                title = ", ".join([_words(name), *(f"{k} {v}" for k, v in problem)])
+                chart = Chart(f"{title}: {_words(errors[0])}", text, _words(errors[0]), _series(some, x, errors[0]))
+                found += [chart] if chart.series else []
+    return found[:GROUPS]
+
+
+def _over(name: str, curves: list[Curve]) -> Chart:
+    """Sequences over time or turns."""
+    series = [Series(c.name, [(x, y, f"{c.name}\n{c.xlabel} {x:.6g}: {y:.3g}") for x, y in c.points]) for c in curves]
+    return Chart(f"{_words(name)} over {curves[0].xlabel}", curves[0].xlabel, _words(name), series)
 
 
 def _series(rows: list[Row], cost: str, error: str) -> list[Series]:
@@ -71,9 +83,5 @@ def _is_number(x: object) -> bool:
     return isinstance(x, (int, float)) and not isinstance(x, bool)
 
 
-def _is_error(key: str) -> bool:
-    return any(word in key for word in ("error", "drift"))
-
-
 def _words(key: str) -> str:
-    return key.replace("_", " ")
+    return key.replace("_", " ").replace(".", ", ")

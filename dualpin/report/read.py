@@ -14,6 +14,23 @@ from ..errors import ArgumentError
 Row = dict[str, Any]
 SPEED = {"robot", "term", "us_per_sample"}
 """The columns that make a row a measurement of speed."""
+HEADERS = ("header", "versions", "settings", "machine", "environment")
+"""Mappings that say where and with what a result was measured."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A sequence of numbers at equal distances, up to an end."""
+
+    name: str
+    xlabel: str
+    end: float
+    values: list[float]
+
+    @property
+    def points(self) -> list[tuple[float, float]]:
+        n = len(self.values)
+        return [(self.end * (k + 1) / n, y) for k, y in enumerate(self.values) if y is not None]
 
 
 @dataclass
@@ -30,6 +47,8 @@ class Study:
         The validation.
     tables : dict of str to list of dict
         The rows of the other kinds.
+    curves : dict of str to list of Curve
+        Sequences over turns, time or samples, under what they belong to.
     header : dict of str to str
         Versions, machine, date, settings.
     """
@@ -38,6 +57,7 @@ class Study:
     name: str
     report: Report | None = None
     tables: dict[str, list[Row]] = field(default_factory=dict)
+    curves: dict[str, list[Curve]] = field(default_factory=dict)
     header: dict[str, str] = field(default_factory=dict)
 
     @property
@@ -98,33 +118,70 @@ def study(data: Any, name: str = "result") -> Study:
         except (LookupError, TypeError, AttributeError) as e:
             raise ArgumentError(f"report: {name} is not a report of `dualpin validate --json` ({e!r})") from None
         return Study("validation", name, report, header=dict(report.versions))
-    tables = dict(_tables(data))
-    if not tables:
+    tables, curves = dict(_tables(data)), dict(_curves(data))
+    if not tables and not curves:
         raise ArgumentError(
             f"report: {name} holds no result; expected a report of `dualpin validate --json`, the rows of "
             "`dualpin bench --json`, or lists of flat records"
         )
     columns = {key for rows in tables.values() for row in rows for key in row}
     kind = "speed" if columns >= SPEED else "integrators" if "method" in columns else "records"
-    return Study(kind, name, tables=tables, header=_header(data))
+    return Study(kind, name, tables=tables, curves=curves, header=_header(data))
 
 
 def _tables(data: Any, path: str = "") -> Iterable[tuple[str, list[Row]]]:
-    """Every list of flat records in a document, by where it sits."""
+    """Every list of flat records in a document, and every mapping to flat records, by where it sits."""
     if isinstance(data, list) and data and all(isinstance(row, Mapping) for row in data):
         yield path or "rows", [dict(row) for row in data]
     elif isinstance(data, Mapping):
+        flat = {k: v for k, v in data.items() if isinstance(v, Mapping) and _is_flat(v)}
+        if path and len(flat) > 1:
+            yield path, [{"of": k, **v} for k, v in flat.items()]
+        if path and not path.endswith(HEADERS) and len(data) > 2 and all(_is_number(v) for v in data.values()):
+            yield path, [{"of": k, "value": v} for k, v in data.items()]
         for key, value in data.items():
             yield from _tables(value, f"{path}.{key}" if path else str(key))
 
 
-def _header(data: Any, depth: int = 0) -> dict[str, str]:
-    """The plain values of a document and of the mappings right under it."""
+def _curves(data: Any, path: str = "") -> Iterable[tuple[str, list[Curve]]]:
+    """Every mapping whose entries hold a list "by_...": how far it goes is said beside it or above."""
+    if not isinstance(data, Mapping):
+        return
+    found = []
+    for name, entry in data.items():
+        if not isinstance(entry, Mapping):
+            continue
+        for key, values in entry.items():
+            if str(key).startswith("by_") and isinstance(values, list) and values:
+                steps = entry.get("steps", data.get("turns", data.get("steps", len(values))))
+                timed = "steps" in entry and _is_number(data.get("dt"))
+                xlabel = "time in s" if timed else "turns" if key == "by_turn" else "steps"
+                found.append(Curve(str(name), xlabel, steps * data["dt"] if timed else steps, values))
+    if found:
+        yield path or "curves", found
+    for key, value in data.items():
+        yield from _curves(value, f"{path}.{key}" if path else str(key))
+
+
+def _is_number(x: object) -> bool:
+    return isinstance(x, (int, float)) and not isinstance(x, bool)
+
+
+def _is_flat(entry: Mapping[str, Any]) -> bool:
+    return (
+        bool(entry)
+        and any(_is_number(v) for v in entry.values())
+        and not any(isinstance(v, Mapping) for v in entry.values())
+    )
+
+
+def _header(data: Any) -> dict[str, str]:
+    """The plain values of a document, and of its header."""
     found: dict[str, str] = {}
     if isinstance(data, Mapping):
         for key, value in data.items():
-            if isinstance(value, Mapping) and depth == 0:
-                found |= _header(value, 1)
-            elif isinstance(value, (str, int, float, bool)):
+            if isinstance(value, Mapping) and key in HEADERS:
+                found |= {str(k): str(v) for k, v in value.items() if isinstance(v, (str, int, float))}
+            elif isinstance(value, (str, int, float)):
                 found[str(key)] = str(value)
     return found
