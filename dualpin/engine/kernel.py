@@ -23,12 +23,9 @@ from .host import CompilerError, Host, binding, this_host
 from .lanes import DOUBLE, SINGLE
 from .schedule import schedule
 from .threads import spread
-from .trace import UntraceableError, trace
+from .trace import trace
 
 log = logging.getLogger("dualpin.engine")
-
-LARGEST = 250_000
-"""Operations beyond which a term is not compiled by itself: it would take LLVM more than ten seconds."""
 
 _lock = threading.RLock()  # one compilation at a time, and never the same one twice
 _scratch = threading.local()
@@ -150,10 +147,6 @@ def compiled(
     """Trace and compile: what a caller must know about the kernel, and its object code."""
     start = time.perf_counter()
     program = trace(robot, term, options)
-    if len(program.graph.nodes) > LARGEST:
-        raise UntraceableError(
-            f"{term.name} of {robot.name} takes {len(program.graph.nodes)} operations; {LARGEST} is the most compiled"
-        )
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     plan = schedule(program)
     code = object_code(ir.module(plan, number, host, lanes), host)

@@ -29,6 +29,10 @@ class UntraceableError(DualpinError):
     """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
 
 
+LARGEST = 150_000
+"""Nodes beyond which a term is not compiled: it would take LLVM many seconds, and more memory than it is worth."""
+
+
 class Graph:
     """Nodes in the order they came up; operands always precede what uses them.
 
@@ -44,6 +48,8 @@ class Graph:
         i = self._index.get(key)
         if i is None:
             i = self._index[key] = len(self.nodes)
+            if i > LARGEST:
+                raise UntraceableError(f"more than {LARGEST} operations: too long to be compiled")
             self.nodes.append(key)
         return i
 

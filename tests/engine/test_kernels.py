@@ -284,6 +284,16 @@ def test_robots_over_other_numbers_stay_with_numpy():
     assert find(robot, TERMS["gravity"], {}) is None
 
 
+def test_a_term_that_is_too_long_stays_with_numpy(monkeypatch):
+    from dualpin.engine import trace
+
+    monkeypatch.setattr(trace, "LARGEST", 100)
+    robot = dp.load("ur5").with_gravity((0.1, 0, -9.81))  # not kept by any other test
+    with pytest.raises(UntraceableError, match="100 operations"):
+        dp.coriolis(robot, np.zeros((2, 6)), np.ones((2, 6)), engine="compiled")
+    assert dp.coriolis(robot, np.zeros((2, 6)), np.ones((2, 6))).shape == (2, 6, 6)
+
+
 def test_without_a_compiler_numpy_computes_and_it_is_said_once(monkeypatch):
     import dualpin.engine as engine
 
