@@ -25,7 +25,20 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-RobotName = Annotated[str, typer.Argument(metavar="ROBOT", help="A name of `dualpin list`, or a path to a URDF.")]
+
+def robot_names(incomplete: str) -> list[str]:
+    """The robots and short names a shell completes; paths are completed by the shell itself."""
+    from ..io.catalogue import ALIASES, catalogue
+
+    robots = catalogue()
+    names = [*robots, *(short for short, full in ALIASES.items() if full in robots)]
+    return sorted(n for n in names if n.startswith(incomplete))
+
+
+RobotName = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="A name of `dualpin list`, or a path to a URDF.", autocompletion=robot_names),
+]
 Floating = Annotated[bool, typer.Option("--floating", help="Give the base six degrees of freedom.")]
 Mimic = Annotated[bool, typer.Option("--mimic", help="Let joints with a <mimic> tag follow.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]

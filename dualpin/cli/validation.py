@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Json, Mimic, app
+from .main import Floating, Json, Mimic, app, robot_names
 from .show import formats, show
 
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
@@ -19,7 +19,9 @@ EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
 
 @app.command()
 def validate(
-    robots: Annotated[list[str] | None, typer.Argument(metavar="ROBOT...", help="Names or paths.")] = None,
+    robots: Annotated[
+        list[str] | None, typer.Argument(metavar="ROBOT...", help="Names or paths.", autocompletion=robot_names)
+    ] = None,
     all_: Annotated[
         bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")
     ] = False,
@@ -42,6 +44,8 @@ def validate(
 
     Exit code 1 if a term is out of tolerance or only dualpin refuses a file.  With --out an
     interrupted run keeps what it has, and the same command takes it up again.
+
+    Examples:  dualpin validate panda ur5 --samples 100  |  dualpin validate my_arm.urdf --floating --out out
     """
     from ..crosscheck.campaign import all_cases, campaign
     from ..crosscheck.run import Case
@@ -80,9 +84,27 @@ class _progress:
     def __enter__(self) -> Callable[[Any, int, int], None]:
         if self.total > 1 and sys.stderr.isatty():
             from rich.console import Console
-            from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+            from rich.progress import (
+                BarColumn,
+                MofNCompleteColumn,
+                Progress,
+                ProgressColumn,
+                TextColumn,
+                TimeRemainingColumn,
+            )
+            from rich.text import Text
 
-            columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            class Rate(ProgressColumn):
+                def render(self, task: Any) -> Text:
+                    return Text(f"{60 * task.speed:.3g}/min" if task.speed else "", style="progress.data.speed")
+
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                Rate(),
+                TimeRemainingColumn(),
+            )
             self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
             self.bar.start()
             self.task = self.bar.add_task("validating", total=self.total)
