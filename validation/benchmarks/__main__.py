@@ -60,7 +60,7 @@ def functions() -> list[dict[str, Any]]:
             if term == "rnea":
                 q, v, a = (x[0].copy() for x in pair.inputs)
                 function = lambda r=robot, q=q, v=v, a=a: dp.rnea(r, q, v, a)  # noqa: E731
-            mine, public, theirs = (1e6 * t for t in bench.alternating([kernel, function, pair.theirs()[0]]))
+            mine, public, theirs = (1e6 * min(t) for t in bench.alternating([kernel, function, pair.theirs()[0]]))
             rows.append({"robot": name, "term": term, "kernel_us": mine, "function_us": public, "pinocchio_us": theirs})
             shown(rows[-1])
     return rows
@@ -70,7 +70,7 @@ def by_batch() -> list[dict[str, Any]]:
     rows = []
     for term in ("rnea", "crba"):
         for n in ONE_TO_MILLION if term == "rnea" else ONE_TO_MILLION[:-1]:
-            rows += bench.run(["panda"], [term], (n,), progress=shown, repetitions=3)
+            rows += bench.run(["panda"], [term], (n,), progress=shown, repetitions=7)
     return rows
 
 
@@ -87,8 +87,8 @@ def by_threads() -> list[dict[str, Any]]:
                 dp.set_num_threads(n)
                 return f()
 
-            calls = [lambda: on(1), lambda: on(2)]  # noqa: B023
-            one, two = bench.alternating(calls)
+            calls = [lambda: on(1), lambda: on(2)]
+            one, two = map(min, bench.alternating(calls))
             dp.set_num_threads(None)
             rows.append({"robot": name, "term": term, "batch": 65536, "one_us": one / 65536 * 1e6,
                          "two_us": two / 65536 * 1e6, "speedup": one / two})  # fmt: skip
@@ -116,7 +116,7 @@ def by_dof() -> list[dict[str, Any]]:
             robot = dp.load(path)
             for term in ("rnea", "aba", "crba") if n <= 64 else ("rnea", "aba"):
                 kernel = find(robot, TERMS[term], {})
-                (row,) = bench.run([robot], [term], (1024,), repetitions=3)
+                (row,) = bench.run([robot], [term], (1024,), repetitions=7)
                 rows.append({"dof": n, "operations": kernel.operations, **row})
                 shown(rows[-1])
     return rows

@@ -35,8 +35,8 @@ def ratios(rows: list[dict[str, Any]], batch: int) -> str:
                 line.append("")
                 continue
             aim = TARGETS.get(term, (None,) * 3)[GROUP.get(name, 1)] if batch > 1 and not floating else None
-            short = f" (aim {aim})" if aim and r["ratio"] < aim else ""
-            line.append(f"{r['us_per_sample']:.3g} / **{r['ratio']:.1f}**{short}")
+            short = f" (aim {aim})" if aim and r["best_ratio"] < aim else ""
+            line.append(f"{r['best_us_per_sample']:.3g} / **{r['best_ratio']:.1f}** / {r['ratio']:.1f}{short}")
         lines.append(line)
     return table(["", *(f"{n}{' + floating' if f else ''}" for n, f in names)], lines)
 
@@ -48,13 +48,13 @@ def markdown(results: dict[str, Any]) -> str:
         f"Measured {results['when']} by `{results['command']}`: {m['processor']}, {m['cores']} cores, vectors of "
         f"{m['vector_bits']} bits, {m['system']}; Python {m['python']}, dualpin {m['dualpin']}, numpy {m['numpy']}, "
         f"llvmlite {m['llvmlite']}, pin {m['pin']} ({m['pin_is']}).  float64.\n",
-        "Medians of alternating measurements in one process, after both were found to agree.  The machine was shared "
+        "Both measured in turns in one process, after they were found to agree.  The machine was shared "
         f"with other work; load averages after each section: {results.get('load', {})}.\n",
     ]
     if "main" in results:
         text += [
             "## Batches of 4096 on one thread\n",
-            "Microseconds a sample / times faster than Pinocchio: against `rneaInParallel(1)` and `abaInParallel(1)`, "
+            "Microseconds a sample / times faster than Pinocchio, by the shortest runs of both / by the medians: against `rneaInParallel(1)` and `abaInParallel(1)`, "
             "its C++ loops, and for other terms against a Python loop over its calls.\n",
             ratios(results["main"], 4096),
             "## One configuration\n",
