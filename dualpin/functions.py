@@ -250,6 +250,13 @@ def rnea(
     (1000, 9)
     """
     if f_ext is None:
+        if engine == "auto":  # control loops: what `compute` does first, without the call
+            try:
+                ready = robot._ready["rnea"]
+            except (AttributeError, KeyError):
+                pass
+            else:
+                return ready(q, v, a, out)
         return compute(robot, "rnea", (q, v, a), engine, out)
     return compute(robot, "rnea_f_ext", (q, v, a, f_ext), engine, out)
 
@@ -358,6 +365,13 @@ def aba(
     True
     """
     if f_ext is None:
+        if engine == "auto":  # control loops: what `compute` does first, without the call
+            try:
+                ready = robot._ready["aba"]
+            except (AttributeError, KeyError):
+                pass
+            else:
+                return ready(q, v, tau, out)
         return compute(robot, "aba", (q, v, tau), engine, out)
     return compute(robot, "aba_f_ext", (q, v, tau, f_ext), engine, out)
 
