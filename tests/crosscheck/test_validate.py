@@ -77,7 +77,7 @@ def test_a_shifted_placement_is_caught_and_does_not_disturb_what_lies_before_it(
     assert {"fk", "frame_pose"} <= found
 
 
-def test_a_wrong_factor_in_coriolis_is_caught_there_only(monkeypatch):
+def test_a_wrong_factor_in_coriolis_is_caught_where_the_connection_is_used(monkeypatch):
     right = coriolis_module.Connection.of
 
     def wrong(body, V):
@@ -85,7 +85,8 @@ def test_a_wrong_factor_in_coriolis_is_caught_there_only(monkeypatch):
         return type(found)(found.p, found.B * (1 + 1e-9))
 
     monkeypatch.setattr(coriolis_module.Connection, "of", staticmethod(wrong))
-    assert failed(dp.load("panda")) == {"coriolis"}
+    # the derivatives are built on the same connection; nothing else is
+    assert failed(dp.load("panda")) == {"coriolis", "rnea_derivatives", "aba_derivatives"}
 
 
 def test_wrong_gravity_is_caught_in_what_gravity_moves():
