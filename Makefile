@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 # tests share the cores by files; a benchmark or a campaign takes them alone
 JOBS   ?= 2
 
-.PHONY: help venv validate test lint campaign papers integrators dh bench wheel clean
+.PHONY: help venv validate test lint campaign papers integrators dh bench docs wheel clean
 
 help:            ## print the targets
 	@grep -E '^[a-z]+: *[^#]*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 14
@@ -46,8 +46,12 @@ dh: $(STAMP)         ## all chains of all robots to DH and screws: writes valida
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks
 
+docs: $(STAMP)       ## the documentation, into site/; a warning is an error
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "open site/index.html"
+
 wheel: $(STAMP)      ## build the wheel and the source distribution
 	$(BIN)/python -m build
 
 clean:               ## remove the environment and what was built
-	rm -rf $(VENV) build dist out
+	rm -rf $(VENV) build dist out site
