@@ -148,7 +148,8 @@ def compiled(
     start = time.perf_counter()
     program = trace(robot, term, options)
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
-    plan = schedule(program)
+    together = host.lanes(number.size) if lanes == 1 else 1
+    plan = schedule(program, together=together)
     code = object_code(ir.module(plan, number, host, lanes), host)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,

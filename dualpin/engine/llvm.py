@@ -18,6 +18,7 @@ from .lanes import Lanes, Number
 from .schedule import Schedule, Step
 
 UNROLLED = {1: 64}.get  # groups of columns, by lanes, that are written out instead of looped over
+STREAMED = 8 << 20  # bytes of a result from which it is written past the caches
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
@@ -34,12 +35,12 @@ def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
             parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
             calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch)")
         if stage.angles:
-            calls.append(f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {emit.rounds(stage.angles)})")
+            calls += emit.trigonometry(k, stage.angles)
     if plan.sine:
         parts += [emit.cos_sin(), emit.cos_sin_far()]
     parts.append(emit.kernel(calls))
     attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
-    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n')
+    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n')
     return "\n".join(parts)
 
 
@@ -51,6 +52,11 @@ def scratch_bytes(plan: Schedule, number: Number, lanes: int) -> int:
 class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
+
+    @property
+    def streams(self) -> bool:
+        """Whether results are stored line by line."""
+        return self.host.width == 64 and self.width > 1 and len(self.plan.outputs) >= 4 * self.width
 
     def lanes(self) -> Lanes:
         return Lanes(self.number, self.width, self.host)
@@ -97,40 +103,75 @@ class _Emission:
 
     # trigonometric functions
 
-    @property
-    def together(self) -> int:
-        """Angles handled at a time: one slot of many samples, or many slots of one sample."""
-        return self.host.lanes(self.number.size) if self.width == 1 else 1
-
-    def rounds(self, angles: list[int]) -> int:
-        return -(-len(angles) // self.together)
+    def trigonometry(self, k: int, angles: list[int]) -> list[str]:
+        """Calls that fill the slots of a stage's cosines and sines."""
+        plan, n = self.plan, self.plan.together
+        if n == 1:
+            return [f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {len(angles)})"]
+        lines = []
+        for g in range(0, len(angles), n):
+            group = angles[g : g + n]
+            slots = [plan.slot[a] for a in group]
+            at, tag = slots[0], f"{k}.{g}"
+            if slots != list(range(at, at + len(group))):
+                # copied to where their sines will be: that is read before it is written
+                at = plan.sine[group[0]]
+                for lane, slot in enumerate(slots):
+                    one = f"{tag}.{lane}"
+                    lines += [
+                        f"%from.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {slot}",
+                        f"%copy.{one} = load {self.number.name}, ptr %from.{one}",
+                        f"%to.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {at + lane}",
+                        f"store {self.number.name} %copy.{one}, ptr %to.{one}",
+                    ]
+            lines += [
+                f"%angle.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {at}",
+                f"%cosine.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {plan.cosine[group[0]]}",
+                f"call void @cos_sin_of(ptr %angle.{tag}, ptr %cosine.{tag}, i{n} {(1 << len(group)) - 1})",
+            ]
+        return lines
 
     def cos_sin(self) -> str:
+        return self.cos_sin_of() if self.plan.together > 1 else self.cos_sin_loop()
+
+    def cos_sin_of(self) -> str:
+        """Of angles side by side: their cosines, then their sines.  Bits of `valid` say which lanes count."""
+        n, size = self.plan.together, self.number.size
+        e = Lanes(self.number, n, self.host)
+        x = e.value(f"load {e.vector}, ptr %angle, align {size}")
+        c, s, near = e.cos_sin(x)
+        bits = e.value(f"and i{n} {e.value(f'bitcast {e.mask} {near} to i{n}')}, %valid")
+        ok = e.value(f"icmp eq i{n} {bits}, %valid")
+        sines = e.slot("%result", 1)
+        e.do(f"br i1 {ok}, label %near, label %far")
+        e.label("near")
+        for value, p in ((c, "%result"), (s, sines)):
+            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
+        e.do("ret void")
+        e.label("far")
+        e.do(f"%aside = alloca {e.vector}, align {e.align}")  # the angles may lie where the results go
+        e.do(f"store {e.vector} {x}, ptr %aside, align {e.align}")
+        for value, p in ((c, "%result"), (s, sines)):
+            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
+        e.do("call void @cos_sin_far(ptr %aside, ptr %result)")
+        body = "\n".join(e.lines)
+        return (
+            f"define internal void @cos_sin_of(ptr %angle, ptr %result, i{n} %valid) noinline #0 {{\n"
+            f"{body}\n  ret void\n}}\n"
+        )
+
+    def cos_sin_loop(self) -> str:
         """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
-        n = self.together
-        e = Lanes(self.number, self.width * n, self.host)
-        name = self.number.name
+        e = self.lanes()
         e.do("br label %loop")
         e.label("loop")
         e.do("%k = phi i64 [0, %entry], [%next, %latch]")
-        first = e.value(f"mul i64 %k, {n}")
-        places = []
-        for lane in range(n):
-            at = e.value(f"getelementptr {{i32, i32}}, ptr %table, i64 {e.value(f'add i64 {first}, {lane}')}")
-            pair = (at, e.value(f"getelementptr i32, ptr {at}, i64 1"))
-            places.append([e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64") for p in pair])
-        if n == 1:
-            (source, target), memory = places[0], "%tile"
-            source, target = e.slot(memory, source), e.slot(memory, target)
-            x = e.load(source, 0)
-        else:  # gather the angles, compute aside, scatter
-            x = "poison"
-            for lane, (slot, _) in enumerate(places):
-                one = e.value(f"load {name}, ptr {e.value(f'getelementptr {name}, ptr %tile, i64 {slot}')}")
-                x = e.value(f"insertelement {e.vector} {x}, {name} {one}, i32 {lane}")
-            source, target = "%aside", e.slot("%aside", 1)
-            e.store(source, 0, x)
-        c, s, near = e.cos_sin(x)
+        where = e.value("getelementptr {i32, i32}, ptr %table, i64 %k")
+        source, target = (
+            e.slot("%tile", e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64"))
+            for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
+        )
+        c, s, near = e.cos_sin(e.load(source, 0))
         e.store(target, 0, c)
         e.store(target, 1, s)
         all_near = e.value(f"icmp eq i{e.width} {e.value(f'bitcast {e.mask} {near} to i{e.width}')}, -1")
@@ -139,13 +180,6 @@ class _Emission:
         e.do(f"call void @cos_sin_far(ptr {source}, ptr {target})")
         e.do("br label %latch")
         e.label("latch")
-        if n > 1:
-            c, s = e.load(target, 0), e.load(target, 1)
-            for lane, (_, slot) in enumerate(places):
-                for k, v in enumerate((c, s)):
-                    one = e.value(f"extractelement {e.vector} {v}, i32 {lane}")
-                    p = e.value(f"getelementptr {name}, ptr %tile, i64 {e.value(f'add i64 {slot}, {k}')}")
-                    e.do(f"store {name} {one}, ptr {p}")
         e.do("%next = add i64 %k, 1")
         e.do("%more = icmp slt i64 %next, %count")
         e.do("br i1 %more, label %loop, label %done")
@@ -153,13 +187,13 @@ class _Emission:
         body = "\n".join(e.lines)
         return (
             "define internal void @cos_sin(ptr %tile, ptr %table, i64 %count) noinline #0 {\nentry:\n"
-            f"  %aside = alloca [3 x {e.vector}], align {e.align}\n{body}\n  ret void\n}}\n"
+            f"{body}\n  ret void\n}}\n"
         )
 
     def cos_sin_far(self) -> str:
         """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
         name, reach = self.number.name, self.lanes().number_text(self.number.reach)
-        lanes = self.width * self.together
+        lanes = self.width * self.plan.together
         widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
         if self.number.size == 8:
             widen = narrow = "bitcast double {} to double"
@@ -203,9 +237,8 @@ done:
         padded = [0] * W + plan.outputs + [0] * W  # room for groups that stick out on either side
         text = f"@outputs = internal constant [{len(padded)} x i32] [{', '.join(f'i32 {s}' for s in padded)}]\n"
         for k, stage in enumerate(plan.stages):
-            if stage.angles:
-                angles = stage.angles + stage.angles[:1] * (-len(stage.angles) % self.together)
-                pairs = [x for a in angles for x in (plan.slot[a], plan.cosine[a])]
+            if stage.angles and plan.together == 1:
+                pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
                 entries = ", ".join(f"i32 {s}" for s in pairs)
                 text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
         return text
@@ -243,7 +276,7 @@ done:
         for i, slot in plan.output_slot.items():
             if plan.nodes[i][0] in ("sin", "cos"):
                 e.store("%out", slot, e.load("%scratch", plan.slot[i]))
-        if self.host.width == 64 and self.width > 1 and len(plan.outputs) >= 4 * self.width:
+        if self.streams:
             self._unpack_aligned(e, arrays[-1], rows)
         else:
             self._columns(e, "results", arrays[-1], rows, len(plan.outputs), self._unpacker(e))
@@ -253,6 +286,8 @@ done:
         e.do("%b.more = icmp slt i64 %b.next, %n")
         e.do("br i1 %b.more, label %tile, label %exit")
         e.label("exit")
+        if self.streams:
+            e.do("fence seq_cst")  # what went past the caches is seen before anything that follows
         body = "\n".join(e.lines)
         return (
             "define void @kernel(i64 %n, ptr %scratch, ptr %arrays, ptr %strides) #0 {\nentry:\n"
@@ -308,12 +343,16 @@ done:
         whole = e.value(f"icmp eq i64 {e.value(f'and i64 {stride}, {line - 1}')}, 0")
         beyond = e.value(f"and i64 {e.value(f'ptrtoint ptr {pointer} to i64')}, {line - 1}")
         shift = e.value(f"select i1 {whole}, i64 {e.value(f'udiv i64 {beyond}, {size}')}, i64 0")
+        # results too many for the caches go past them: they are not read first, only to be overwritten
+        large = e.value(f"icmp ugt i64 {e.value(f'mul i64 %n, {stride}')}, {STREAMED}")
+        lined = e.value(f"icmp eq i64 {e.value(f'and i64 {beyond}, {size - 1}')}, 0")
+        past = e.value(f"and i1 {e.value(f'and i1 {large}, {whole}')}, {lined}")
         e.do(f"%results.first = sub i64 0, {shift}")
         e.do("br label %results.before")
         e.label("results.before")
         e.do("br label %results")
         e.label("results")
-        e.do("%results.j = phi i64 [%results.first, %results.before], [%results.next, %results]")
+        e.do("%results.j = phi i64 [%results.first, %results.before], [%results.next, %results.latch]")
         columns = []
         for c in range(W):
             entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 %results.j, {c + W}')}")
@@ -324,11 +363,21 @@ done:
         at = e.value(f"add {kind} {at}, {e.constants([str(c) for c in range(W)], 'i64')}")
         # as unsigned numbers, those before the row are large
         mask = e.value(f"icmp ult {kind} {at}, {e.every(str(len(self.plan.outputs)), 'i64')}")
-        for base, row in zip(bases, e.transposed(columns), strict=True):
-            p = e.value(f"getelementptr {self.number.name}, ptr {base}, i64 %results.j")
-            e.do(
-                f"call void @llvm.masked.store.{e.suffix}.p0({e.vector} {row}, ptr {p}, i32 {size}, {e.mask} {mask})"
-            )
+        columns = e.transposed(columns)
+        places = [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 %results.j") for base in bases]
+        room = len(self.plan.outputs) - W
+        inside = e.value(f"icmp ule i64 %results.j, {room}")  # as an unsigned number, too
+        e.do(f"%results.past = and i1 {inside}, {past}")
+        e.do("br i1 %results.past, label %results.streamed, label %results.cached")
+        e.label("results.streamed")
+        for p, row in zip(places, columns, strict=True):
+            e.do(f"store {e.vector} {row}, ptr {p}, align {line}, !nontemporal !0")
+        e.do("br label %results.latch")
+        e.label("results.cached")
+        for p, row in zip(places, columns, strict=True):
+            e.do(f"call void @llvm.masked.store.{e.suffix}.p0({e.vector} {row}, ptr {p}, i32 {size}, {e.mask} {mask})")
+        e.do("br label %results.latch")
+        e.label("results.latch")
         e.do(f"%results.next = add i64 %results.j, {W}")
         e.do(f"%results.more = icmp slt i64 %results.next, {len(self.plan.outputs)}")
         e.do("br i1 %results.more, label %results, label %results.after")

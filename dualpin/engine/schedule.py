@@ -50,6 +50,8 @@ class Schedule:
         Node -> its slot among inputs, trigonometric values and values passed between chunks.
     sine, cosine : dict
         Angle -> slot.
+    together : int
+        How many cosines lie side by side, followed by their sines.
     slots : int
         How many of those there are.
     output_slot : dict
@@ -70,6 +72,7 @@ class Schedule:
     constants: dict[int, float]
     outputs: list[int]
     sizes: list[int]
+    together: int = 1
 
     @property
     def operations(self) -> int:
@@ -80,8 +83,11 @@ class Schedule:
         return 1 + len(self.output_slot) + len(self.constants)
 
 
-def schedule(program: Trace, chunk: int = CHUNK) -> Schedule:
-    """Order, fuse, cut and place."""
+def schedule(program: Trace, chunk: int = CHUNK, together: int = 1) -> Schedule:
+    """Order, fuse, cut and place.
+
+    `together` says how many angles are handled at a time: so many cosines lie side by side, then their sines.
+    """
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
     steps = fused(program, order)
@@ -91,8 +97,12 @@ def schedule(program: Trace, chunk: int = CHUNK) -> Schedule:
     slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
     slots = starts[-1]
     sine, cosine = {}, {}
-    for angle in (a for stage in stages for a in stage.angles):
-        cosine[angle], sine[angle], slots = slots, slots + 1, slots + 2
+    for stage in stages:
+        stage.angles.sort(key=lambda a: slot.get(a, slots))  # inputs in their order: often side by side
+        for k in range(0, len(stage.angles), together):
+            for lane, angle in enumerate(stage.angles[k : k + together]):
+                cosine[angle], sine[angle] = slots + lane, slots + together + lane
+            slots += 2 * together
     for i in order:
         if nodes[i][0] in ("sin", "cos"):
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
@@ -108,7 +118,7 @@ def schedule(program: Trace, chunk: int = CHUNK) -> Schedule:
         else:
             outputs.append(known.setdefault(float(x), fresh))
     constants = {s: value for value, s in known.items() if s}
-    return Schedule(nodes, stages, slot, sine, cosine, slots, output_slot, constants, outputs, program.sizes)
+    return Schedule(nodes, stages, slot, sine, cosine, slots, output_slot, constants, outputs, program.sizes, together)
 
 
 def fused(program: Trace, order: list[int]) -> dict[int, Step]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import sys
 import threading
 import weakref
@@ -233,8 +235,8 @@ def test_references_do_not_leak(robot, state):
             call()
         gc.collect()
         after = [sys.getrefcount(x) for x in things]
-        # None is counted by everybody, and immortal since 3.12
-        assert all(abs(b - a) <= (20 if x is None else 2) for a, b, x in zip(before, after, things, strict=True))
+        # a leak would be 100 000; None and the dtype are counted by everybody who runs meanwhile
+        assert all(abs(b - a) <= 50 for a, b in zip(before, after, strict=True))
         assert sys.getallocatedblocks() - blocks < 500
 
 
@@ -266,6 +268,14 @@ def test_the_callable_outlives_the_robot_and_the_robot_is_freed():
     assert np.array_equal(f(q, v, a), tau)
     assert np.array_equal(f(q.tolist(), v, a), tau)
     assert np.array_equal(f(q[None], v, a)[0], tau)
+
+
+def test_robots_with_machine_code_can_be_copied_and_pickled():
+    robot = dp.load("ur5")
+    q, v, a = robot.sample(seed=0)
+    tau = dp.rnea(robot, q, v, a)
+    for other in (copy.copy(robot), copy.deepcopy(robot), pickle.loads(pickle.dumps(robot))):
+        assert np.array_equal(dp.rnea(other, q, v, a), tau)
 
 
 def test_two_threads_at_once(robot):

@@ -208,7 +208,8 @@ def trigonometry(dtype=np.float64, host=None, lanes=None):
     lanes = lanes or host.lanes(number.size)
     graph = Graph()
     (x,) = graph.inputs(0, 1)
-    plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]))
+    together = host.lanes(number.size) if lanes == 1 else 1
+    plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]), together=together)
     code = kernels.object_code(ir.module(plan, number, host, lanes), host)
     about = {"sizes": [1], "operations": 1, "lanes": lanes, "scratch": ir.scratch_bytes(plan, number, lanes)}
     return kernels.Kernel(about, code, (2,), np.dtype(dtype))
