@@ -117,3 +117,13 @@ def test_one_joint_robots_match_the_pen_and_paper_answer():
     assert np.allclose(dp.gravity(r, [q], engine="numpy"), [2 * 9.81 * 0.5 * np.sin(q)])
     assert np.allclose(dp.rnea(r, [q], [v], [a], engine="numpy"), [inertia * a + 9.81 * np.sin(q)])
     assert np.allclose(dp.coriolis(r, [q], [v], engine="numpy"), [[0]])
+
+
+@pytest.mark.parametrize("engine", ["numpy", "auto"])
+def test_a_joint_that_moves_no_mass_has_no_finite_acceleration(engine):
+    b = dp.Builder("weightless")
+    b.joint("a", dp.model.revolute())
+    robot = b.robot()
+    assert not np.isfinite(dp.aba(robot, [0.0], [0.0], [1.0], engine=engine)).any()
+    assert not np.isfinite(dp.aba(robot, np.zeros((5, 1)), [0.0], [1.0], engine=engine)).any()
+    assert dp.rnea(robot, [0.0], [0.0], [1.0], engine=engine).tolist() == [0.0]

@@ -210,7 +210,10 @@ class Sym:
             x = b._positive()
             return self * b._new("inv", b.i) if x is None else -(self / x)
         c = _number(b)
-        return NotImplemented if c is None else self * (1.0 / c)
+        if c is None:
+            return NotImplemented
+        # a known zero: infinite or no number, as it is for arrays
+        return self * (1.0 / c if c else math.copysign(math.inf, c))
 
     def __rtruediv__(self, b: Any) -> Any:
         c = _number(b)
