@@ -41,7 +41,7 @@ integrators: $(STAMP) ## the study of integrators: writes validation/integrators
 	$(BIN)/python -m validation.integrators
 
 dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
-	$(BIN)/python -m validation.dh
+	$(BIN)/python validation/dh/campaign.py
 
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks

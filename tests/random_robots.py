@@ -90,7 +90,7 @@ def tree(
         b.joint(
             f"joint{i}", model, None if on[i] is None else f"link{on[i]}", random_pose(rng),
             None if weightless else random_inertia(rng), link=f"link{i}",
-            mimic=None if leader is None else Mimic(f"joint{leader}", float(rng.uniform(-2, 2)), float(rng.uniform(-1, 1))),
+            mimic=None if leader is None else Mimic(f"joint{leader}", *rng.uniform(-2, 2, 2).tolist()),
             armature=rng.uniform(0.01, 0.1, model.nv).tolist() if armature and leader is None else (),
             limits=Limits((-2.0,) * model.nq, (2.0,) * model.nq) if kind == "prismatic" else None,
         )  # fmt: skip
