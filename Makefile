@@ -32,7 +32,7 @@ lint: $(STAMP)       ## style and types
 
 campaign: $(STAMP)   ## the long tests, and every robot: writes validation/results
 	$(BIN)/python -m pytest -m campaign --timeout 5400
-	$(BIN)/dualpin validate --all --samples 100 --out validation/results
+	$(BIN)/python -m validation.campaign
 
 papers: $(STAMP)     ## the papers' tables, examples and claims: writes validation/papers
 	$(BIN)/python -m validation.papers
