@@ -22,6 +22,7 @@ def shortened(report: Report) -> Report:
     for robot in report.robots:
         for term in robot.terms.values():
             term.worst = {key: term.worst[key] for key in KEPT if key in term.worst}
+            term.quantiles = []
     return report
 
 
