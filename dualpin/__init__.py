@@ -34,7 +34,7 @@ _HOMES = {
     "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),
 }  # fmt: skip
 _PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model",
-             "spatial", "tracking")  # fmt: skip
+             "report", "spatial", "tracking", "view")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [*sorted(_WHERE), "__version__"]

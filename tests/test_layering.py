@@ -18,7 +18,7 @@ PACKAGE = Path(dualpin.__file__).parent
 LAYERS = (
     "errors", "scalars", "parts", "dual", "spatial", "algebra", "model", "io", "algorithms", "terms", "engine",
     "boundary", "functions", "forms", "derivatives", "export", "integrators", "tracking", "mechanisms",
-    "crosscheck", "bench", "bench", "report", "cli",
+    "crosscheck", "bench", "bench", "report", "view", "cli",
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything

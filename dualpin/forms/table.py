@@ -277,6 +277,24 @@ class DHTable:
         x = whole_q(whole, q, f"{self.name}: fk: q")
         return fk(self.robot, x[..., columns] * np.array(factors), self.robot.frames[-1], engine=engine)
 
+    def frames(self, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
+        """Poses of the frames of all rows in the base, fixed rows included, shape (..., n, 4, 4).
+
+        Of a standard table the distal frames, of a modified one the frames on the joints' axes.
+
+        Examples
+        --------
+        >>> import numpy as np, dualpin as dp
+        >>> dp.to_dh(dp.load("ur5"), tip="tool0").frames(np.zeros(6)).shape
+        (6, 4, 4)
+        """
+        columns, factors = self._wiring
+        whole = self.chain.robot if self.chain else self.robot
+        x = whole_q(whole, q, f"{self.name}: frames: q")[..., columns] * np.array(factors)
+        kind = "frame" if self.convention == "standard" else "link"
+        names = [f"{kind}_{k + 1}" for k in range(len(self.rows))]
+        return np.stack([fk(self.robot, x, name, engine=engine) for name in names], axis=-3)
+
     def deviation(self, samples: int = 16, seed: int = 0) -> float:
         """Largest entry of |T_table(q) - T_robot(q)| over random q; angles in [-pi, pi], lengths in [-1, 1]."""
         if self.chain is None:

@@ -36,13 +36,13 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(path, tmp_path, monkeypatc
 
 
 def commands():
-    """`dualpin ...` lines of the pages, but for campaigns and for files that only their reader has."""
+    """`dualpin ...` lines of the pages, but for campaigns, servers, and files that only their reader has."""
     found = {}
     for path in DOCS.glob("*.md"):
         for code in blocks(path, "sh"):
             for line in code.splitlines():
                 words = line.split("#")[0].split()
-                if words[:1] == ["dualpin"] and "--all" not in words and not any("old" in w for w in words):
+                if words[:1] == ["dualpin"] and not {"--all", "view"} & {*words} and not any("old" in w for w in words):
                     found[" ".join(words)] = words[1:]
     return list(found.values())
 
