@@ -6,6 +6,7 @@ Algorithms never see the shapes of arrays; kernels never see names or options.
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -72,8 +73,12 @@ def call(
 
     term = TERMS[name]
     check_robot(robot, name)
-    given = {key: as_array(robot, name, key, x) for key, x in arrays.items()}
-    inputs, batch = flattened(robot, term, given)
+    inputs = plain(robot, name, arrays)
+    batch: tuple[int, ...]
+    if inputs is None:
+        inputs, batch = flattened(robot, term, {key: as_array(robot, name, key, x) for key, x in arrays.items()})
+    else:
+        batch = inputs[0].shape[:1]
     if out is None:
         result = run(robot, term, options, inputs, engine=engine, dtype=dtype)
         return result.reshape(batch + result.shape[1:])
@@ -97,6 +102,21 @@ def check_out(term: str, out: object, shape: tuple[int, ...], dtype: np.dtype) -
         raise ArgumentError(f"{term}: out is read-only")
 
 
+def plain(robot: Robot, term: str, arrays: Mapping[str, ArrayLike]) -> list[np.ndarray] | None:
+    """The inputs as they are, where all are float64 arrays of one batch axis: the common case, made quick."""
+    n = -1
+    for key, x in arrays.items():
+        if type(x) is not np.ndarray or x.dtype != np.float64 or x.ndim != 2 or key == "f_ext":
+            return None
+        rows, size = x.shape
+        if size != input_shape(robot, key)[0] or n not in (-1, rows):
+            return None
+        n = rows
+        if key.startswith("q"):
+            check_quaternions(robot, term, x)
+    return list(arrays.values())  # type: ignore[arg-type]
+
+
 def flattened(robot: Robot, term: Term, given: Mapping[str, np.ndarray]) -> tuple[list[np.ndarray], tuple[int, ...]]:
     """Inputs broadcast to one batch and reshaped to (n, size), and the batch's shape."""
     rank = {key: len(input_shape(robot, key)) for key in given}
@@ -105,10 +125,10 @@ def flattened(robot: Robot, term: Term, given: Mapping[str, np.ndarray]) -> tupl
     except ValueError:
         shapes = ", ".join(f"{key} {x.shape}" for key, x in given.items())
         raise ShapeError(f"{term.name}: the leading axes of {shapes} do not broadcast together") from None
-    n = int(np.prod(batch, dtype=int))
+    n = math.prod(batch)
     inputs = []
     for key, x in given.items():
-        size = int(np.prod(input_shape(robot, key), dtype=int))
+        size = math.prod(input_shape(robot, key))
         inputs.append(np.broadcast_to(x, batch + x.shape[x.ndim - rank[key] :]).reshape(n, size))
     return inputs, batch
 

@@ -29,7 +29,7 @@ class UntraceableError(DualpinError):
     """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
 
 
-LARGEST = 150_000
+LARGEST = 250_000
 """Nodes beyond which a term is not compiled: it would take LLVM many seconds, and more memory than it is worth."""
 
 

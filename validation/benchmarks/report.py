@@ -54,7 +54,8 @@ def markdown(results: dict[str, Any]) -> str:
     if "main" in results:
         text += [
             "## Batches of 4096 on one thread\n",
-            "Microseconds a sample / times faster than Pinocchio, by the shortest runs of both / by the medians: against `rneaInParallel(1)` and `abaInParallel(1)`, "
+            "Microseconds a sample / times faster than Pinocchio, by the shortest runs of both / by the medians: "
+            "against `rneaInParallel(1)` and `abaInParallel(1)`, "
             "its C++ loops, and for other terms against a Python loop over its calls.\n",
             ratios(results["main"], 4096),
             "## One configuration\n",
