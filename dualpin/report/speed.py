@@ -11,6 +11,7 @@ from .read import Row, Study
 
 SERIES = 8  # more lines than that in one chart cannot be told apart
 CHARTS = 8
+MATRICES = 2
 
 
 @dataclass
@@ -37,6 +38,12 @@ class Speed:
         self.charts = [*_dof(rows), *_scaling(rows, "batch", "threads"), *_scaling(rows, "threads", "batch")][:CHARTS]
 
     @property
+    def others(self) -> list[tuple[str, list[str], list[Row]]]:
+        """Tables of other measurements: (name, columns, rows)."""
+        tables = ((name, rows) for name, rows in self.study.tables.items() if "us_per_sample" not in rows[0])
+        return [(name, list(dict.fromkeys(k for r in rows for k in r)), rows) for name, rows in tables]
+
+    @property
     def columns(self) -> list[str]:
         return list(dict.fromkeys(key for r in self.rows for key, v in r.items() if not isinstance(v, (list, dict))))
 
@@ -48,22 +55,32 @@ def speedup(row: Row) -> float | None:
 
 
 def _ratios(rows: list[Row]) -> Iterable[Ratios]:
-    """One matrix for each number of threads, at its largest batch, and one for single configurations."""
-    settings = dict.fromkeys((r.get("threads", 1), r.get("batch")) for r in rows if speedup(r) is not None)
-    by_threads: dict[Any, list[Any]] = {}
-    for threads, batch in settings:
-        by_threads.setdefault(threads, []).append(batch)
-    for threads, batches in sorted(by_threads.items(), key=lambda item: str(item[0])):
-        sizes = [b for b in batches if isinstance(b, (int, float))] or batches
-        for batch in dict.fromkeys((max(sizes), min(sizes))):
-            some = [r for r in rows if r.get("threads", 1) == threads and r.get("batch") == batch and speedup(r)]
+    """For each number of threads a matrix at each of the batches that most was measured with."""
+    cells: dict[Any, dict[Any, list[Row]]] = {}
+    for r in rows:
+        if speedup(r) is not None:
+            cells.setdefault(r.get("threads", 1), {}).setdefault(r.get("batch"), []).append(r)
+    for threads, batches in sorted(cells.items(), key=lambda item: str(item[0])):
+        ends = {max(batches, key=_size), min(batches, key=_size)}
+        most = sorted(batches, key=lambda b: (len(batches[b]), b in ends), reverse=True)[:MATRICES]
+        for batch in sorted(most, key=_size, reverse=True):
+            some = batches[batch]
             terms = list(dict.fromkeys(r["term"] for r in some))
             robots: dict[str, dict[str, Row]] = {}
             for r in some:
-                robots.setdefault(r["robot"], {})[r["term"]] = r
-            cells = [(name, [_ratio(of.get(t)) for t in terms]) for name, of in robots.items()]
+                robots.setdefault(label(r), {})[r["term"]] = r
+            matrix = [(name, [_ratio(of.get(t)) for t in terms]) for name, of in robots.items()]
             threads_text = "1 thread" if threads == 1 else f"{threads} threads"
-            yield Ratios(f"batch {batch}, {threads_text}", terms, cells)
+            yield Ratios(f"batch {batch}, {threads_text}", terms, matrix)
+
+
+def _size(batch: Any) -> float:
+    return batch if isinstance(batch, (int, float)) else 0.0
+
+
+def label(row: Row) -> str:
+    """The robot on its base."""
+    return f"{row['robot']} floating" if row.get("floating") else str(row["robot"])
 
 
 def _ratio(row: Row | None) -> tuple[float, str] | None:
@@ -71,34 +88,39 @@ def _ratio(row: Row | None) -> tuple[float, str] | None:
         return None
     return (
         speedup(row) or 0.0,
-        f"{row['robot']}, {row['term']}: {row['us_per_sample']:.4g} us a sample, "
+        f"{label(row)}, {row['term']}: {row['us_per_sample']:.4g} us a sample, "
         f"Pinocchio {row['pinocchio_us_per_sample']:.4g} us",
     )
 
 
 def _dof(rows: list[Row]) -> Iterable[Chart]:
-    """Cost against degrees of freedom, at the largest batch of one thread."""
+    """Cost against degrees of freedom, on one thread."""
     key = next((k for k in ("nv", "dof") if any(k in r for r in rows)), None)
     if key is None:
         return
-    rows = [r for r in rows if r.get("threads", 1) == 1]
-    batch = max((r.get("batch", 1) for r in rows), default=1)
+    rows = [r for r in rows if r.get(key) is not None and r.get("threads", 1) == 1]
+    batches = [r.get("batch", 1) for r in rows]
+    # the batch that most degrees of freedom were measured with
+    batch = max(batches, key=lambda b: (len({r[key] for r in rows if r.get("batch", 1) == b}), b), default=1)
     rows = [r for r in rows if r.get("batch", 1) == batch]
-    if len({r.get(key) for r in rows}) > 3:
-        yield _chart(
-            f"Cost against degrees of freedom, batch {batch}", "degrees of freedom", rows, lambda r: r.get(key), "term"
-        )
+    if len({r[key] for r in rows}) > 3:
+        title = f"Cost against degrees of freedom, batch {batch}"
+        yield _chart(title, "degrees of freedom", rows, lambda r: r.get(key), "term")
 
 
 def _scaling(rows: list[Row], key: str, fixed: str) -> Iterable[Chart]:
     """Cost against batch or threads, a chart a robot."""
-    for robot in dict.fromkeys(r["robot"] for r in rows):
-        some = [r for r in rows if r["robot"] == robot]
+    for robot in dict.fromkeys(label(r) for r in rows):
+        some = [r for r in rows if label(r) == robot]
         values = {r.get(fixed, 1) for r in some}
         # the setting of the other quantity under which most was measured
         most = max(values, key=lambda v: len({r.get(key) for r in some if r.get(fixed, 1) == v}))
         some = [r for r in some if r.get(fixed, 1) == most]
         if len({r.get(key) for r in some}) > 2:
+            terms = [
+                t for t in {r["term"]: None for r in some} if len({r.get(key) for r in some if r["term"] == t}) > 2
+            ]
+            some = [r for r in some if r["term"] in terms]
             yield _chart(f"{robot}: cost against {key}, {fixed} {most}", key, some, lambda r: r.get(key), "term")
 
 
