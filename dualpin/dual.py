@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError, DualDivisionError
-from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product
+from .errors import ArgumentError, ArgumentTypeError, DualDivisionError
+from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, unfit
 from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
 
 
@@ -75,32 +75,47 @@ class Dual(Parts):
         return self
 
     def __add__(self, b: Scalar) -> Dual:
-        if type(b) is Dual:
-            return Dual(self.real + b.real, self.dual + b.dual)
-        return NotImplemented if isinstance(b, Compound) else Dual(self.real + b, self.dual)
+        try:
+            if type(b) is Dual:
+                return Dual(self.real + b.real, self.dual + b.dual)
+            return NotImplemented if isinstance(b, Compound) else Dual(self.real + b, self.dual)
+        except ValueError as e:
+            raise unfit("+", self, b, e) from None
 
     def __sub__(self, b: Scalar) -> Dual:
-        if type(b) is Dual:
-            return Dual(self.real - b.real, self.dual - b.dual)
-        return NotImplemented if isinstance(b, Compound) else Dual(self.real - b, self.dual)
+        try:
+            if type(b) is Dual:
+                return Dual(self.real - b.real, self.dual - b.dual)
+            return NotImplemented if isinstance(b, Compound) else Dual(self.real - b, self.dual)
+        except ValueError as e:
+            raise unfit("-", self, b, e) from None
 
     def __rsub__(self, b: Scalar) -> Dual:
-        return Dual(b - self.real, -self.dual)
+        try:
+            return Dual(b - self.real, -self.dual)
+        except ValueError as e:
+            raise unfit("-", b, self, e) from None
 
     def __mul__(self, b: Scalar) -> Dual:
         """(a + eps a')(b + eps b') = a b + eps (a b' + a' b)"""
-        if type(b) is Dual:
-            return Dual(self.real * b.real, self.real * b.dual + self.dual * b.real)
-        return NotImplemented if isinstance(b, Compound) else Dual(self.real * b, self.dual * b)
+        try:
+            if type(b) is Dual:
+                return Dual(self.real * b.real, self.real * b.dual + self.dual * b.real)
+            return NotImplemented if isinstance(b, Compound) else Dual(self.real * b, self.dual * b)
+        except ValueError as e:
+            raise unfit("*", self, b, e) from None
 
     def __truediv__(self, b: Scalar) -> Dual:
         """(a + eps a') / (b + eps b') = q + eps (a' - q b') / b  with q = a / b"""
-        if type(b) is Dual:
-            refuse(b.real, "division by {}: only numbers with a real part have an inverse", b)
-            q = self.real / b.real
-            return Dual(q, (self.dual - q * b.dual) / b.real)
-        refuse(b, "division of a dual number by {}", b)
-        return Dual(self.real / b, self.dual / b)
+        try:
+            if type(b) is Dual:
+                refuse(b.real, "division by {}: only numbers with a real part have an inverse", b)
+                q = self.real / b.real
+                return Dual(q, (self.dual - q * b.dual) / b.real)
+            refuse(b, "division of a dual number by {}", b)
+            return Dual(self.real / b, self.dual / b)
+        except ValueError as e:
+            raise unfit("/", self, b, e) from None
 
     def __rtruediv__(self, b: Scalar) -> Dual:
         return Dual(b, b * 0) / self
@@ -170,8 +185,17 @@ class Dual(Parts):
 
     # NumPy
 
-    def __array__(self, *_: Any, **__: Any) -> np.ndarray:
-        raise TypeError("a dual array is not one array: take .real and .dual, or np.stack a list of dual numbers")
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """With dtype=object an array of dual numbers; there is no other array that holds both parts."""
+        if dtype is None or np.dtype(dtype) != object:
+            raise ArgumentTypeError(
+                "a dual array is not one array of numbers: take .real and .dual, np.stack a list of dual numbers, "
+                "or ask for dtype=object"
+            )
+        entries = np.empty(self.shape, dtype=object)
+        for index in np.ndindex(self.shape):
+            entries[index] = self[index] if index else self
+        return entries
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *args: Any, **options: Any) -> Any:
         f = UFUNCS.get(ufunc)
@@ -272,6 +296,8 @@ def power(x: Scalar, n: Scalar) -> Scalar:
     if type(n) is Dual:
         a = x.real if type(x) is Dual else x
         value = _real_power(a, n.real, x)
+        if np.any(array(n.dual) != 0) and isinstance(a, (float, int, np.ndarray)) and np.any(np.asarray(a) <= 0):
+            raise ArgumentError(f"power: {x} to the {n}: an exponent with a dual part needs a positive base")
         slope = value * log(a) * n.dual if np.any(array(n.dual) != 0) else ZERO
         return Dual(value, (power(x, n.real).dual if type(x) is Dual else ZERO) + slope)
     if type(x) is not Dual:

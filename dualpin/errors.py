@@ -32,6 +32,10 @@ class ArgumentError(DualpinError, ValueError):
     """An argument whose value or type is not accepted."""
 
 
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of a type that has no meaning there."""
+
+
 class DualDivisionError(DualpinError, ZeroDivisionError):
     """A dual number without the inverse, root or derivative that was asked of it."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError
+from .errors import ArgumentError, ShapeError
 from .scalars import Exact, Scalar
 
 SEQUENCES = {list, tuple, int, np.ndarray}
@@ -103,6 +103,9 @@ class Parts:
     def reshape(self, *shape: Any) -> Any:
         return self.both(lambda x: x.reshape(*shape))
 
+    def ravel(self) -> Any:
+        return self.both(np.ravel)
+
     def transpose(self, *axes: Any) -> Any:
         return self.both(lambda x: x.transpose(*axes))
 
@@ -195,7 +198,7 @@ def joined(f: Callable[..., np.ndarray], make: type, items: Sequence[Any], *args
 LINEAR = frozenset((
     np.transpose, np.moveaxis, np.swapaxes, np.squeeze, np.expand_dims, np.broadcast_to, np.reshape, np.ravel,
     np.sum, np.mean, np.trace, np.diagonal, np.cumsum, np.flip, np.roll, np.repeat, np.tile, np.take, np.diff, np.copy,
-    np.diag, np.triu, np.tril, np.conj, np.take_along_axis,
+    np.diag, np.zeros_like, np.round, np.triu, np.tril, np.conj, np.take_along_axis,
 ))  # fmt: skip
 JOINING = frozenset((np.concatenate, np.stack, np.vstack, np.hstack, np.column_stack))
 PRODUCTS = frozenset((np.dot, np.cross, np.inner, np.outer, np.tensordot, np.kron, np.vdot))
@@ -214,6 +217,10 @@ def array_function(make: type, func: Any, args: Sequence[Any], options: dict[str
         return product(func, make, args[0], args[1], *args[2:], **options)
     if func is np.einsum:
         return _einsum(make, *args, **options)
+    if func in (np.isclose, np.allclose):
+        (a, da), (b, db) = (x.arrays if isinstance(x, Parts) else (np.asarray(x), 0.0) for x in args[:2])
+        near = [func(x, y, *args[2:], **options) for x, y in ((a, b), (da, db))]
+        return near[0] & near[1]
     if func is np.where and len(args) == 3:
         (a, da), (b, db) = (x.arrays if isinstance(x, Parts) else (np.asarray(x), 0.0) for x in args[1:])
         return make(np.where(args[0], a, b), np.where(args[0], da, db))
@@ -224,10 +231,23 @@ def array_function(make: type, func: Any, args: Sequence[Any], options: dict[str
     return NotImplemented
 
 
+def unfit(operation: str, a: Any, b: Any, e: ValueError) -> Exception:
+    """What an operation's ValueError means: shapes that do not go together, or just what it says."""
+    shapes = [x.shape if isinstance(x, Parts) else np.shape(x) for x in (a, b)]
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        return ShapeError(f"{operation}: dual numbers of shapes {shapes[0]} and {shapes[1]} do not go together")
+    return e
+
+
 def product(f: Callable[..., Any], make: type, a: Any, b: Any, *args: Any, **options: Any) -> Any:
     """A bilinear f over dual numbers: f(a, b) + eps (f(a, b') + f(a', b))."""
     (x, dx), (y, dy) = (c.arrays if isinstance(c, Parts) else (np.asarray(c), None) for c in (a, b))
-    real = f(x, y, *args, **options)
+    try:
+        real = f(x, y, *args, **options)
+    except ValueError as e:
+        raise ShapeError(f"{f.__name__}: {np.shape(x)} and {np.shape(y)} do not go together ({e})") from None
     terms = [f(*pair, *args, **options) for pair in ((x, dy), (dx, y)) if pair[0] is not None and pair[1] is not None]
     return make(real, sum(terms[1:], terms[0]))
 

@@ -68,7 +68,7 @@ UFUNCS.update({
     np.multiply: lambda a, b: a * b if type(a) is Dual else b * a, np.negative: operator.neg,
     np.true_divide: lambda a, b: a / b if type(a) is Dual else b.__rtruediv__(a), np.positive: operator.pos,
     np.power: power, np.float_power: power, np.square: lambda x: x * x, np.reciprocal: lambda x: 1 / x,
-    np.matmul: lambda a, b: product(np.matmul, Dual, a, b), np.absolute: abs, np.sign: _either_sign,
+    np.matmul: lambda a, b: product(np.matmul, Dual, a, b), np.absolute: abs, np.fabs: abs, np.sign: _either_sign,
     np.conjugate: lambda x: x.conj(), np.arctan2: lambda y, x: atan2(y, x),
     np.sin: sin, np.cos: cos, np.tan: tan, np.arcsin: asin, np.arccos: acos, np.arctan: atan,
     np.sinh: sinh, np.cosh: cosh, np.tanh: tanh, np.exp: exp, np.log: log, np.sqrt: sqrt,

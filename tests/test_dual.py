@@ -299,3 +299,46 @@ def test_symbols_pass_where_numbers_are_checked():
 def test_nothing_is_written_into_foreign_arrays():
     with pytest.raises(TypeError):
         np.add(np.ones(2), Dual([1.0, 2.0]), out=np.zeros(2))
+
+
+@pytest.mark.parametrize("f", [operator.add, operator.sub, operator.mul, operator.truediv, operator.matmul])
+@pytest.mark.parametrize("swap", [False, True])
+def test_shapes_that_do_not_fit_are_said(f, swap):
+    a, b = Dual(np.ones(3), np.ones(3)), Dual(np.ones(2), np.ones(2))
+    with pytest.raises(dp.ShapeError, match=r"\(\d,\) and \(\d,\)"):
+        f(b, a) if swap else f(a, b)
+    with pytest.raises(dp.ShapeError):
+        f(np.ones(2), a) if swap else f(a, np.ones(2))
+
+
+def test_a_dual_exponent_needs_a_positive_base():
+    for base in (Dual(-0.5, 3.0), Dual(0.0, 1.0), -2.0, Dual([1.0, -1.0], 1.0)):
+        with pytest.raises(dp.ArgumentError, match="positive base"):
+            base ** Dual(2.0, 1.0)
+    assert Dual(-0.5, 3.0) ** Dual(2.0, 0.0) == Dual(0.25, -3.0)
+
+
+def test_arrays_of_objects_hold_dual_numbers():
+    c, s = np.cos(Dual(0.3, 0.7)), np.sin(Dual(0.3, 0.7))
+    R = np.array([[c, -s], [s, c]], dtype=object)
+    assert R.shape == (2, 2)
+    unit = R @ R.T
+    assert abs(unit[0, 0].real - 1) < 1e-15
+    assert abs(unit[0, 0].dual) < 1e-15
+    whole = np.asarray(Dual([1.0, 2.0], [3.0, 4.0]), dtype=object)
+    assert whole[1] == Dual(2.0, 4.0)
+    with pytest.raises(dp.ArgumentError, match="dtype=object"):
+        np.asarray(Dual([1.0, 2.0], [3.0, 4.0]))
+    with pytest.raises(TypeError):
+        np.asarray(Dual(1.0, 2.0))
+    with pytest.raises(dp.DualpinError, match="dual array"):
+        dp.fk(dp.from_dh([(0, 0, 1, 0)], joints="R"), Dual([0.0], [1.0]))
+
+
+def test_closeness_compares_both_parts():
+    x = Dual([1.0, 2.0], [3.0, 4.0])
+    assert np.allclose(x, x + 1e-12)
+    assert not np.allclose(x, x + Dual(0.0, 1.0))
+    assert np.isclose(x, Dual([1.0, 2.0], [3.0, 5.0])).tolist() == [True, False]
+    assert np.round(Dual(1.26, 2.34), 1) == Dual(1.3, 2.3)
+    assert np.fabs(Dual(-1.0, 2.0)) == Dual(1.0, -2.0)

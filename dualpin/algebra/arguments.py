@@ -59,6 +59,14 @@ def matrices(what: str, A: Any, *, square: bool = False) -> tuple[np.ndarray, np
     return a, b
 
 
+def finite(what: str, a: np.ndarray) -> None:
+    """Refuse what LAPACK's iterations for eigenvalues and singular values do not come to an end with."""
+    wrong = ~np.isfinite(a)
+    if np.any(wrong):
+        at = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise ArgumentError(f"{what}: finite entries expected, got {a[at]} at index {at}")
+
+
 def H(A: np.ndarray) -> np.ndarray:
     """The conjugate transpose of each matrix."""
     return A.swapaxes(-1, -2).conj() if A.dtype.kind == "c" else A.swapaxes(-1, -2)

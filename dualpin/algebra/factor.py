@@ -13,7 +13,7 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
-from .arguments import EPSILON, AssumptionError, H, SingularError, diagonals, matrices, where
+from .arguments import EPSILON, AssumptionError, H, SingularError, diagonals, finite, matrices, where
 
 GAP = 64  # singular and eigenvalues nearer than this many roundings of the largest cannot be told apart
 
@@ -114,6 +114,7 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
     if a.shape[-2] < a.shape[-1]:
         V, S, Uh = svd(Dual(H(a), H(da)))
         return Uh.H, S, V.H
+    finite("svd: A", a)
     u, s, vh = np.linalg.svd(a, full_matrices=False)
     _distinct("svd: singular values", s, s[..., :1], nonzero=True)
     v = H(vh)
@@ -243,6 +244,7 @@ def eigvals(A: Any) -> Dual:
 
 def _spectrum(name: str, a: np.ndarray, da: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """w, V of the real part with |v| = 1, sorted, and V^-1 A' V."""
+    finite(f"{name}: A", a)
     w, v = np.linalg.eig(a)
     order = np.lexsort((w.imag, w.real), axis=-1)
     w, v = np.take_along_axis(w, order, axis=-1), np.take_along_axis(v, order[..., None, :], axis=-1)
@@ -289,6 +291,7 @@ def eigh(A: Any) -> tuple[Dual, Dual]:
     [1.0, 4.0]
     """
     a, da = matrices("eigh: A", A, square=True)
+    finite("eigh: A", a)
     w, v = np.linalg.eigh(a)
     _distinct("eigh: eigenvalues", w, np.abs(w).max(axis=-1, keepdims=True, initial=0.0))
     v = v * _column_signs(v)

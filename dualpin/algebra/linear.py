@@ -12,7 +12,7 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ShapeError
-from .arguments import EPSILON, H, SingularError, dual_array, matrices, where
+from .arguments import EPSILON, H, SingularError, dual_array, finite, matrices, where
 
 
 def inv(A: Any) -> Dual:
@@ -185,6 +185,7 @@ def _pseudo_inverse(name: str, a: np.ndarray, da: np.ndarray, rcond: float | Non
     """A^+ of the real part, refused where A + eps A' has no constant rank."""
     if 0 in a.shape[-2:]:
         return np.zeros((*a.shape[:-2], a.shape[-1], a.shape[-2]), a.dtype)
+    finite(f"{name}: A", a)
     u, s, vh = np.linalg.svd(a, full_matrices=False)
     small = s <= (EPSILON * max(a.shape[-2:]) if rcond is None else rcond) * s[..., :1]
     p = H(vh) @ (H(u) * np.where(small, 0.0, 1 / np.where(small, 1.0, s))[..., None])
@@ -223,6 +224,7 @@ def det(A: Any) -> Dual:
     (0.0, 3.0)
     """
     a, da = matrices("det: A", A, square=True)
+    finite("det: A", a)
     u, s, vh = np.linalg.svd(a)
     n = s.shape[-1]
     others = np.where(np.eye(n, dtype=bool), 1.0, s[..., None, :]).prod(axis=-1)  # products without one value

@@ -25,7 +25,7 @@ class Motor:
     Parameters
     ----------
     real, dual : array_like, shape (..., 3)
-        M and its moment M' about the origin, [M'] = [M] length in kinematics.
+        M and its moment M' about the origin, [M'] = [M] length in kinematics; or both as one `Dual`.
 
     References
     ----------
@@ -45,7 +45,7 @@ class Motor:
     dual: np.ndarray
 
     def __init__(self, real: ArrayLike, dual: ArrayLike | None = None) -> None:
-        whole = Dual(np.asarray(real), 0.0 if dual is None else np.asarray(dual))
+        whole = real if dual is None else Dual(np.asarray(real), np.asarray(dual))
         a, b = dual_array(type(self).__name__, whole, 1)
         if a.shape[-1] != 3:
             raise ShapeError(f"{type(self).__name__}: parts of shape (..., 3) expected, got {a.shape}")

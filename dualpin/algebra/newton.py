@@ -142,6 +142,8 @@ def newton(
     >>> round(float(r.x.real), 12), round(float(r.x.dual), 12), r.converged
     (1.414213562373, 0.353553390593, True)
     """
+    if not callable(f):
+        raise ArgumentError(f"newton: a function of x expected first, got {type(f).__name__}")
     scalar = isinstance(x0, (int, float, complex)) or (isinstance(x0, Dual) and not x0.shape)
     start = [x0] if scalar else x0
     a, b = dual_array("newton: x0", start if isinstance(start, Dual) else [_dual(x) for x in start], 1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ArgumentError
-from .arguments import EPSILON, AssumptionError, SingularError, dual_array, where
+from .arguments import EPSILON, AssumptionError, SingularError, dual_array, finite, where
 
 
 def polyval(x: Any, c: Any) -> Dual:
@@ -71,6 +71,7 @@ def polyroots(c: Any) -> Dual:
     if np.any(lead == 0):
         at = where(lead[..., 0] == 0)
         raise SingularError(f"polyroots: the leading coefficient{at} has no real part: a root lies at infinity")
+    finite("polyroots: c", a)
     n = a.shape[-1] - 1
     companion = np.zeros((*a.shape[:-1], n, n), dtype=a.dtype)
     companion[..., np.arange(1, n), np.arange(n - 1)] = 1.0

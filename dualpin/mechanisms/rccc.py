@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import algebra
-from ..algebra.arguments import AssumptionError, dual_array
+from ..algebra.arguments import AssumptionError, dual_array, finite
 from ..algebra.displacements import stacked
 from ..algebra.newton import NewtonResult
 from ..dual import Dual, acos, atan2, cos, cos_sin, sin, sqrt, stack
@@ -75,6 +75,8 @@ class RCCC:
         a, b = dual_array("RCCC: alpha_hat", alpha_hat, 1)
         if a.shape != (4,):
             raise ShapeError(f"RCCC: four dual angles alpha + eps a expected, got shape {a.shape}")
+        finite("RCCC: alpha_hat", a)
+        finite("RCCC: alpha_hat, dual part", b)
         self.alpha = Dual(a, b)
         self._links = [Rotation.about(UX, Dual(float(x), float(y))) for x, y in zip(a, b, strict=True)]
 
@@ -129,6 +131,7 @@ class RCCC:
         t1 = _dual(theta1)
         if t1.shape:
             raise ShapeError(f"solve: one input angle expected, got shape {t1.shape}; sweep takes arrays")
+        finite("solve: theta1", np.asarray(t1.real))
         A, B, C = self.coefficients(t1)
         size = sqrt(A * A + B * B)
         if size.real < 1e-12:
@@ -327,12 +330,12 @@ VARIANTS: dict[str, Callable[[Dual, Dual, np.ndarray], Dual]] = {
 def _dual(x: Any) -> Dual:
     if isinstance(x, Dual):
         return x
-    y = np.asarray(x, dtype=float)
+    y, _ = dual_array("RCCC: theta", x)
     return Dual(y, np.zeros(y.shape)) if y.shape else Dual(float(y), 0.0)
 
 
 def _holds_duals(x: Any) -> bool:
-    return any(isinstance(i, Dual) for i in x)
+    return isinstance(x, (list, tuple)) and any(isinstance(i, Dual) for i in x)
 
 
 def _wrapped(t: Dual) -> Dual:

@@ -197,3 +197,18 @@ def test_ndarray_shape_errors_are_sentences():
         al.solve(np.eye(3), np.ones(2))
     with pytest.raises(dp.ArgumentError):
         al.inv(np.array([["a", "b"], ["c", "d"]]))
+
+
+@pytest.mark.parametrize("f", ["svd", "eig", "eigh", "eigvals", "pinv", "det"])
+def test_entries_that_are_not_finite_are_named(f):
+    A = np.eye(3)
+    A[1, 2] = np.nan
+    with pytest.raises(dp.ArgumentError, match=rf"{f}: A: finite entries expected, got nan at index \(1, 2\)"):
+        getattr(dp.algebra, f)(dp.Dual(A, np.ones((3, 3))))
+    with pytest.raises(dp.ArgumentError, match="polyroots: c: finite"):
+        dp.algebra.polyroots([1.0, np.inf, 1.0])
+
+
+def test_newton_wants_a_function():
+    with pytest.raises(dp.ArgumentError, match="a function of x expected"):
+        dp.algebra.newton(3.0, 1.0)

@@ -212,3 +212,10 @@ def test_arguments_of_wrong_shape():
         al.line([0, 0, 0], [0, 0, 0])
     with pytest.raises(dp.ShapeError):
         al.pitch([1, 2, 3, 4])
+
+
+def test_a_motor_is_made_of_a_dual_vector_too():
+    m = dp.algebra.Motor(dp.Dual([0.0, 1.0, 1.0], [0.0, 0.0, 1.0]))
+    assert m.real.tolist() == [0, 1, 1]
+    assert m.dual.tolist() == [0, 0, 1]
+    assert float(m.pitch) == 0.5

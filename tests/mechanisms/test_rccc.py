@@ -127,3 +127,16 @@ def test_dead_centres_and_impossible_positions():
         dp.mechanisms.RCCC([(0.3, 1.0), (0.2, 1.0), (0.0, 1.0), (1.5, 1.0)]).solve(0.4)
     with pytest.raises(dp.ArgumentError, match="C9"):
         LINKAGE.method_c(INPUT, variant="C9")
+
+
+@pytest.mark.parametrize("angle", ["a", None, np.nan])
+def test_input_angles_that_are_no_numbers_are_refused(angle):
+    linkage = dp.mechanisms.RCCC(dp.Dual([0.5, 1.0, 0.8, 1.0], [2.0, 4.0, 3.0, 5.0]))
+    with pytest.raises(dp.DualpinError, match="theta"):
+        linkage.solve(angle)
+
+
+@pytest.mark.parametrize("links", [None, 3.0, dp.Dual([np.nan, 1.0, 1.0, 1.0], 0.0)])
+def test_links_that_are_no_dual_angles_are_refused(links):
+    with pytest.raises(dp.DualpinError, match="alpha_hat"):
+        dp.mechanisms.RCCC(links)
