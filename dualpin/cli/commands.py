@@ -56,8 +56,9 @@ def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, jso
     )  # fmt: skip
 
 
-@app.command()
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
 def fk(
+    ctx: typer.Context,
     robot: RobotName,
     q: Annotated[
         str, typer.Option("--q", help="Configuration, numbers between commas or spaces; zero by default.")
@@ -73,7 +74,8 @@ def fk(
     from ..io.urdf import load
 
     r = load(robot, floating, mimic)
-    x = parsed(q, r.nq, "--q") if q else r.neutral
+    words = " ".join([q, *_numbers_after(ctx, q)])
+    x = parsed(words, r.nq, "--q") if q else r.neutral
     name = frame or r.frame_names[-1]
     pose = forward(r, x, frame=name, as_="dual_quaternion" if dual_quaternion else "matrix", engine="numpy")
     if json:
@@ -82,6 +84,14 @@ def fk(
     print(f"{name} in the world:", file=sys.stderr)
     for row in np.atleast_2d(pose):
         print("  ".join(f"{value: .16g}".rjust(23) for value in row))
+
+
+def _numbers_after(ctx: typer.Context, q: str) -> list[str]:
+    """The words after `--q 0.1`, as in `--q 0.1 -0.2 0.3`; anything that is no number there is refused."""
+    for word in ctx.args:
+        if not q or not re.fullmatch(r"[-+]?[\d.,][-+.,\de]*", word, re.IGNORECASE):
+            raise ArgumentError(f"fk: {word!r} is not an option or a number of --q; see `dualpin fk --help`")
+    return ctx.args
 
 
 def parsed(text: str, n: int, what: str) -> np.ndarray:

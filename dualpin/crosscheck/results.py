@@ -148,6 +148,7 @@ class Report:
         writers = {"json": self.to_json, "md": self.to_markdown, "html": self.to_html}
         folder = Path(folder)
         paths = []
+        formats = [formats] if isinstance(formats, str) else list(formats)
         for form in formats:
             if form not in writers:
                 raise ArgumentError(f"report format {form!r} is not known; {nearest(form, writers, 'formats')}")

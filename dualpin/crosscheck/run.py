@@ -154,6 +154,7 @@ def pinocchio_version() -> str:
 def chosen(terms: Iterable[str] | None) -> list[Check]:
     if terms is None:
         return list(CHECKS.values())
+    terms = [terms] if isinstance(terms, str) else list(terms)
     for term in terms:
         if term not in CHECKS:
             raise ArgumentError(f"validate: term {term!r} is not known; {nearest(term, CHECKS, 'terms', most=99)}")

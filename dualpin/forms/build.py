@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -108,7 +108,9 @@ def from_dh(
 def _values(rows: Any) -> list[list[float]]:
     if isinstance(rows, (list, tuple)) and rows and all(isinstance(r, DHStep) for r in rows):
         return [[r.theta, r.d, r.a, r.alpha] for r in rows]
-    x = numbers("from_dh: rows", rows if isinstance(rows, np.ndarray) else list(rows))
+    x = numbers(
+        "from_dh: rows", rows if not isinstance(rows, Iterable) or isinstance(rows, (str, np.ndarray)) else list(rows)
+    )
     if x.ndim != 2 or x.shape[1] != 4:
         raise ShapeError(f"from_dh: rows of shape (n, 4) expected, theta, d, a, alpha each; got {x.shape}")
     wrong = np.argwhere(~np.isfinite(x))
@@ -121,6 +123,8 @@ def _values(rows: Any) -> list[list[float]]:
 
 
 def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
+    if not isinstance(joints, Iterable | None):
+        raise ArgumentError(f"from_dh: joints: letters of R P C H F expected, one a row, got {joints!r}")
     entries = ["R"] * n if joints is None else list(joints)
     if len(entries) != n:
         raise ArgumentError(
@@ -128,8 +132,8 @@ def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
         )
     kinds = []
     for i, entry in enumerate(entries):
-        letter, pitch = entry if isinstance(entry, tuple) and len(entry) == 2 else (entry, None)
-        letter = letter.upper() if isinstance(letter, str) else letter
+        letter, pitch = entry if isinstance(entry, (tuple, list)) and len(entry) == 2 else (entry, None)
+        letter = letter.upper() if isinstance(letter, str) else ""
         if letter not in KINDS:
             known = ", ".join(f"{k} ({v})" for k, v in KINDS.items())
             raise ArgumentError(f"from_dh: joint {i + 1} is {entry!r}; one of {known} expected")

@@ -147,6 +147,13 @@ class DHEnd:
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         return self.matrix.astype(dtype or float)
 
+    def __getitem__(self, index: Any) -> Any:
+        """Entries of the homogeneous matrix."""
+        return self.matrix[index]
+
+    def __matmul__(self, other: Any) -> np.ndarray:
+        return self.matrix @ np.asarray(other)
+
 
 @dataclass(frozen=True)
 class DHRow(DHStep):

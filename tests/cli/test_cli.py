@@ -117,3 +117,15 @@ def test_dh_and_screws_print_every_digit_or_as_many_as_asked():
     assert "0.316" in json.dumps(rows)
     assert run("screws", "ur5", "--tip", "tool0", "--digits", "6").returncode == 0
     assert "leaves" in run("dh", "panda").stderr
+
+
+def test_the_numbers_of_q_may_stand_apart():
+    words = ["0", "-0.1", "-.2", "1e-3", "0", "0.5"]
+    apart, joined = run("fk", "ur5", "--q", *words, "--json"), run("fk", "ur5", "--q", ",".join(words), "--json")
+    assert apart.returncode == 0, apart.stderr
+    assert apart.stdout == joined.stdout
+    for wrong in (["--q", "0", "x"], ["--frme", "tool0"], ["0", "0"], ["--q", *words, "--frme", "tool0"]):
+        done = run("fk", "ur5", *wrong)
+        assert done.returncode == 2
+        assert "--q" in done.stderr
+        assert not done.stdout

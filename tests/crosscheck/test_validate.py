@@ -159,3 +159,9 @@ def test_every_entry_of_every_term_has_a_name(name, floating):
         shape = (robot.nv,) if term == "difference" else TERMS[term].shape(robot, **options)
         names = [locate(robot, term, entry, options) for entry in range(int(np.prod(shape, dtype=int)))]
         assert len(set(names)) == len(names)
+
+
+def test_one_term_and_one_format_need_no_list(tmp_path):
+    report = dp.validate("double_pendulum", samples=2, terms="crba", engine="numpy")
+    assert list(report.terms) == ["crba"]
+    assert [p.name for p in report.write(tmp_path, formats="json")] == ["report.json"]

@@ -160,3 +160,17 @@ def test_a_helical_joint_is_refused_where_no_format_has_it() -> None:
         arm.to_urdf()
     with pytest.raises(ArgumentError, match="Robotics Toolbox has not"):
         dp.to_dh(arm).export("python")
+
+
+@pytest.mark.parametrize(
+    ("rows", "joints"), [(None, "R"), (5, "R"), ("abc", "R"), ([(0, 0, 1, 0)], 5), ([(0, 0, 1, 0)], [["H"]])]
+)
+def test_rows_and_joints_of_other_types(rows, joints):
+    with pytest.raises(DualpinError, match=r"from_dh: (rows|joint)"):
+        dp.from_dh(rows, joints=joints)
+
+
+def test_a_helical_joint_may_be_a_list():
+    rows = [(0.1, 0.2, 0.3, 0.4)]
+    one, other = (dp.from_dh(rows, joints=[j]) for j in (("H", 0.05), ["H", 0.05]))
+    assert np.array_equal(dp.fk(one, [0.7]), dp.fk(other, [0.7]))

@@ -147,3 +147,10 @@ def test_the_urdfs_of_the_papers_robots_pass_validation() -> None:
 
     for path in sorted((Path(__file__).parents[2] / "urdf").glob("p*/*.urdf")):
         assert dp.validate(str(path), samples=20, seed=0, engine="numpy").passed, path.stem
+
+
+def test_base_and_tool_of_a_table_are_matrices():
+    table = dp.to_dh(dp.load("panda"), tip="panda_hand")
+    assert table.tool[:3, 3].shape == (3,)
+    assert table.tool[2, 3] == np.asarray(table.tool)[2, 3]
+    assert (table.base @ table.tool).shape == (4, 4)
