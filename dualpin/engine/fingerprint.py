@@ -17,7 +17,9 @@ from ..terms import Options, Term
 from .host import Host, binding
 
 # what decides the numbers a kernel computes, or how it is called
-_SOURCES = ("algorithms", "engine", "model", "spatial", "dual.py", "scalars.py", "terms.py")
+_SOURCES = (
+    "algorithms", "engine", "model", "spatial", "dual.py", "parts.py", "scalars.py", "terms.py", "ufuncs.py",
+)  # fmt: skip
 
 
 @cache
