@@ -23,7 +23,7 @@ from . import tolerance
 from .arbiter import arbitrate as _fifty_digits
 from .oracles.pinocchio import Pinocchio, build
 from .results import Refusal, Report, RobotResult, TermResult, versions
-from .sampling import batches, frames, states
+from .sampling import batches, frames, planar_angles, states
 from .where import locate
 
 LAST_DIGITS = 1e-13
@@ -265,6 +265,8 @@ def _gather(
         error = difference.max(axis=1, initial=0.0) / scale
         error = np.where(np.isfinite(error), error, np.inf)
         bound = tolerance.recursion(robot, n)
+        if check.term == "difference":
+            bound = tolerance.logarithm(robot, ours[:, planar_angles(robot)])
         if check.solves:
             bound, hopeless = _solved(check.term, robot, batch, theirs, engine)
             error = np.where(hopeless, np.nan, error)

@@ -11,6 +11,7 @@ from ..functions import integrate, rnea
 from ..model.robot import Frame, Robot
 
 STEP = 0.3  # of the tangent step between the two configurations of `difference`: far from any cut
+LEAST_TURN = 0.5  # of STEP: turns of planar joints are no smaller, see `tolerance.logarithm`
 
 
 def states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
@@ -22,12 +23,20 @@ def states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
     rng = np.random.default_rng([seed, 1])
     stuck = (robot.lower >= robot.upper) & np.isfinite(robot.lower)
     q[:, stuck] = rng.uniform(-pi, pi, (n, robot.nq))[:, stuck]
+    step = v / (1 + np.abs(v))
+    for i in planar_angles(robot):
+        step[:, i] = np.where(step[:, i] < 0, -1.0, 1.0) * (LEAST_TURN + (1 - LEAST_TURN) * np.abs(step[:, i]))
     f_ext = rng.uniform(-10, 10, (n, len(robot), 6))
     return {
         "q": q, "v": v, "a": a, "f_ext": f_ext,
         "tau": rnea(robot, q, v, a, engine="numpy"),
-        "q1": integrate(robot, q, STEP * v / (1 + np.abs(v)), engine="numpy"),
+        "q1": integrate(robot, q, STEP * step, engine="numpy"),
     }  # fmt: skip
+
+
+def planar_angles(robot: Robot) -> list[int]:
+    """Where in v the turning rates of planar joints stand."""
+    return [j.v.stop - 1 for j in robot if j.kind == "planar"]
 
 
 def frames(robot: Robot, seed: int, most: int = 3) -> list[Frame]:

@@ -43,6 +43,20 @@ def recursion(robot: Robot, n: int) -> Tolerance:
     )
 
 
+def logarithm(robot: Robot, turn: np.ndarray) -> Tolerance:
+    """Of differences of configurations: the recursion's, and what cancels at planar joints.
+
+    Pinocchio multiplies their translations by t sin t / (2 (1 - cos t)) for a turn t: the two roundings
+    of cos t from products of (cos, sin) pairs are 4 eps / t^2 of 1 - cos t (50 digits show it).
+    `turn` holds the planar joints' turns, shape (n, joints).
+    """
+    plain = recursion(robot, len(turn))
+    if not turn.shape[1]:
+        return plain
+    lost = 4 * EPS / np.square(turn).min(axis=1)
+    return Tolerance(plain.value + lost, plain.reason + ", + 4 eps / (planar turn)^2 of Pinocchio's 1 - cos")
+
+
 def inverse(robot: Robot, M: np.ndarray) -> Tolerance:
     """Of M^-1: the recursion's error of M, times its condition number.
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import mpmath
 import numpy as np
 import pytest
 from random_robots import random_urdf
@@ -165,3 +166,29 @@ def test_one_term_and_one_format_need_no_list(tmp_path):
     report = dp.validate("double_pendulum", samples=2, terms="crba", engine="numpy")
     assert list(report.terms) == ["crba"]
     assert [p.name for p in report.write(tmp_path, formats="json")] == ["report.json"]
+
+
+PLANAR = """<robot name="planar"><link name="a"/><link name="b"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_planar_joints_pass_where_pinocchio_loses_digits(tmp_path):
+    (tmp_path / "planar.urdf").write_text(PLANAR)
+    robot = dp.load(tmp_path / "planar.urdf")
+    for seed in range(10):
+        assert dp.validate(robot, samples=50, seed=seed, terms=["difference"], engine="numpy").passed
+
+
+@pytest.mark.parametrize("turn", [1e-6, 1e-3, 0.03, 0.3, 3.0])
+def test_differences_of_planar_joints_keep_all_digits(tmp_path, turn):
+    (tmp_path / "planar.urdf").write_text(PLANAR)
+    q0, q1 = np.array([0.3, -0.2, 0.7]), np.array([0.5, 0.4, 0.7 + turn])
+    with mpmath.workdps(40):
+        t = mpmath.mpf(q1[2]) - mpmath.mpf(q0[2])
+        c, s = mpmath.cos(q0[2]), mpmath.sin(q0[2])
+        dx, dy = (mpmath.mpf(q1[i]) - mpmath.mpf(q0[i]) for i in (0, 1))
+        x, y, a = c * dx + s * dy, c * dy - s * dx, t / 2 * mpmath.cot(t / 2)
+        expected = [float(a * x + t / 2 * y), float(a * y - t / 2 * x), float(t)]
+    ours = dp.difference(dp.load(tmp_path / "planar.urdf"), q0, q1)
+    assert np.abs(ours - expected).max() < 1e-15
