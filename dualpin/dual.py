@@ -161,6 +161,10 @@ class Dual(Parts):
         real, dual = self.real == c, self.dual == d
         return real & dual if isinstance(real, np.ndarray) or isinstance(dual, np.ndarray) else bool(real and dual)
 
+    def __ne__(self, b: object) -> Any:
+        same = self.__eq__(b)
+        return same if same is NotImplemented else np.logical_not(same) if isinstance(same, np.ndarray) else not same
+
     def __hash__(self) -> int:
         return hash(self.real) if self.dual == 0 else hash((self.real, self.dual))
 
@@ -264,9 +268,19 @@ class Function:
     def _value(self, x: Dual) -> Scalar:
         """f(a), with the domain error of real numbers made a sentence."""
         try:
-            return self(x.real)
+            if type(x.real) is not np.ndarray or x.real.dtype.kind != "f":
+                return self(x.real)
+            with np.errstate(invalid="ignore"):
+                value = self(x.real)
         except ValueError as e:
             raise ArgumentError(f"{self.name} of {x}: no real value there ({e}); complex parts have one") from None
+        wrong = np.isnan(value) & ~np.isnan(x.real)
+        if np.any(wrong):
+            at = tuple(int(i) for i in np.argwhere(wrong)[0])
+            raise ArgumentError(
+                f"{self.name} of {x.real[at]} at index {at}: no real value there; complex parts have one"
+            )
+        return value
 
 
 def _square(x: Scalar) -> Scalar:
@@ -293,6 +307,7 @@ def power(x: Scalar, n: Scalar) -> Scalar:
     An integer n asks for nothing but a product; a negative one for a real part; a fractional one for a
     positive real part (0 is allowed where the derivative is finite, n > 1).
     """
+    n = np.asarray(n) if isinstance(n, (list, tuple)) else n
     if type(n) is Dual:
         a = x.real if type(x) is Dual else x
         value = _real_power(a, n.real, x)
@@ -306,13 +321,16 @@ def power(x: Scalar, n: Scalar) -> Scalar:
         return x * 0 + 1
     if not isinstance(n, np.ndarray) and n == 1:
         return x
-    return Dual(_real_power(x.real, n, x), n * _real_power(x.real, n - 1, x) * x.dual)
+    less = np.where(n == 0, 0, n - 1) if isinstance(n, np.ndarray) else n - 1  # 0 a^0, not 0 a^-1
+    return Dual(_real_power(x.real, n, x), n * _real_power(x.real, less, x) * x.dual)
 
 
 def _real_power(a: Scalar, n: Scalar, x: Scalar) -> Scalar:
     """a^n, refused at a = 0 with n < 0, and for a < 0 with a fractional n."""
     if type(a) is Exact:
         return exact(a.n**n)
+    if isinstance(a, np.integer):
+        a = float(a)
     known = all(isinstance(v, (float, int, np.ndarray)) and np.asarray(v).dtype != object for v in (a, n))
     if known:
         raise_where((np.asarray(a) == 0) & (np.asarray(n) < 0), f"power of {x}: infinite at 0")

@@ -11,7 +11,7 @@ import numpy as np
 from .errors import ArgumentError, ShapeError
 from .scalars import Exact, Scalar
 
-SEQUENCES = {list, tuple, int, np.ndarray}
+SEQUENCES = {list, tuple, int, np.ndarray, str, type(None)}
 """Types of parts that are looked at when a dual number is made; all others are taken as they are."""
 
 
@@ -20,6 +20,9 @@ FLOAT64 = np.dtype(float)
 
 def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     """Lists become arrays, parts of different shapes are broadcast; exact constants stay exact."""
+    for x in (real, dual):
+        if x is None or isinstance(x, str):
+            raise ArgumentError(f"Dual: a number, a symbol or an array of them expected, got {x!r}")
     alike = type(real) is type(dual) is np.ndarray and real.shape == dual.shape
     if alike and (real.dtype is dual.dtype is FLOAT64 or (_floating(real) and _floating(dual))):
         return real, dual

@@ -342,3 +342,31 @@ def test_closeness_compares_both_parts():
     assert np.isclose(x, Dual([1.0, 2.0], [3.0, 5.0])).tolist() == [True, False]
     assert np.round(Dual(1.26, 2.34), 1) == Dual(1.3, 2.3)
     assert np.fabs(Dual(-1.0, 2.0)) == Dual(1.0, -2.0)
+
+
+@pytest.mark.parametrize("f", [np.sqrt, np.log, np.arcsin])
+def test_real_domains_are_said_of_arrays_too(f):
+    with pytest.raises(dp.ArgumentError, match=r"at index \(1,\): no real value"):
+        f(Dual([0.5, -2.0], 1.0))
+    assert np.isnan(f(Dual([np.nan, 0.5], 1.0)).real[0])
+
+
+def test_unequal_entries():
+    x = Dual([1.0, 2.0], [3.0, 4.0])
+    assert (x != Dual([1.0, 2.0], [3.0, 5.0])).tolist() == [False, True]
+    assert Dual(1.0, 2.0) != Dual(1.0, 3.0)
+    assert Dual(1.0, 2.0) == Dual(1.0, 2.0)
+
+
+def test_powers_of_every_kind_of_exponent():
+    x = Dual([0.0, 2.0, -3.0], [1.0, 5.0, 7.0])
+    for n in ([0, 2, 3], np.array([0, 2, 3])):
+        assert (x**n).real.tolist() == [1, 4, -27]
+        assert (x**n).dual.tolist() == [0, 20, 189]
+    assert Dual(np.int64(2), np.int64(3)) ** -1 == Dual(0.5, -0.75)
+
+
+@pytest.mark.parametrize("parts", [("1", 2.0), (None, 1.0), (1.0, "x"), (1.0, None)])
+def test_parts_are_numbers(parts):
+    with pytest.raises(dp.ArgumentError, match="number"):
+        Dual(*parts)
