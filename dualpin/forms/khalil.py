@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +25,7 @@ from .align import Rules, Step, step
 from .build import model, placed
 from .chain import Axis, axes_of, homes, leaves, root, whole_q
 from .dh import NONE, ahead, numeric, remaining
+from .text import write
 
 
 @dataclass(frozen=True)
@@ -191,11 +191,11 @@ class KhalilTable:
 
     def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("csv")` to a file."""
-        Path(path).write_text(self.export("csv", **options), encoding="utf-8")
+        write(path, self.export("csv", **options))
 
     def to_latex(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("latex")` to a file."""
-        Path(path).write_text(self.export("latex", **options), encoding="utf-8")
+        write(path, self.export("latex", **options))
 
 
 class _Tree:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
 from ..spatial.vector import NOUGHT, Vector3, motor
 from .chain import Chain, chain, leaves, whole_q
+from .text import write
 
 FRAMES = ("space", "body")
 
@@ -227,11 +227,11 @@ class Screws:
 
     def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("csv")` to a file."""
-        Path(path).write_text(self.export("csv", **options), encoding="utf-8")
+        write(path, self.export("csv", **options))
 
     def to_json(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("json")` to a file."""
-        Path(path).write_text(self.export("json", **options), encoding="utf-8")
+        write(path, self.export("json", **options))
 
 
 def _home_of(links: Chain, joint: Joint | None) -> Pose:

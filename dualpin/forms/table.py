@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from ..model.robot import Robot
 from ..scalars import Scalar
 from ..spatial.pose import GROUND, Pose
 from .chain import Chain, whole_q
+from .text import write
 
 CONVENTIONS = ("standard", "modified")
 
@@ -343,7 +343,7 @@ class DHTable:
         return dh_text(self, format, degrees, digits)
 
     def _write(self, path: str | PathLike[str], format: str, **options: Any) -> None:
-        Path(path).write_text(self.export(format, **options), encoding="utf-8")
+        write(path, self.export(format, **options))
 
     def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("csv")` to a file; options as in `export`."""

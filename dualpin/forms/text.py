@@ -7,11 +7,22 @@ import io
 import json
 from collections.abc import Sequence
 from math import pi
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from ..errors import ArgumentError
 
 Rows = Sequence[Sequence[str]]
+
+
+def write(path: str | PathLike[str], text: str) -> None:
+    """A file of this text, or an error that names it."""
+    try:
+        Path(path).write_text(text, encoding="utf-8")
+    except (OSError, TypeError) as e:
+        reason = (isinstance(e, OSError) and e.strerror) or e
+        raise ArgumentError(f"export: {path} cannot be written ({reason})") from None
 
 
 def number(x: float, digits: int | None = None) -> str:

@@ -174,3 +174,11 @@ def test_a_helical_joint_may_be_a_list():
     rows = [(0.1, 0.2, 0.3, 0.4)]
     one, other = (dp.from_dh(rows, joints=[j]) for j in (("H", 0.05), ["H", 0.05]))
     assert np.array_equal(dp.fk(one, [0.7]), dp.fk(other, [0.7]))
+
+
+@pytest.mark.parametrize("path", ["no_such_folder/table.csv", None])
+def test_files_that_cannot_be_written_are_named(tmp_path, path):
+    robot = dp.from_dh([(0, 0, 1, 0), (0, 0, 1, 0.5)], joints="RR")
+    for form in (dp.to_dh(robot), dp.to_screws(robot, tip="tool")):
+        with pytest.raises(ArgumentError, match="cannot be written"):
+            form.to_csv(path if path is None else tmp_path / path)
