@@ -97,12 +97,12 @@ class Report:
 
     @property
     def passed(self) -> bool:
-        """Whether every robot passed, no file was refused by dualpin alone, and nothing is missing."""
+        """Whether there are robots, all passed, no file was refused by dualpin alone, and nothing is missing."""
         return (
             not self.partial
             and all(r.passed for r in self.robots)
             and all(r.by_pinocchio for r in self.refused)
-            and bool(self.robots or self.refused)
+            and bool(self.robots)
         )
 
     @property

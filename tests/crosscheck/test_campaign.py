@@ -88,3 +88,9 @@ def test_every_robot_agrees_with_pinocchio():
     report = campaign(all_cases(), samples=20, seed=1, jobs=2)
     assert report.passed, [r.label for r in report.robots if not r.passed]
     assert len(report.robots) >= 150
+
+
+def test_where_nothing_could_be_read_nothing_passed():
+    report = campaign([Case("ur3")], **FEW)
+    assert report.refused
+    assert not report.passed
