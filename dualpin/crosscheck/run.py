@@ -15,7 +15,7 @@ import numpy as np
 from ..algorithms.kinematics import References
 from ..boundary import call
 from ..errors import ArgumentError, DualpinError, DualpinWarning, nearest
-from ..functions import aba, bias, crba
+from ..functions import aba, bias, crba, fk
 from ..io.urdf import load
 from ..model.robot import Robot
 from ..terms import TERMS
@@ -267,6 +267,9 @@ def _gather(
         bound = tolerance.recursion(robot, n)
         if check.term == "difference":
             bound = tolerance.logarithm(robot, ours[:, planar_angles(robot)])
+        if check.term == "potential_energy":
+            positions = fk(robot, batch["q"], engine=engine)[..., :3, 3]
+            bound = tolerance.weighing(robot, positions, theirs)
         if check.solves:
             bound, hopeless = _solved(check.term, robot, batch, theirs, engine)
             error = np.where(hopeless, np.nan, error)

@@ -57,6 +57,21 @@ def logarithm(robot: Robot, turn: np.ndarray) -> Tolerance:
     return Tolerance(plain.value + lost, plain.reason + ", + 4 eps / (planar turn)^2 of Pinocchio's 1 - cos")
 
 
+def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Tolerance:
+    """Of a sum of weights times heights that may cancel: the recursion's, of sum |m| |g| |p| instead of the sum.
+
+    positions: (n, njoints, 3) of the bodies' frames.
+    """
+    g = float(np.linalg.norm([float(x) for x in robot.gravity]))
+    mass = np.array([float(b.inertia.mass) for b in robot])
+    moment = np.array([np.linalg.norm([float(x) for x in b.inertia.moment]) for b in robot])
+    weights = g * (np.linalg.norm(positions, axis=-1) @ mass + moment.sum())
+    cancelled = np.maximum(1.0, weights / np.maximum(1.0, np.abs(energy)))
+    value = np.minimum(CEILING, recursion(robot, len(energy)).value * cancelled)
+    reason = "the recursion's x sum |m g p| / |sum m g p|, since heights of both signs cancel"
+    return Tolerance(value, f"{reason}, at most {CEILING:g}")
+
+
 def inverse(robot: Robot, M: np.ndarray) -> Tolerance:
     """Of M^-1: the recursion's error of M, times its condition number.
 

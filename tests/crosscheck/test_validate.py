@@ -192,3 +192,9 @@ def test_differences_of_planar_joints_keep_all_digits(tmp_path, turn):
         expected = [float(a * x + t / 2 * y), float(a * y - t / 2 * x), float(t)]
     ours = dp.difference(dp.load(tmp_path / "planar.urdf"), q0, q1)
     assert np.abs(ours - expected).max() < 1e-15
+
+
+def test_a_potential_energy_that_cancels_is_not_called_wrong():
+    report = dp.validate("falcon_bravo7_no_ee", samples=500, floating=True, terms=["potential_energy"], engine="numpy")
+    assert report.passed
+    assert report.terms["potential_energy"].tolerance <= tolerance.CEILING
