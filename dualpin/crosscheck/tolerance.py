@@ -16,9 +16,10 @@ from ..model.robot import Robot
 
 EPS = float(np.finfo(float).eps)
 CEILING = 1e-12  # of terms without a linear solve
-PER_BODY = 32
+PER_BODY = 64
 """Roundings of one step of a recursion, out and back: each way a 3x3 product of three terms a row
-and a cross product, 8 roundings deep, in both libraries."""
+and a cross product, 8 roundings deep, in both libraries; and twice that, since what cancels may be
+larger than what is left (velocities reach 2 pi, positions the length of the robot)."""
 
 
 @dataclass(frozen=True)
