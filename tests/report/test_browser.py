@@ -183,9 +183,15 @@ def test_a_point_says_what_it_is(browser, whole):
     opened(browser, whole)
     point = browser.find_element("css selector", ".lines circle")
     browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", point)
-    webdriver.ActionChains(browser).move_to_element(point).perform()
     tip = browser.find_element("id", "tip")
-    assert tip.is_displayed()
+
+    def shown(_):
+        # again and again: on a busy machine the pointer may arrive before the page has scrolled
+        webdriver.ActionChains(browser).move_by_offset(1, 1).move_to_element(point).perform()
+        return tip.is_displayed()
+
+    support = pytest.importorskip("selenium.webdriver.support.ui")
+    support.WebDriverWait(browser, 20).until(shown)
     assert "us a sample" in tip.text
 
 
