@@ -19,7 +19,9 @@ CEILING = 1e-12  # of terms without a linear solve
 PER_BODY = 64
 """Roundings of one step of a recursion, out and back: each way a 3x3 product of three terms a row
 and a cross product, 8 roundings deep, in both libraries; and twice that, since what cancels may be
-larger than what is left (velocities reach 2 pi, positions the length of the robot)."""
+larger than what is left (velocities reach 2 pi, positions the length of the robot).  So it is for
+the local Jacobian of a floating body, whose rate is zero: 50 digits and dualpin say 0, Pinocchio
+leaves 1.5e-14 (bluevolta, 5000 samples, seed 11)."""
 
 
 @dataclass(frozen=True)
