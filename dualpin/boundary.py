@@ -26,7 +26,7 @@ def compute(
 ) -> np.ndarray:
     """What the public functions do: the robot's own callable for the term where there is one, else `call`.
 
-    The first single configuration makes that callable; `options` are still as the user gave them.
+    The first call makes that callable; `options` are still as the user gave them.
     """
     if engine == "auto":
         try:
@@ -39,9 +39,10 @@ def compute(
     if engine == "auto" and robot.numbers != "double":
         engine = "numpy"  # constants of more digits are no machine numbers: they run uncompiled
     settled = settle(robot, options)
-    q = arrays[0]
-    if engine == "auto" and isinstance(q, np.ndarray) and q.ndim == 1:
-        found = robot.kernel(name, **settled)
+    if engine == "auto":
+        from .engine.bind import bind
+
+        found = bind(robot, name, **settled)
         with contextlib.suppress(TypeError):  # options that are no keys: settled every time
             robot._ready[(name, *options.values()) if options else name] = found
         return found(*arrays, out)

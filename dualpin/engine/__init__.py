@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import functools
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import ArgumentError, DualpinError, DualpinWarning, nearest
 from ..model.robot import Robot
-from ..terms import TERMS, Options, Term, input_shape
+from ..terms import Options, Term
 from . import reference
 
 if TYPE_CHECKING:
@@ -44,7 +44,10 @@ def run(
     """
     if engine not in ENGINES:
         raise ArgumentError(f"engine {engine!r} is not known; {nearest(engine, ENGINES, 'engines')}")
-    kernel = None if engine == "numpy" else find(robot, term, options, dtype, required=engine == "compiled")
+    kernel = None
+    if engine != "numpy":
+        single = len(inputs[0]) == 1
+        kernel = find(robot, term, options, dtype, required=engine == "compiled", single=single)
     if kernel is not None:
         return kernel.rows(inputs, out).reshape((len(inputs[0]), *kernel.shape))
     result = reference.run(robot, term, options, inputs).astype(dtype, copy=False)
@@ -61,8 +64,7 @@ def find(
 
     With `required` the reason is raised instead; `single` asks for the one made for one configuration.
     """
-    kernels = robot.__dict__.setdefault("_kernels", {})
-    key = (term.name, np.dtype(dtype).char, single, *sorted(options.items()))
+    kernels, key = robot.__dict__.setdefault("_kernels", {}), _key(term, options, dtype, single)
     found = kernels.get(key)
     if found is None:
         from .host import CompilerError
@@ -82,6 +84,16 @@ def find(
     return found
 
 
+def known(robot: Robot, term: Term, options: Options, dtype: Any, *, single: bool) -> Kernel | None:
+    """The kernel, if there was reason to compile it yet."""
+    found = robot.__dict__.get("_kernels", {}).get(_key(term, options, dtype, single))
+    return None if isinstance(found, DualpinError) else found
+
+
+def _key(term: Term, options: Options, dtype: Any, single: bool) -> tuple:
+    return (term.name, np.dtype(dtype).char, single, *sorted(options.items()))
+
+
 @functools.cache
 def _announce(reason: str) -> None:
     warnings.warn(
@@ -91,52 +103,4 @@ def _announce(reason: str) -> None:
     )
 
 
-def bind(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
-    """What `Robot.kernel` returns."""
-    if name not in TERMS:
-        raise ArgumentError(f"kernel {name!r} is not known; {nearest(name, TERMS, 'terms')}")
-    kind = np.dtype(dtype)
-    if kind not in (np.dtype(np.float64), np.dtype(np.float32)):
-        raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
-    known = robot.__dict__.setdefault("_bound", {})
-    key = (name, kind.char, *sorted(options.items()))
-    found = known.get(key)
-    if found is None:
-        found = known[key] = _bind(robot, TERMS[name], kind, options)
-    return found
-
-
-def _bind(robot: Robot, term: Term, dtype: np.dtype, options: dict[str, Any]) -> Callable[..., np.ndarray]:
-    from dataclasses import replace
-
-    from ..boundary import call
-    from . import entry
-
-    one_q = term.inputs[0] == "q" and "q1" not in term.inputs
-    code = find(robot, term, options, dtype, single=True) if one_q and entry.supported() else None
-    # the callable must outlive the robot without holding it: the robot holds the callable
-    twin = replace(robot)
-    twin.__dict__["_kernels"] = robot.__dict__.setdefault("_kernels", {})
-
-    def anything(*arrays: Any, out: np.ndarray | None = None) -> np.ndarray:
-        if len(arrays) == len(term.inputs) + 1 and out is None:
-            *arrays, out = arrays  # type: ignore[assignment]
-        if len(arrays) != len(term.inputs):
-            raise ArgumentError(
-                f"{term.name}: {len(term.inputs)} arrays ({', '.join(term.inputs)}) expected, got {len(arrays)}"
-            )
-        named = dict(zip(term.inputs, arrays, strict=True))
-        return call(twin, term.name, named, out=out, dtype=dtype, **options)
-
-    doc = f"{term.name}({', '.join(term.inputs)}, out=None) of {robot.name}"
-    anything.__name__, anything.__doc__ = term.name, doc
-    if code is None or code.width == 0:
-        return anything
-    shapes = [input_shape(robot, x) for x in term.inputs] + [code.shape]
-    if len(shapes) > 6 or max(map(len, shapes)) > 4:
-        return anything
-    quaternions = [j.q.start + 3 for j in robot if j.kind == "floating"]
-    return entry.bound(code, term.name, shapes, quaternions, anything, doc)
-
-
-__all__ = ["ENGINES", "bind", "find", "run"]
+__all__ = ["ENGINES", "find", "known", "run"]

@@ -1,9 +1,10 @@
-"""The way into a kernel for one configuration: a Python function written in LLVM IR.
+"""The way into kernels: a Python function written in LLVM IR.
 
-For a robot of a few joints the kernel takes less time than any Python code around it.  So the
-function that Python calls is emitted too: one for all kernels, told about its own by a `Spec` in the
-capsule that is its `self`.  It takes exactly what is certain - float64 (or float32) arrays, C-contiguous,
-of the right shape - and leaves everything else to a Python function that converts or explains.
+For a robot of a few joints the kernel takes less time than any Python code around it, for one
+configuration and for thousands.  So the function that Python calls is emitted too: one for all
+kernels, told about its own by a `Spec` in the capsule that is its `self`.  It takes exactly what is
+certain - float64 (or float32) arrays, C-contiguous, of the right shape or with one batch axis before it -
+and leaves everything else to a Python function that converts, allocates, spreads over threads or explains.
 
 Only the stable ABI of CPython 3.11 and later is used: no structure of NumPy's or Python's is looked
 into.  All that may run Python code (attribute look-up, allocation) comes before the first buffer is held.
@@ -14,29 +15,46 @@ from __future__ import annotations
 import ctypes
 import platform
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from . import threads
 from .host import binding, this_host
 from .kernel import Kernel, loaded, object_code
 
 STACK = 48 * 1024
 """Bytes of scratch taken from the stack; more comes from the heap."""
-_MOST = 6  # arrays a call can have
+_MOST, _AXES = 6, 4  # arrays a call can have, and axes one of them for one sample
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
 _READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
+
+
+class Code(ctypes.Structure):
+    """The two kernels of a term, for one sample and for many; an address is 0 until it is compiled."""
+
+    _fields_ = [("address", ctypes.c_void_p * 2), ("scratch", ctypes.c_int64 * 2), ("most", ctypes.c_int64)]
+    one: Kernel | None = None
+    many: Kernel | None = None
+
+    def adopt(self, kernel: Kernel, many: bool) -> None:
+        """From now on the entry calls this kernel by itself."""
+        if many:
+            self.many, self.most = kernel, int(2 * threads.WORTH / kernel.seconds)
+        else:
+            self.one = kernel
+        self.scratch[many] = kernel.scratch
+        self.address[many] = kernel.address  # last: it says that the rest is there
 
 
 class Spec(ctypes.Structure):
     """What the entry must know; each field takes eight bytes."""
 
     _fields_ = [
-        ("kernel", ctypes.c_void_p),
+        ("code", ctypes.c_void_p),
         ("inputs", ctypes.c_int64),
-        ("scratch", ctypes.c_int64),
         ("dtype", ctypes.py_object),
         ("dtype_name", ctypes.py_object),
         ("allocate", ctypes.py_object),
@@ -49,6 +67,8 @@ class Spec(ctypes.Structure):
         ("shapes", ctypes.c_void_p),
         ("strides", ctypes.c_void_p),
         ("single", ctypes.c_int64),
+        ("alone", ctypes.c_int64),
+        ("threads", ctypes.c_void_p),
     ]
 
 
@@ -58,19 +78,24 @@ class _Method(ctypes.Structure):
     ]  # fmt: skip
 
 
-def supported() -> bool:
-    """Whether this Python has the stable ABI the entry relies on."""
+def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
+    """Whether this Python has the stable ABI the entry relies on, and the tables room for these arrays."""
     return (
         platform.python_implementation() == "CPython"
         and sys.version_info >= (3, 11)
         and ctypes.sizeof(ctypes.c_void_p) == 8
+        and len(shapes) <= _MOST
+        and all(len(shape) <= _AXES for shape in shapes)
     )
 
 
 def bound(
-    kernel: Kernel, name: str, shapes: list[tuple[int, ...]], quaternions: list[int], slow: Callable[..., Any], doc: str
-) -> Callable[..., np.ndarray]:
+    code: Code, name: str, shapes: list[tuple[int, ...]], dtype: np.dtype, quaternions: list[int], doc: str,
+    *, slow: Callable[..., Any], alone: bool,
+) -> Callable[..., np.ndarray]:  # fmt: skip
     """A callable (*arrays, out=None) -> array; `slow` gets all calls that are not plainly right.
+
+    Batches go through here when `out` is given and lies apart from the inputs.
 
     Parameters
     ----------
@@ -78,21 +103,23 @@ def bound(
         Of each input and, last, of the result, for one sample.
     quaternions : list of int
         Where unit quaternions start in the first input: one whose norm is off goes to `slow`.
+    alone : bool
+        Whether any batch is computed on this thread; else `slow` gets those worth several.
     """
-    table = np.zeros((len(shapes), 6), np.int64)  # ndim, bytes, up to four axes
+    table = np.zeros((len(shapes), 2 + _AXES), np.int64)  # ndim, bytes, axes
     for row, shape in zip(table, shapes, strict=True):
-        row[0], row[1] = len(shape), int(np.prod(shape, dtype=int)) * kernel.dtype.itemsize
+        row[0], row[1] = len(shape), int(np.prod(shape, dtype=int)) * dtype.itemsize
         row[2 : 2 + len(shape)] = shape
-    at, strides = np.array([*quaternions, 0], np.int64), np.zeros(len(shapes), np.int64)
-    allocate_args = (shapes[-1], kernel.dtype)
+    at, strides = np.array([*quaternions, 0], np.int64), table[:, 1] // dtype.itemsize
+    allocate_args = (shapes[-1], dtype)
     spec = Spec(
-        kernel.address, len(shapes) - 1, kernel.scratch, np.dtype(kernel.dtype), "dtype", np.empty, allocate_args,
-        slow, "out", None, len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data,
-        kernel.dtype.itemsize == 4,
+        ctypes.addressof(code), len(shapes) - 1, dtype, "dtype", np.empty, allocate_args, slow, "out", None,
+        len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data, dtype.itemsize == 4,
+        alone, ctypes.addressof(threads.count),
     )  # fmt: skip
     spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
-    owner = (kernel, spec, method, table, at, strides, allocate_args, slow, kernel.dtype)
+    owner = (code, spec, method, table, at, strides, allocate_args, slow, dtype)
     api = ctypes.pythonapi
     new, set_context = api.PyCapsule_New, api.PyCapsule_SetContext
     new.restype, new.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
@@ -134,6 +161,8 @@ _API = {
     "PyErr_NoMemory": "ptr ()",
     "PyMem_RawMalloc": "ptr (i64)",
     "PyMem_RawFree": "void (ptr)",
+    "PyEval_SaveThread": "ptr ()",
+    "PyEval_RestoreThread": "void (ptr)",
     "Py_IncRef": "void (ptr)",
     "Py_DecRef": "void (ptr)",
 }
@@ -147,7 +176,7 @@ def text() -> str:
         ir_kind = "i64" if kind is ctypes.c_int64 else "ptr"
         fields += f"  %at.{name} = getelementptr i64, ptr %spec, i64 {i}\n  %{name} = load {ir_kind}, ptr %at.{name}\n"
     body = _ENTRY.replace("FIELDS\n", fields)
-    for word, value in (("MOST", _MOST + 1), ("READ", _READ), ("WRITE", _WRITE), ("STACK", STACK)):
+    for word, value in (("MOST", _MOST), ("READ", _READ), ("WRITE", _WRITE), ("STACK", STACK), ("ROW", 2 + _AXES)):
         body = body.replace(word, str(value))
     return declarations + body + _SLOW + _RELEASE
 
@@ -230,6 +259,7 @@ define ptr @entry(ptr %self, ptr %args, i64 %nargs, ptr %names) nounwind {
   %pointers = alloca [MOST x ptr], align 16
   %spec = call ptr @PyCapsule_GetPointer(ptr %self, ptr null)
 FIELDS
+  %is.single = icmp ne i64 %single, 0
   %named = icmp ne ptr %names, null
   br i1 %named, label %one.name, label %count
 one.name:                                          ; at most the keyword `out`, after all inputs
@@ -290,8 +320,10 @@ make:
 hold:
   %out = phi ptr [%theirs, %borrow], [%fresh, %make]
   br label %acquire
-acquire:                                           ; inputs, then the result
-  %j = phi i64 [0, %hold], [%j1, %taken]
+acquire:                                           ; inputs, then the result: of one sample, or all of n
+  %j = phi i64 [0, %hold], [%j1, %take]
+  %n.before = phi i64 [1, %hold], [%n, %take]
+  %many.before = phi i64 [0, %hold], [%many, %take]
   %b = getelementptr %buffer, ptr %buffers, i64 %j
   %is.result = icmp eq i64 %j, %inputs
   %yp = getelementptr ptr, ptr %args, i64 %j
@@ -308,30 +340,46 @@ get:
   %rc.ok = icmp sge i32 %rc, 0
   br i1 %rc.ok, label %check, label %let.go
 check:
-  %row = mul i64 %j, 6
+  %row = mul i64 %j, ROW
   %shape.at = getelementptr i64, ptr %shapes, i64 %row
+  %shape.p = getelementptr %buffer, ptr %b, i32 0, i32 7
+  %shape = load ptr, ptr %shape.p
   %nd.p = getelementptr %buffer, ptr %b, i32 0, i32 5
   %nd.32 = load i32, ptr %nd.p
   %nd = sext i32 %nd.32 to i64
   %nd.want = load i64, ptr %shape.at
-  %nd.ok = icmp eq i64 %nd, %nd.want
+  %extra = sub i64 %nd, %nd.want
+  %is.first = icmp eq i64 %j, 0
+  %many = select i1 %is.first, i64 %extra, i64 %many.before
+  %same = icmp eq i64 %extra, %many
+  %sane = icmp ule i64 %many, 1
+  %kind.ok = and i1 %same, %sane
+  br i1 %kind.ok, label %kind, label %wrong
+kind:
+  %is.many = icmp eq i64 %many, 1
+  br i1 %is.many, label %batch, label %counted
+batch:
+  %length = load i64, ptr %shape
+  br label %counted
+counted:
+  %rows = phi i64 [1, %kind], [%length, %batch]
+  %n = select i1 %is.first, i64 %rows, i64 %n.before
+  %n.ok = icmp eq i64 %rows, %n
   %len.p = getelementptr %buffer, ptr %b, i32 0, i32 2
   %len = load i64, ptr %len.p
   %len.at = getelementptr i64, ptr %shape.at, i64 1
-  %len.want = load i64, ptr %len.at
+  %len.one = load i64, ptr %len.at
+  %len.want = mul i64 %len.one, %n
   %len.ok = icmp eq i64 %len, %len.want
-  %both = and i1 %nd.ok, %len.ok
-  br i1 %both, label %axes, label %wrong
-axes:
-  %shape.p = getelementptr %buffer, ptr %b, i32 0, i32 7
-  %shape = load ptr, ptr %shape.p
-  br label %axis
+  %both = and i1 %n.ok, %len.ok
+  br i1 %both, label %axis, label %wrong
 axis:
-  %i = phi i64 [0, %axes], [%i1, %axis.is]
-  %i.more = icmp slt i64 %i, %nd
+  %i = phi i64 [0, %counted], [%i1, %axis.is]
+  %i.more = icmp slt i64 %i, %nd.want
   br i1 %i.more, label %axis.is, label %take
 axis.is:
-  %s.p = getelementptr i64, ptr %shape, i64 %i
+  %s.i = add i64 %i, %many
+  %s.p = getelementptr i64, ptr %shape, i64 %s.i
   %s = load i64, ptr %s.p
   %i2 = add i64 %i, 2
   %want.p = getelementptr i64, ptr %shape.at, i64 %i2
@@ -344,17 +392,73 @@ take:
   %slot = getelementptr ptr, ptr %pointers, i64 %j
   store ptr %buf, ptr %slot
   %j1 = add i64 %j, 1
-  br label %taken
-taken:
   %j.more = icmp sle i64 %j1, %inputs
-  br i1 %j.more, label %acquire, label %unit
+  br i1 %j.more, label %acquire, label %code.which
+code.which:                                        ; compiled yet?
+  %address.at = getelementptr ptr, ptr %code, i64 %many
+  %kernel = load atomic ptr, ptr %address.at acquire, align 8
+  %scratch.i = add i64 %many, 2
+  %scratch.at = getelementptr i64, ptr %code, i64 %scratch.i
+  %scratch = load i64, ptr %scratch.at
+  %no.code = icmp eq ptr %kernel, null
+  br i1 %no.code, label %let.go.all, label %how.many
+how.many:
+  br i1 %is.many, label %enough, label %unit
+enough:                                            ; n > 0, and no more than are worth a thread each
+  %any = icmp sgt i64 %n, 0
+  %most.at = getelementptr i64, ptr %code, i64 4
+  %most = load i64, ptr %most.at
+  %few = icmp sle i64 %n, %most
+  %is.alone = icmp ne i64 %alone, 0
+  %threads.n = load i64, ptr %threads
+  %no.threads = icmp eq i64 %threads.n, 1
+  %not.shared = or i1 %no.threads, %is.alone
+  %here = or i1 %few, %not.shared
+  %simple = and i1 %any, %here
+  br i1 %simple, label %apart, label %let.go.all
+apart:                                             ; the result must not lie over an input not yet read
+  %last.b = getelementptr %buffer, ptr %buffers, i64 %inputs
+  %out.from = load i64, ptr %last.b
+  %out.len.p = getelementptr %buffer, ptr %last.b, i32 0, i32 2
+  %out.len = load i64, ptr %out.len.p
+  %out.to = add i64 %out.from, %out.len
+  br label %apart.next
+apart.next:
+  %o = phi i64 [0, %apart], [%o1, %apart.next]
+  %ob = getelementptr %buffer, ptr %buffers, i64 %o
+  %in.from = load i64, ptr %ob
+  %in.len.p = getelementptr %buffer, ptr %ob, i32 0, i32 2
+  %in.len = load i64, ptr %in.len.p
+  %in.to = add i64 %in.from, %in.len
+  %before = icmp ule i64 %in.to, %out.from
+  %after = icmp ule i64 %out.to, %in.from
+  %is.apart = or i1 %before, %after
+  %o1 = add i64 %o, 1
+  %o.more = icmp slt i64 %o1, %inputs
+  %o.next = and i1 %is.apart, %o.more
+  br i1 %o.next, label %apart.next, label %apart.all
+apart.all:
+  br i1 %is.apart, label %unit, label %let.go.all
 unit:                                              ; quaternions of norm 1, or somebody must say so
-  %q = load ptr, ptr %pointers
+  %q.first = load ptr, ptr %pointers
+  %q.size.p = load i64, ptr %strides
+  %item = select i1 %is.single, i64 2, i64 3
+  %q.bytes = shl i64 %q.size.p, %item
+  %q.none = icmp eq i64 %quaternions, 0
+  br i1 %q.none, label %run, label %sample
+sample:
+  %m = phi i64 [0, %unit], [%m1, %sample.ok]
+  %q.offset = mul i64 %m, %q.bytes
+  %q = getelementptr i8, ptr %q.first, i64 %q.offset
   br label %unit.next
 unit.next:
-  %u = phi i64 [0, %unit], [%u1, %unit.ok]
+  %u = phi i64 [0, %sample], [%u1, %unit.ok]
   %u.more = icmp slt i64 %u, %quaternions
-  br i1 %u.more, label %norm, label %run
+  br i1 %u.more, label %norm, label %sample.ok
+sample.ok:
+  %m1 = add i64 %m, 1
+  %m.more = icmp slt i64 %m1, %n
+  br i1 %m.more, label %sample, label %run
 norm:
   %u.at = getelementptr i64, ptr %quaternion_at, i64 %u
   %at = load i64, ptr %u.at
@@ -363,7 +467,6 @@ square:
   %c = phi i64 [0, %norm], [%c1, %squared]
   %sum = phi double [-1.0, %norm], [%sum1, %squared]
   %e = add i64 %at, %c
-  %is.single = icmp ne i64 %single, 0
   br i1 %is.single, label %short, label %long
 short:
   %e.p4 = getelementptr float, ptr %q, i64 %e
@@ -394,24 +497,40 @@ run:
   %small = icmp sle i64 %scratch, STACK
   br i1 %small, label %stack, label %heap
 stack:
-  %memory = alloca i8, i64 %scratch, align 64
-  call void %kernel(i64 1, ptr %memory, ptr %pointers, ptr %strides)
-  br label %done
+  %on.stack = alloca i8, i64 %scratch, align 64
+  br label %compute
 heap:
   %room = add i64 %scratch, 64
   %block = call ptr @PyMem_RawMalloc(i64 %room)
   %block.none = icmp eq ptr %block, null
-  br i1 %block.none, label %no.memory, label %heap.run
-heap.run:
+  br i1 %block.none, label %no.memory, label %align
+align:
   %block.i = ptrtoint ptr %block to i64
   %up = add i64 %block.i, 63
   %aligned.i = and i64 %up, -64
   %aligned = inttoptr i64 %aligned.i to ptr
-  call void %kernel(i64 1, ptr %aligned, ptr %pointers, ptr %strides)
-  call void @PyMem_RawFree(ptr %block)
+  br label %compute
+compute:
+  %memory = phi ptr [%on.stack, %stack], [%aligned, %align]
+  %block.kept = phi ptr [null, %stack], [%block, %align]
+  br i1 %is.many, label %others.may, label %only.one
+only.one:
+  call void %kernel(i64 1, ptr %memory, ptr %pointers, ptr %strides)
+  br label %computed
+others.may:                                        ; other threads of Python may run meanwhile
+  %state = call ptr @PyEval_SaveThread()
+  call void %kernel(i64 %n, ptr %memory, ptr %pointers, ptr %strides)
+  call void @PyEval_RestoreThread(ptr %state)
+  br label %computed
+computed:
+  br i1 %small, label %done.first, label %free
+free:
+  call void @PyMem_RawFree(ptr %block.kept)
+  br label %done.first
+done.first:
   br label %done
 done:
-  %r = phi i64 [0, %stack], [0, %heap.run], [%r1, %done]
+  %r = phi i64 [0, %done.first], [%r1, %done]
   %rb = getelementptr %buffer, ptr %buffers, i64 %r
   call void @PyBuffer_Release(ptr %rb)
   %r1 = add i64 %r, 1
@@ -426,7 +545,7 @@ wrong:                                             ; this buffer too, then those
   call void @PyBuffer_Release(ptr %b)
   br label %let.go
 let.go.all:
-  %failed = phi i1 [true, %no.memory], [false, %unit.check]
+  %failed = phi i1 [true, %no.memory], [false, %unit.check], [false, %code.which], [false, %enough], [false, %apart.all]
   br label %release
 let.go:
   br label %release

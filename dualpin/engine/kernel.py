@@ -62,7 +62,7 @@ class Kernel:
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, self._pointers, self._strides)
         self._function = prototype(self.address)
         # a rough figure, to decide on threads: two or three instructions a nanosecond, and the memory
-        self.seconds = 4e-10 * self.operations / self.lanes + 3e-10 * (sum(self.sizes) + self.width)
+        self.seconds = 1e-9 + 4e-10 * self.operations / self.lanes + 3e-10 * (sum(self.sizes) + self.width)
 
     def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Arrays (n, size) in, an array (n, width) out; rows may be strided or repeated."""

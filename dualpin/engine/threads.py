@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,9 @@ from ..errors import ArgumentError
 
 WORTH = 100e-6
 """Seconds of work a thread must have: handing it over costs some 20 microseconds."""
+
+count = ctypes.c_int64(0)
+"""The number in use as last asked for, where machine code can read it; 0 is not known yet."""
 
 _chosen: int | None = None
 _pool: tuple[int, ThreadPoolExecutor] | None = None
@@ -33,8 +37,11 @@ def get_num_threads() -> int:
     >>> dp.get_num_threads() >= 1
     True
     """
-    if _chosen is not None:
-        return _chosen
+    count.value = _chosen or _from_environment()
+    return count.value
+
+
+def _from_environment() -> int:
     text = os.environ.get("DUALPIN_NUM_THREADS", "").strip()
     if not text:
         return available()
@@ -65,14 +72,16 @@ def set_num_threads(n: int | None) -> None:
     if n is not None and (not isinstance(n, (int, np.integer)) or isinstance(n, bool) or n < 1):
         raise ArgumentError(f"set_num_threads: a number of threads, 1 or more, or None expected, got {n!r}")
     _chosen = None if n is None else int(n)
+    count.value = _chosen or 0
 
 
-def spread(work: Callable[[int, int], None], n: int, seconds: float, multiple: int) -> None:
+def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple: int) -> None:
     """work(start, stop) over 0 ... n, in parts of a multiple of samples, on as many threads as are worth it.
 
     `seconds` is what one sample is expected to take.
     """
-    parts = min(get_num_threads(), int(n * seconds / WORTH), n // multiple) if n > multiple else 1
+    parts = min(int(n * seconds / WORTH), n // multiple)
+    parts = min(parts, get_num_threads()) if parts > 1 else 1
     if parts < 2:
         work(0, n)
         return

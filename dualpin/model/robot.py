@@ -378,8 +378,8 @@ class Robot:
         -------
         callable
             Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
-            an array for the result.  One configuration in contiguous arrays of `dtype` takes the
-            shortest way; batches, lists and whatever else come out the same, a few microseconds later.
+            an array for the result.  Contiguous arrays of `dtype`, of one configuration or a batch with
+            ``out``, take the shortest way; whatever else comes out the same, some microseconds later.
 
         Raises
         ------
@@ -397,11 +397,11 @@ class Robot:
         >>> bool(np.array_equal(tau, dp.rnea(robot, q, v, a)))
         True
         """
-        from ..engine import bind
+        from ..engine.bind import bind
 
         if "frame" in options:
             options["frame"] = self.frame(options["frame"])
-        return bind(self, name, dtype, **options)
+        return bind(self, name, dtype, ready=True, **options)
 
     def to_urdf(self, path: Any = None) -> str:
         """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`.

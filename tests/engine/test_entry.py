@@ -205,6 +205,81 @@ def test_every_kind_of_result(robot, name, options):
         assert np.array_equal(one, batch[i])
 
 
+@pytest.mark.parametrize("n", [1, 2, 7, 8, 65, 4097])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_batches_have_the_bits_of_single_calls(robot, n, dtype):
+    arrays = [x.astype(dtype) for x in robot.sample(n, seed=5)]
+    f, out = robot.kernel("rnea", dtype=dtype), np.empty((n, 6), dtype)
+    f(*arrays)  # compiles
+    assert f(*arrays, out=out) is out
+    fresh = f(*arrays)
+    assert fresh.dtype == dtype and fresh.shape == (n, 6)
+    assert np.array_equal(fresh, out)
+    for i in (0, n // 2, n - 1):
+        assert np.array_equal(f(*(x[i] for x in arrays)), out[i])
+    assert np.array_equal(f(*(x.reshape(1, n, 6) for x in arrays))[0], out)
+    assert np.array_equal(f(arrays[0][0], *arrays[1:])[0], out[0])  # broadcast
+
+
+def test_a_batch_may_be_empty(robot, state):
+    f, none = robot.kernel("rnea"), np.empty((0, 6))
+    f(*(x[None] for x in state))
+    assert f(none, none, none).shape == (0, 6)
+    assert f(none, none, none, out=np.empty((0, 6))).shape == (0, 6)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda q, v, a, out: (q[:3], v, a, out), "broadcast"),
+        (lambda q, v, a, out: (q, v[:, :5].copy(), a, out), "v of shape"),
+        (lambda q, v, a, out: (q, v, a, np.empty((5, 6))), r"out of shape \(4, 6\) expected"),
+        (lambda q, v, a, out: (q, v, a, np.empty((4, 7))), r"out of shape \(4, 6\) expected"),
+        (lambda q, v, a, out: (q, v, a, np.empty(24)), r"out of shape \(4, 6\) expected"),
+        (lambda q, v, a, out: (q[0], v[0], a[0], out), r"out of shape \(6,\) expected"),
+        (lambda q, v, a, out: (q, v, a, out.astype(np.float32)), "float32"),
+        (lambda q, v, a, out: (q.astype(complex), v, a, out), "complex"),
+        (lambda q, v, a, out: (q[..., None], v, a, out), "q of shape"),
+    ],
+)  # fmt: skip
+def test_wrong_batches_are_explained(robot, change, message):
+    f, arrays = robot.kernel("rnea"), robot.sample(4, seed=1)
+    f(*arrays)
+    with pytest.raises(dp.DualpinError, match=message):
+        f(*change(*arrays, np.empty((4, 6))))
+
+
+def test_the_result_of_a_batch_may_lie_over_its_inputs(robot):
+    f, (q, v, a) = robot.kernel("rnea"), robot.sample(100, seed=2)
+    expected = f(q, v, a)
+    memory = np.zeros((103, 6))
+    for shift in (0, 1, 3):
+        memory[:100] = a
+        out = memory[shift : shift + 100]
+        assert f(q, v, memory[:100], out=out) is out
+        assert np.array_equal(out, expected)
+    strided = np.zeros((100, 12))
+    f(q, v, a, out=strided[:, 3:9])
+    assert np.array_equal(strided[:, 3:9], expected)
+    assert not strided[:, :3].any() and not strided[:, 9:].any()
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_one_wrong_quaternion_among_many_is_found(threads):
+    robot = dp.load("ur5", floating=True)
+    q, v, a = robot.sample(5000, seed=0)
+    dp.set_num_threads(threads)
+    try:
+        expected, out = dp.rnea(robot, q, v, a), np.empty((5000, 12))
+        assert np.array_equal(dp.rnea(robot, q, v, a, out=out), expected)
+        q[4321, 3:7] *= 1.001
+        for given in (None, out):
+            with pytest.raises(dp.ArgumentError, match=r"unit quaternion.* at sample \(4321,\)"):
+                dp.rnea(robot, q, v, a, out=given)
+    finally:
+        dp.set_num_threads(None)
+
+
 def test_large_results_take_their_scratch_from_the_heap():
     robot = dp.load("tiago_dual")
     q, _, _ = robot.sample(2, seed=0)
@@ -223,15 +298,17 @@ def test_an_unknown_kernel_or_type_is_refused(robot):
 
 def test_references_do_not_leak(robot, state):
     f, out = robot.kernel("rnea"), np.empty(6)
-    things = [*state, out, np.dtype(float), f, None, np.empty]
+    many, result = robot.sample(3, seed=0), np.empty((3, 6))
+    things = [*state, out, *many, result, np.dtype(float), f, None, np.empty]
     for call in (
         lambda: f(*state), lambda: f(*state, out=out), lambda: f(*state, out), lambda: f(*state, out=None),
-        lambda: f(state[0].tolist(), *state[1:]),
+        lambda: f(*many, out=result), lambda: f(state[0].tolist(), *state[1:]), lambda: f(*many),
     ):  # fmt: skip
         call()
         gc.collect()
         before, blocks = [sys.getrefcount(x) for x in things], sys.getallocatedblocks()
-        for _ in range(100_000 if "tolist" not in call.__code__.co_names else 1_000):
+        quick = "tolist" not in call.__code__.co_names
+        for _ in range(100_000 if quick else 1_000):
             call()
         gc.collect()
         after = [sys.getrefcount(x) for x in things]

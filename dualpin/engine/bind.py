@@ -1,0 +1,142 @@
+"""A term of a robot as one callable, in three layers: whatever one cannot do it leaves to the next.
+
+entry        C-contiguous arrays of the kernel's type: one sample, or a batch and `out`
+`Spreading`  the same without `out`, or of so many samples that several threads are worth it
+`Careful`    everything else: lists, other types, broadcasting, wrong arguments
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..errors import ArgumentError, DualpinError, nearest
+from ..model.robot import Robot
+from ..terms import TERMS, Options, Term, input_shape
+from . import entry, find, known
+from .host import CompilerError
+from .threads import spread
+
+Function = Callable[..., np.ndarray]
+
+
+def bind(robot: Robot, name: str, dtype: Any = np.float64, *, ready: bool = False, **options: Any) -> Function:
+    """What `Robot.kernel` returns.  With `ready`, the kernel for one sample is compiled now, not when it is needed."""
+    if name not in TERMS:
+        raise ArgumentError(f"kernel {name!r} is not known; {nearest(name, TERMS, 'terms')}")
+    kind = np.dtype(dtype)
+    if kind not in (np.dtype(np.float64), np.dtype(np.float32)):
+        raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
+    bound = robot.__dict__.setdefault("_bound", {})
+    key = (name, kind.char, *sorted(options.items()))
+    if key not in bound:
+        careful = Careful(robot, TERMS[name], options, kind)
+        bound[key] = quick(careful), careful
+    function, careful = bound[key]
+    if ready and function is not careful:
+        find(careful.robot, careful.term, options, kind, single=True)
+        careful.adopt()
+    return function
+
+
+def quick(careful: Careful) -> Function:
+    """The layers before `careful`, where this Python, this machine and this term have them."""
+    robot, term = careful.robot, careful.term
+    shapes = [input_shape(robot, x) for x in term.inputs] + [careful.shape]
+    one_q = term.inputs[0] == "q" and "q1" not in term.inputs
+    if not (one_q and 0 not in careful.shape and entry.supported(shapes)):
+        return careful
+    quaternions = [j.q.start + 3 for j in robot if j.kind == "floating"]
+    entrance = partial(entry.bound, careful.code, term.name, shapes, careful.dtype, quaternions, str(careful.__doc__))
+    try:
+        return entrance(slow=Spreading(careful, entrance(slow=careful, alone=True)), alone=False)
+    except CompilerError:
+        return careful
+
+
+class Careful:
+    """Any arguments: converted, broadcast, computed by whatever engine there is, or explained.
+
+    It keeps the robot's constants and kernels alive, not the robot, which holds the callable.
+    """
+
+    def __init__(self, robot: Robot, term: Term, options: Options, dtype: np.dtype) -> None:
+        self.robot = replace(robot)
+        self.robot.__dict__["_kernels"] = robot.__dict__.setdefault("_kernels", {})
+        self.term, self.options, self.dtype = term, options, dtype
+        self.shape, self.code = term.shape(robot, **options), entry.Code()
+        self.__name__ = term.name
+        self.__doc__ = f"{term.name}({', '.join(term.inputs)}, out=None) of {robot.name}"
+
+    def __call__(self, *arrays: Any, out: np.ndarray | None = None) -> np.ndarray:
+        from ..boundary import call
+
+        arrays, out = self.separated(arrays, out)
+        if len(arrays) != len(self.term.inputs):
+            raise ArgumentError(
+                f"{self.term.name}: {len(self.term.inputs)} arrays ({', '.join(self.term.inputs)}) expected, "
+                f"got {len(arrays)}"
+            )
+        named, options = dict(zip(self.term.inputs, arrays, strict=True)), dict[str, Any](self.options)
+        result = call(self.robot, self.term.name, named, out=out, dtype=self.dtype, **options)
+        self.adopt()
+        return result
+
+    def separated(self, arrays: tuple[Any, ...], out: np.ndarray | None) -> tuple[tuple[Any, ...], np.ndarray | None]:
+        """Inputs, and the array for the result, which may come as the last of them."""
+        if len(arrays) == len(self.term.inputs) + 1 and out is None:
+            return arrays[:-1], arrays[-1]
+        return arrays, out
+
+    def adopt(self) -> None:
+        """From the next call on, the entry uses the kernels that are compiled by now."""
+        for many in (False, True):
+            if not self.code.address[many]:
+                kernel = known(self.robot, self.term, self.options, self.dtype, single=not many)
+                if kernel is not None:
+                    self.code.adopt(kernel, many)
+
+
+class Spreading:
+    """Batches that are plainly right: the result is allocated, the samples shared among threads."""
+
+    def __init__(self, careful: Careful, alone: Function) -> None:
+        self.careful, self.alone = careful, alone
+
+    def __call__(self, *arrays: Any, out: np.ndarray | None = None) -> np.ndarray:
+        inputs, given = self.careful.separated(arrays, out)
+        kernel = self.careful.code.many
+        n = self.samples(inputs, given)
+        if kernel is None or not n:
+            return self.careful(*arrays, out=out)
+        result = np.empty((n, *self.careful.shape), self.careful.dtype) if given is None else given
+        try:
+            spread(
+                lambda start, stop: self.alone(*(x[start:stop] for x in inputs), result[start:stop]),
+                n, kernel.seconds, kernel.lanes,
+            )  # fmt: skip
+        except DualpinError:  # said of a part of the batch: said again of the whole
+            return self.careful(*arrays, out=out)
+        return result
+
+    def samples(self, inputs: tuple[Any, ...], out: Any) -> int | None:
+        """How many; None where anything but a shape of one sample might be wrong."""
+        careful, n = self.careful, None
+        if len(inputs) != len(careful.term.inputs):
+            return None
+        for x in inputs:
+            if type(x) is not np.ndarray or x.dtype != careful.dtype or not x.flags.c_contiguous or x.ndim < 2:
+                return None
+            if n not in (None, len(x)) or (out is not None and np.may_share_memory(x, out)):
+                return None
+            n = len(x)
+        if out is not None and (type(out) is not np.ndarray or out.shape != (n, *careful.shape)):
+            return None
+        return n
+
+
+__all__ = ["bind"]
