@@ -72,7 +72,7 @@ class Kernel:
         if n == 0 or self.width == 0:
             return result
         if out is not None and (
-            rowwise(out, self.dtype) is not out or any(np.may_share_memory(out, x) for x in arrays)
+            out.dtype != self.dtype or not out.flags.c_contiguous or any(np.may_share_memory(out, x) for x in arrays)
         ):
             result = np.empty((n, self.width), self.dtype)
         everything = [*arrays, result]
@@ -153,7 +153,7 @@ def compiled(
     code = object_code(ir.module(plan, number, host, lanes), host)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
-        "scratch": ir.scratch_bytes(plan, number, lanes),
+        "scratch": ir.scratch_bytes(plan, number, host, lanes),
     }  # fmt: skip
     seconds = time.perf_counter() - start
     if seconds > 0.5:

@@ -11,14 +11,11 @@ robot's own arithmetic is a straight line.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from .host import Host
 from .lanes import Lanes, Number
+from .rows import Array, Rows
 from .schedule import Schedule, Step
 
-UNROLLED = {1: 64}.get  # groups of columns, by lanes, that are written out instead of looped over
-STREAMED = 8 << 20  # bytes of a result from which it is written past the caches
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
@@ -44,19 +41,20 @@ def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
     return "\n".join(parts)
 
 
-def scratch_bytes(plan: Schedule, number: Number, lanes: int) -> int:
+def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int:
     """How much memory a kernel needs to work in, aligned to 64 bytes."""
-    return (plan.slots + plan.output_slots) * lanes * number.size
+    return (plan.slots + plan.output_slots + Rows(plan, number, lanes, host).spare) * lanes * number.size
 
 
 class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
+        self.rows = Rows(plan, number, width, host)
 
     @property
-    def streams(self) -> bool:
-        """Whether results are stored line by line."""
-        return self.host.width == 64 and self.width > 1 and len(self.plan.outputs) >= 4 * self.width
+    def overlaps(self) -> bool:
+        """Whether results leave after the next rows are loaded: by then they have reached their slots."""
+        return self.rows.lines
 
     def lanes(self) -> Lanes:
         return Lanes(self.number, self.width, self.host)
@@ -233,9 +231,7 @@ done:
     # from rows to slots and back
 
     def tables(self) -> str:
-        plan, W = self.plan, self.width
-        padded = [0] * W + plan.outputs + [0] * W  # room for groups that stick out on either side
-        text = f"@outputs = internal constant [{len(padded)} x i32] [{', '.join(f'i32 {s}' for s in padded)}]\n"
+        plan, text = self.plan, self.rows.tables()
         for k, stage in enumerate(plan.stages):
             if stage.angles and plan.together == 1:
                 pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
@@ -250,7 +246,7 @@ done:
         for k in range(len(plan.sizes) + 1):
             pointer = e.value(f"load ptr, ptr {e.value(f'getelementptr ptr, ptr %arrays, i64 {k}')}")
             stride = e.value(f"load i64, ptr {e.value(f'getelementptr i64, ptr %strides, i64 {k}')}")
-            arrays.append((pointer, e.value(f"mul i64 {stride}, {size}")))
+            arrays.append(Array(pointer, e.value(f"mul i64 {stride}, {size}")))
         e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
         e.store("%out", 0, "zeroinitializer")
         for slot, x in plan.constants.items():
@@ -260,14 +256,17 @@ done:
         e.do("br i1 %any, label %tile, label %exit")
         e.label("tile")
         e.do("%b = phi i64 [0, %entry], [%b.next, %tile.end]")
-        rows = []
-        for lane in range(self.width):
-            row = e.value(f"add i64 %b, {lane}")
-            rows.append(e.value(f"select i1 {e.value(f'icmp slt i64 {row}, %last')}, i64 {row}, i64 %last"))
-        start = 0
-        for k, columns in enumerate(plan.sizes):
-            self._columns(e, f"in{k}", arrays[k], rows, columns, self._packer(e, start))
-            start += columns
+        for k in range(len(plan.sizes)):
+            self.rows.load(e, k, arrays[k], "%b", "%last")
+        if self.overlaps:
+            e.do("%first.time = icmp eq i64 %b, 0")
+            e.do("br i1 %first.time, label %compute, label %finished")
+            e.label("finished")
+            e.do(f"%b.before = sub i64 %b, {self.width}")
+            self.rows.store(e, arrays[-1], "%b.before", "%last")
+            e.do("%some = icmp slt i64 %b, %n")
+            e.do("br i1 %some, label %compute, label %exit")
+            e.label("compute")
         for i, slot in plan.output_slot.items():  # results that are inputs, or sines of inputs
             if plan.nodes[i][0] == "in":
                 e.store("%out", slot, e.load("%scratch", plan.slot[i]))
@@ -276,128 +275,21 @@ done:
         for i, slot in plan.output_slot.items():
             if plan.nodes[i][0] in ("sin", "cos"):
                 e.store("%out", slot, e.load("%scratch", plan.slot[i]))
-        if self.streams:
-            self._unpack_aligned(e, arrays[-1], rows)
-        else:
-            self._columns(e, "results", arrays[-1], rows, len(plan.outputs), self._unpacker(e))
+        if not self.overlaps:
+            self.rows.store(e, arrays[-1], "%b", "%last")
         e.do("br label %tile.end")
         e.label("tile.end")
         e.do(f"%b.next = add i64 %b, {self.width}")
-        e.do("%b.more = icmp slt i64 %b.next, %n")
-        e.do("br i1 %b.more, label %tile, label %exit")
+        if self.overlaps:
+            e.do("br label %tile")
+        else:
+            e.do("%more = icmp slt i64 %b.next, %n")
+            e.do("br i1 %more, label %tile, label %exit")
         e.label("exit")
-        if self.streams:
+        if self.rows.lines:
             e.do("fence seq_cst")  # what went past the caches is seen before anything that follows
         body = "\n".join(e.lines)
         return (
             "define void @kernel(i64 %n, ptr %scratch, ptr %arrays, ptr %strides) #0 {\nentry:\n"
             f"{body}\n  ret void\n}}\n"
         )
-
-    def _columns(
-        self, e: Lanes, tag: str, array: tuple[str, str], rows: list[str], columns: int,
-        group: Callable[[int | str, int, list[str]], None],
-    ) -> None:  # fmt: skip
-        """group(first column, how many, addresses in each row) for groups of as many columns as lanes."""
-        W, (pointer, stride) = self.width, array
-        bases = [e.value(f"getelementptr i8, ptr {pointer}, i64 {e.value(f'mul i64 {r}, {stride}')}") for r in rows]
-
-        def addresses(j: int | str) -> list[str]:
-            return [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
-
-        full = columns // W
-        if full <= UNROLLED(W, 4):
-            for j in range(0, full * W, W):
-                group(j, W, addresses(j))
-        else:
-            e.do(f"br label %{tag}.before")
-            e.label(f"{tag}.before")
-            e.do(f"br label %{tag}")
-            e.label(tag)
-            e.do(f"%{tag}.j = phi i64 [0, %{tag}.before], [%{tag}.next, %{tag}]")
-            group(f"%{tag}.j", W, addresses(f"%{tag}.j"))
-            e.do(f"%{tag}.next = add i64 %{tag}.j, {W}")
-            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {full * W}")
-            e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")
-            e.label(f"{tag}.after")
-        if columns % W:
-            group(full * W, columns % W, addresses(full * W))
-
-    def _packer(self, e: Lanes, start: int) -> Callable[[int | str, int, list[str]], None]:
-        def pack(j: int | str, count: int, rows: list[str]) -> None:
-            columns = e.transposed([e.load_row(p, count) for p in rows])
-            first = e.value(f"add i64 {j}, {start}")
-            for c in range(count):
-                e.store("%scratch", e.value(f"add i64 {first}, {c}"), columns[c])
-
-        return pack
-
-    def _unpack_aligned(self, e: Lanes, array: tuple[str, str], rows: list[str]) -> None:
-        """Results in groups that begin where a cache line does, if all rows allow it: half the cost of storing.
-
-        The first and the last group may stick out of the row; a mask keeps them inside.
-        """
-        W, (pointer, stride), size = self.width, array, self.number.size
-        bases = [e.value(f"getelementptr i8, ptr {pointer}, i64 {e.value(f'mul i64 {r}, {stride}')}") for r in rows]
-        line = W * size
-        whole = e.value(f"icmp eq i64 {e.value(f'and i64 {stride}, {line - 1}')}, 0")
-        beyond = e.value(f"and i64 {e.value(f'ptrtoint ptr {pointer} to i64')}, {line - 1}")
-        shift = e.value(f"select i1 {whole}, i64 {e.value(f'udiv i64 {beyond}, {size}')}, i64 0")
-        # results too many for the caches go past them: they are not read first, only to be overwritten
-        large = e.value(f"icmp ugt i64 {e.value(f'mul i64 %n, {stride}')}, {STREAMED}")
-        lined = e.value(f"icmp eq i64 {e.value(f'and i64 {beyond}, {size - 1}')}, 0")
-        past = e.value(f"and i1 {e.value(f'and i1 {large}, {whole}')}, {lined}")
-        e.do(f"%results.first = sub i64 0, {shift}")
-        e.do("br label %results.before")
-        e.label("results.before")
-        e.do("br label %results")
-        e.label("results")
-        e.do("%results.j = phi i64 [%results.first, %results.before], [%results.next, %results.latch]")
-        columns = []
-        for c in range(W):
-            entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 %results.j, {c + W}')}")
-            columns.append(e.load("%out", e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64")))
-        kind = f"<{W} x i64>"
-        at = e.value(f"insertelement {kind} poison, i64 %results.j, i32 0")
-        at = e.value(f"shufflevector {kind} {at}, {kind} poison, <{W} x i32> zeroinitializer")
-        at = e.value(f"add {kind} {at}, {e.constants([str(c) for c in range(W)], 'i64')}")
-        # as unsigned numbers, those before the row are large
-        mask = e.value(f"icmp ult {kind} {at}, {e.every(str(len(self.plan.outputs)), 'i64')}")
-        columns = e.transposed(columns)
-        places = [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 %results.j") for base in bases]
-        room = len(self.plan.outputs) - W
-        inside = e.value(f"icmp ule i64 %results.j, {room}")  # as an unsigned number, too
-        e.do(f"%results.past = and i1 {inside}, {past}")
-        e.do("br i1 %results.past, label %results.streamed, label %results.cached")
-        e.label("results.streamed")
-        for p, row in zip(places, columns, strict=True):
-            e.do(f"store {e.vector} {row}, ptr {p}, align {line}, !nontemporal !0")
-        e.do("br label %results.latch")
-        e.label("results.cached")
-        for p, row in zip(places, columns, strict=True):
-            e.do(f"call void @llvm.masked.store.{e.suffix}.p0({e.vector} {row}, ptr {p}, i32 {size}, {e.mask} {mask})")
-        e.do("br label %results.latch")
-        e.label("results.latch")
-        e.do(f"%results.next = add i64 %results.j, {W}")
-        e.do(f"%results.more = icmp slt i64 %results.next, {len(self.plan.outputs)}")
-        e.do("br i1 %results.more, label %results, label %results.after")
-        e.label("results.after")
-
-    def _unpacker(self, e: Lanes) -> Callable[[int | str, int, list[str]], None]:
-        W = self.width
-
-        def unpack(j: int | str, count: int, rows: list[str]) -> None:
-            columns = []
-            for c in range(W):
-                if c >= count:
-                    columns.append("zeroinitializer")
-                elif isinstance(j, int):
-                    columns.append(e.load("%out", self.plan.outputs[j + c]))
-                else:
-                    entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c + W}')}")
-                    slot = e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64")
-                    columns.append(e.load("%out", slot))
-            for p, row in zip(rows, e.transposed(columns), strict=True):
-                e.store_row(p, count, row)
-
-        return unpack

@@ -11,7 +11,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.boundary import call
-from dualpin.engine import find
+from dualpin.engine import find, rows
 from dualpin.engine import kernel as kernels
 from dualpin.engine import llvm as ir
 from dualpin.engine.host import CompilerError, this_host
@@ -189,6 +189,45 @@ def test_smaller_machines_compute_the_same(width, fma):
         assert np.abs(got - expected).max() <= AGREEMENT * np.abs(expected).max()
 
 
+@pytest.mark.parametrize("gathers", [True, False])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+@pytest.mark.parametrize(
+    "term", ["kinetic_energy", "com", "rnea", "crba", "coriolis", "fk"]
+)  # rows of 1, 3, 9, 81, 144
+def test_results_fill_their_rows_and_nothing_else(gathers, dtype, term):
+    robot, host = dp.load("panda"), this_host()
+    kernel = kernels.build(robot, TERMS[term], {}, dtype, host=dataclasses.replace(host, gathers=gathers))
+    single = kernels.build(robot, TERMS[term], {}, dtype, single=True)
+    given = states(robot, 37)
+    inputs = [given[key].astype(dtype) for key in TERMS[term].inputs]
+    expected = single.rows(inputs)
+    item, guard = np.dtype(dtype).itemsize, 1 << 10
+    for n in (1, 2, 7, 8, 9, 16, 17, 31, 37):
+        for shift in (0, item, 3 * item, 13 * item, 1, item // 2):  # bytes, also between numbers
+            memory = np.full(2 * guard + n * kernel.width * item + 64, 0xA5, np.uint8)
+            start = guard - memory.ctypes.data % 64 + shift
+            stop = start + n * kernel.width * item
+            out = memory[start:stop].view(dtype).reshape(n, kernel.width)
+            kernel.rows([x[:n] for x in inputs], out)
+            assert np.array_equal(out, expected[:n])
+            assert (memory[:start] == 0xA5).all() and (memory[stop:] == 0xA5).all()
+
+
+@pytest.mark.parametrize("gathers", [True, False])
+def test_large_results_past_the_caches_are_the_same(gathers):
+    robot = dp.load("panda")
+    q, _, _ = robot.sample(9001, seed=0)
+    kernel = kernels.build(robot, TERMS["crba"], {}, host=dataclasses.replace(this_host(), gathers=gathers))
+    few = kernels.build(robot, TERMS["crba"], {}).rows([q[-50:]])
+    for shift in range(3):
+        big = np.tile(q, (2, 1))
+        out = np.empty(2 * 9001 * 81 + 8)[shift : shift + 2 * 9001 * 81].reshape(-1, 81)
+        assert out.nbytes > rows.STREAMED
+        kernel.rows([big], out)
+        assert np.array_equal(out[9001 - 50 : 9001], few)
+        assert np.array_equal(out[:9001], out[9001:])
+
+
 def test_single_precision():
     robot = dp.load("panda")
     q, v, a = (x.astype(np.float32) for x in robot.sample(33, seed=6))
@@ -211,7 +250,12 @@ def trigonometry(dtype=np.float64, host=None, lanes=None):
     together = host.lanes(number.size) if lanes == 1 else 1
     plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]), together=together)
     code = kernels.object_code(ir.module(plan, number, host, lanes), host)
-    about = {"sizes": [1], "operations": 1, "lanes": lanes, "scratch": ir.scratch_bytes(plan, number, lanes)}
+    about = {
+        "sizes": [1],
+        "operations": 1,
+        "lanes": lanes,
+        "scratch": ir.scratch_bytes(plan, number, this_host(), lanes),
+    }
     return kernels.Kernel(about, code, (2,), np.dtype(dtype))
 
 

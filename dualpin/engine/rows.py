@@ -1,0 +1,207 @@
+"""Rows of arrays to slots, and slots to rows.
+
+A sample is a row; a slot holds the same entry of as many samples as there are lanes.  Rows are
+loaded as vectors and transposed in registers, and so are results on their way out.  Where a vector
+is as long as a line of the cache, results leave line by line, none of them touched twice; machines
+that gather quickly collect each line from the slots.  Results too many for the caches go past them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .host import Host
+from .lanes import Lanes, Number
+from .schedule import Schedule
+
+UNROLLED = 64  # columns, or with one lane entries, that are written out instead of looped over
+STREAMED = 8 << 20  # bytes of a result from which it is written past the caches
+
+
+@dataclass(frozen=True)
+class Array:
+    """An array as the kernel knows it: its address, and how many bytes lie from one row to the next."""
+
+    pointer: str
+    stride: str
+
+
+class Rows:
+    """IR that moves one tile of samples into its slots and out of them."""
+
+    def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
+        self.plan, self.number, self.width = plan, number, width
+        self.columns = len(plan.outputs)
+        self.lines = host.width == 64 and width > 1 and self.columns > 0
+        self.gathers = self.lines and host.gathers
+        # lines need rows no shorter than a vector: so many are taken as one
+        self.joined = next(r for r in (1, 2, 4, 8, 16, 32) if r * max(self.columns, 1) >= width)
+
+    @property
+    def spare(self) -> int:
+        """Slots needed after those of the results: to gather beyond the last, or to put rows together in."""
+        if not self.lines:
+            return 0
+        return self.joined if self.gathers else self.columns + 1
+
+    def tables(self) -> str:
+        """The slots of the entries of a row; for gathering, the numbers in them, up to a vector after the row."""
+        outputs, W = self.plan.outputs, self.width
+        if self.gathers:
+            count = self.joined * self.columns + W
+            outputs = [outputs[i % self.columns] * W + i // self.columns for i in range(count)]
+        return f"@outputs = internal constant [{len(outputs)} x i32] [{', '.join(f'i32 {x}' for x in outputs)}]\n"
+
+    # in
+
+    def load(self, e: Lanes, k: int, array: Array, first: str, last: str) -> None:
+        """Input k of the tile's rows: `first`, those after it up to the `last` there is, and that again."""
+        start, columns = sum(self.plan.sizes[:k]), self.plan.sizes[k]
+        bases = self._addresses(e, array, first, last)
+
+        def transpose(j: int | str, count: int) -> None:
+            places = [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
+            slot = e.value(f"add i64 {j}, {start}")
+            for c, column in enumerate(e.transposed([e.load_row(p, count) for p in places])[:count]):
+                e.store("%scratch", e.value(f"add i64 {slot}, {c}"), column)
+
+        self._each(e, f"in{k}", columns, self.width, transpose)
+
+    def _addresses(self, e: Lanes, array: Array, first: str, last: str) -> list[str]:
+        places = []
+        for lane in range(self.width):
+            row = e.value(f"add i64 {first}, {lane}")
+            row = e.value(f"select i1 {e.value(f'icmp slt i64 {row}, {last}')}, i64 {row}, i64 {last}")
+            offset = e.value(f"mul i64 {row}, {array.stride}")
+            places.append(e.value(f"getelementptr i8, ptr {array.pointer}, i64 {offset}"))
+        return places
+
+    # out
+
+    def store(self, e: Lanes, array: Array, first: str, last: str) -> None:
+        """The results of the tile's rows, which follow each other without gaps; `last` is the last of all."""
+        if not self.lines:
+            self._transposed(e, self._addresses(e, array, first, last))
+            return
+        source = "%out"
+        if not self.gathers:
+            source = e.slot("%out", self.plan.output_slots)
+            places = (e.value(f"getelementptr {self.number.name}, ptr {source}, i64 {r * self.columns}")
+                      for r in range(self.width))  # fmt: skip
+            self._transposed(e, list(places))
+        all_rows = e.value(f"add i64 {last}, 1")
+        rows = e.value(f"sub i64 {all_rows}, {first}")
+        rows = e.value(f"select i1 {e.value(f'icmp slt i64 {rows}, {self.width}')}, i64 {rows}, i64 {self.width}")
+        offset = e.value(f"mul i64 {first}, {array.stride}")
+        pointer = e.value(f"getelementptr i8, ptr {array.pointer}, i64 {offset}")
+        whole = e.value(f"mul i64 {all_rows}, {array.stride}")
+        self._in_lines(e, pointer, e.value(f"mul i64 {rows}, {self.columns}"), whole, source)
+
+    def _transposed(self, e: Lanes, bases: list[str]) -> None:
+        """Entries from their slots to rows at these addresses."""
+
+        def group(j: int | str, count: int) -> None:
+            columns = []
+            for c in range(self.width):
+                if c >= count:
+                    columns.append("zeroinitializer")
+                elif isinstance(j, int):
+                    columns.append(e.load("%out", self.plan.outputs[j + c]))
+                else:
+                    entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c}')}")
+                    columns.append(e.load("%out", e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64")))
+            for base, row in zip(bases, e.transposed(columns), strict=True):
+                e.store_row(e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}"), count, row)
+
+        self._each(e, "results", self.columns, self.width, group)
+
+    def _in_lines(self, e: Lanes, pointer: str, total: str, whole: str, source: str) -> None:
+        """`total` numbers to `pointer` and after: up to where a line begins, lines, and the rest.
+
+        `whole` is the size of all results in bytes.
+        """
+        W, size, name = self.width, self.number.size, self.number.name
+        kind, line = f"<{W} x i64>", W * size
+        lanes = e.constants([str(lane) for lane in range(W)], "i64")
+        address = e.value(f"ptrtoint ptr {pointer} to i64")
+        beyond = e.value(f"and i64 {e.value(f'sub i64 0, {address}')}, {line - 1}")
+        head = e.value(f"lshr i64 {beyond}, {size.bit_length() - 1}")
+        short = e.value(f"icmp slt i64 {total}, {head}")
+        head = e.value(f"select i1 {short}, i64 {total}, i64 {head}")
+        large = e.value(f"icmp ugt i64 {whole}, {STREAMED}")
+        lined = e.value(f"icmp eq i64 {e.value(f'and i64 {beyond}, {size - 1}')}, 0")
+        past = e.value(f"and i1 {large}, {lined}")
+
+        def part(p: str, j: str, base: str, count: str) -> None:
+            mask = e.value(f"icmp slt {kind} {lanes}, {e.splat(count, 'i64')}")
+            at = e.value(f"getelementptr {name}, ptr {pointer}, i64 {p}")
+            e.store_some(at, self._line(e, j, base), mask)
+
+        part("0", "0", source, head)
+        e.do("br label %lines")
+        e.label("lines")
+        e.do(f"br i1 {past}, label %past.first, label %cached.first")
+        for tag, how in (("past", f"align {line}, !nontemporal !0"), ("cached", f"align {size}")):
+            e.label(f"{tag}.first")
+            e.do(f"br label %{tag}")
+            e.label(tag)
+            e.do(f"%{tag}.p = phi i64 [{head}, %{tag}.first], [%{tag}.p1, %{tag}.line]")
+            e.do(f"%{tag}.j = phi i64 [{head}, %{tag}.first], [%{tag}.j1, %{tag}.line]")
+            e.do(f"%{tag}.base = phi ptr [{source}, %{tag}.first], [%{tag}.base1, %{tag}.line]")
+            e.do(f"%{tag}.p1 = add i64 %{tag}.p, {W}")
+            e.do(f"%{tag}.more = icmp sle i64 %{tag}.p1, {total}")
+            e.do(f"br i1 %{tag}.more, label %{tag}.line, label %rest")
+            e.label(f"{tag}.line")
+            at = e.value(f"getelementptr {name}, ptr {pointer}, i64 %{tag}.p")
+            e.do(f"store {e.vector} {self._line(e, f'%{tag}.j', f'%{tag}.base')}, ptr {at}, {how}")
+            self._advance(e, tag)
+            e.do(f"br label %{tag}")
+        e.label("rest")
+        for x, type_ in (("p", "i64"), ("j", "i64"), ("base", "ptr")):
+            e.do(f"%rest.{x} = phi {type_} [%past.{x}, %past], [%cached.{x}, %cached]")
+        part("%rest.p", "%rest.j", "%rest.base", e.value(f"sub i64 {total}, %rest.p"))
+
+    def _line(self, e: Lanes, j: str, base: str) -> str:
+        """A vector of results, from entry j on of the row (or joined rows) at `base`."""
+        if not self.gathers:
+            return e.load_row(e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}"), self.width)
+        kind = f"<{self.width} x i32>"
+        entry = e.value(f"getelementptr i32, ptr @outputs, i64 {j}")
+        where = e.value(f"load {kind}, ptr {entry}, align 4")
+        return e.gather(e.value(f"getelementptr {self.number.name}, ptr {base}, {kind} {where}"))
+
+    def _advance(self, e: Lanes, tag: str) -> None:
+        """To the next line; for gathering, on to the next row where this one ends: one number further in all slots."""
+        j = e.value(f"add i64 %{tag}.j, {self.width}")
+        if not self.gathers:
+            e.do(f"%{tag}.j1 = add i64 {j}, 0")
+            e.do(f"%{tag}.base1 = getelementptr i8, ptr %{tag}.base, i64 0")
+            return
+        row = self.joined * self.columns
+        ended = e.value(f"icmp sge i64 {j}, {row}")
+        e.do(f"%{tag}.j1 = select i1 {ended}, i64 {e.value(f'sub i64 {j}, {row}')}, i64 {j}")
+        next_row = e.value(f"getelementptr {self.number.name}, ptr %{tag}.base, i64 {self.joined}")
+        e.do(f"%{tag}.base1 = select i1 {ended}, ptr {next_row}, ptr %{tag}.base")
+
+    # loops
+
+    def _each(self, e: Lanes, tag: str, count: int, step: int, body: Callable[[int | str, int], None]) -> None:
+        """body(j, how many) for j = 0, step, ...: written out if few, else a loop and what is left of it."""
+        full = count // step
+        if full <= UNROLLED // step:
+            for j in range(0, full * step, step):
+                body(j, step)
+        else:
+            e.do(f"br label %{tag}.before")
+            e.label(f"{tag}.before")
+            e.do(f"br label %{tag}")
+            e.label(tag)
+            e.do(f"%{tag}.j = phi i64 [0, %{tag}.before], [%{tag}.next, %{tag}]")
+            body(f"%{tag}.j", step)
+            e.do(f"%{tag}.next = add i64 %{tag}.j, {step}")
+            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {full * step}")
+            e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")
+            e.label(f"{tag}.after")
+        if count % step:
+            body(full * step, count % step)
