@@ -16,6 +16,7 @@ from .lanes import Lanes, Number
 from .schedule import Schedule
 
 UNROLLED = 64  # columns, or with one lane entries, that are written out instead of looped over
+BLOCK = 256  # columns of a result that leave together: their slots fit the first cache
 STREAMED = 8 << 20  # bytes of a result from which it is written past the caches
 
 
@@ -121,68 +122,82 @@ class Rows:
 
         `whole` is the size of all results in bytes.
         """
-        W, size, name = self.width, self.number.size, self.number.name
-        kind, line = f"<{W} x i64>", W * size
-        lanes = e.constants([str(lane) for lane in range(W)], "i64")
+        W, size, line = self.width, self.number.size, self.width * self.number.size
         address = e.value(f"ptrtoint ptr {pointer} to i64")
         beyond = e.value(f"and i64 {e.value(f'sub i64 0, {address}')}, {line - 1}")
         head = e.value(f"lshr i64 {beyond}, {size.bit_length() - 1}")
-        short = e.value(f"icmp slt i64 {total}, {head}")
-        head = e.value(f"select i1 {short}, i64 {total}, i64 {head}")
+        head = e.value(f"select i1 {e.value(f'icmp slt i64 {total}, {head}')}, i64 {total}, i64 {head}")
         large = e.value(f"icmp ugt i64 {whole}, {STREAMED}")
         lined = e.value(f"icmp eq i64 {e.value(f'and i64 {beyond}, {size - 1}')}, 0")
         past = e.value(f"and i1 {large}, {lined}")
 
-        def part(p: str, j: str, base: str, count: str) -> None:
+        def part(p: str, count: str) -> None:
+            lanes, kind = e.constants([str(lane) for lane in range(W)], "i64"), f"<{W} x i64>"
             mask = e.value(f"icmp slt {kind} {lanes}, {e.splat(count, 'i64')}")
-            at = e.value(f"getelementptr {name}, ptr {pointer}, i64 {p}")
-            e.store_some(at, self._line(e, j, base), mask)
+            row = e.value(f"udiv i64 {p}, {self.joined * self.columns}")
+            j = e.value(f"sub i64 {p}, {e.value(f'mul i64 {row}, {self.joined * self.columns}')}")
+            e.store_some(self._at(e, pointer, p), self._line(e, source, row, j), mask)
 
-        part("0", "0", source, head)
+        part("0", head)
         e.do("br label %lines")
         e.label("lines")
         e.do(f"br i1 {past}, label %past.first, label %cached.first")
-        for tag, how in (("past", f"align {line}, !nontemporal !0"), ("cached", f"align {size}")):
-            e.label(f"{tag}.first")
-            e.do(f"br label %{tag}")
-            e.label(tag)
-            e.do(f"%{tag}.p = phi i64 [{head}, %{tag}.first], [%{tag}.p1, %{tag}.line]")
-            e.do(f"%{tag}.j = phi i64 [{head}, %{tag}.first], [%{tag}.j1, %{tag}.line]")
-            e.do(f"%{tag}.base = phi ptr [{source}, %{tag}.first], [%{tag}.base1, %{tag}.line]")
-            e.do(f"%{tag}.p1 = add i64 %{tag}.p, {W}")
-            e.do(f"%{tag}.more = icmp sle i64 %{tag}.p1, {total}")
-            e.do(f"br i1 %{tag}.more, label %{tag}.line, label %rest")
-            e.label(f"{tag}.line")
-            at = e.value(f"getelementptr {name}, ptr {pointer}, i64 %{tag}.p")
-            e.do(f"store {e.vector} {self._line(e, f'%{tag}.j', f'%{tag}.base')}, ptr {at}, {how}")
-            self._advance(e, tag)
-            e.do(f"br label %{tag}")
+        self._whole_lines(e, "past", pointer, head, total, source, f"align {line}, !nontemporal !0")
+        self._whole_lines(e, "cached", pointer, head, total, source, f"align {size}")
         e.label("rest")
-        for x, type_ in (("p", "i64"), ("j", "i64"), ("base", "ptr")):
-            e.do(f"%rest.{x} = phi {type_} [%past.{x}, %past], [%cached.{x}, %cached]")
-        part("%rest.p", "%rest.j", "%rest.base", e.value(f"sub i64 {total}, %rest.p"))
+        lines = e.value(f"and i64 {e.value(f'sub i64 {total}, {head}')}, -{W}")
+        done = e.value(f"add i64 {head}, {lines}")
+        part(done, e.value(f"sub i64 {total}, {done}"))
 
-    def _line(self, e: Lanes, j: str, base: str) -> str:
-        """A vector of results, from entry j on of the row (or joined rows) at `base`."""
+    def _whole_lines(self, e: Lanes, tag: str, pointer: str, head: str, total: str, source: str, how: str) -> None:
+        """Block by block of columns, so that their slots stay close, and row by row in it."""
+        W, row = self.width, self.joined * self.columns
+        e.label(f"{tag}.first")
+        last = e.value(f"sub i64 {total}, {W - 1}")
+        e.do(f"br label %{tag}.block")
+        e.label(f"{tag}.block")
+        e.do(f"%{tag}.c = phi i64 [0, %{tag}.first], [%{tag}.c1, %{tag}.block.end]")
+        e.do(f"%{tag}.c1 = add i64 %{tag}.c, {BLOCK}")
+        end = e.value(f"select i1 {e.value(f'icmp slt i64 %{tag}.c1, {row}')}, i64 %{tag}.c1, i64 {row}")
+        e.do(f"br label %{tag}.row")
+        e.label(f"{tag}.row")
+        e.do(f"%{tag}.r = phi i64 [0, %{tag}.block], [%{tag}.r1, %{tag}.row.end]")
+        start = e.value(f"mul i64 %{tag}.r, {row}")
+        left = e.value(f"sub i64 {last}, {start}")
+        stop = e.value(f"select i1 {e.value(f'icmp slt i64 {left}, {end}')}, i64 {left}, i64 {end}")
+        # the first column from c on that begins a line
+        offset = e.value(f"sub i64 {e.value(f'sub i64 {head}, {start}')}, %{tag}.c")
+        first = e.value(f"add i64 %{tag}.c, {e.value(f'and i64 {offset}, {W - 1}')}")
+        e.do(f"br label %{tag}.line")
+        e.label(f"{tag}.line")
+        e.do(f"%{tag}.j = phi i64 [{first}, %{tag}.row], [%{tag}.j1, %{tag}.one]")
+        e.do(f"%{tag}.more = icmp slt i64 %{tag}.j, {stop}")
+        e.do(f"br i1 %{tag}.more, label %{tag}.one, label %{tag}.row.end")
+        e.label(f"{tag}.one")
+        at = self._at(e, pointer, e.value(f"add i64 {start}, %{tag}.j"))
+        e.do(f"store {e.vector} {self._line(e, source, f'%{tag}.r', f'%{tag}.j')}, ptr {at}, {how}")
+        e.do(f"%{tag}.j1 = add i64 %{tag}.j, {W}")
+        e.do(f"br label %{tag}.line")
+        e.label(f"{tag}.row.end")
+        e.do(f"%{tag}.r1 = add i64 %{tag}.r, 1")
+        e.do(f"%{tag}.rows = icmp slt i64 %{tag}.r1, {W // self.joined}")
+        e.do(f"br i1 %{tag}.rows, label %{tag}.row, label %{tag}.block.end")
+        e.label(f"{tag}.block.end")
+        e.do(f"%{tag}.blocks = icmp slt i64 %{tag}.c1, {row}")
+        e.do(f"br i1 %{tag}.blocks, label %{tag}.block, label %rest")
+
+    def _at(self, e: Lanes, base: str, i: str) -> str:
+        return e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {i}")
+
+    def _line(self, e: Lanes, source: str, row: str, j: str) -> str:
+        """A vector of results, from entry j of a row (of joined rows) on."""
         if not self.gathers:
-            return e.load_row(e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}"), self.width)
-        kind = f"<{self.width} x i32>"
+            start = e.value(f"mul i64 {row}, {self.joined * self.columns}")
+            return e.load_row(self._at(e, source, e.value(f"add i64 {start}, {j}")), self.width)
+        base = self._at(e, source, e.value(f"mul i64 {row}, {self.joined}"))  # in all slots, that many numbers on
         entry = e.value(f"getelementptr i32, ptr @outputs, i64 {j}")
-        where = e.value(f"load {kind}, ptr {entry}, align 4")
-        return e.gather(e.value(f"getelementptr {self.number.name}, ptr {base}, {kind} {where}"))
-
-    def _advance(self, e: Lanes, tag: str) -> None:
-        """To the next line; for gathering, on to the next row where this one ends: one number further in all slots."""
-        j = e.value(f"add i64 %{tag}.j, {self.width}")
-        if not self.gathers:
-            e.do(f"%{tag}.j1 = add i64 {j}, 0")
-            e.do(f"%{tag}.base1 = getelementptr i8, ptr %{tag}.base, i64 0")
-            return
-        row = self.joined * self.columns
-        ended = e.value(f"icmp sge i64 {j}, {row}")
-        e.do(f"%{tag}.j1 = select i1 {ended}, i64 {e.value(f'sub i64 {j}, {row}')}, i64 {j}")
-        next_row = e.value(f"getelementptr {self.number.name}, ptr %{tag}.base, i64 {self.joined}")
-        e.do(f"%{tag}.base1 = select i1 {ended}, ptr {next_row}, ptr %{tag}.base")
+        where = e.value(f"load <{self.width} x i32>, ptr {entry}, align 4")
+        return e.gather(e.value(f"getelementptr {self.number.name}, ptr {base}, <{self.width} x i32> {where}"))
 
     # loops
 
