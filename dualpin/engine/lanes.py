@@ -139,6 +139,10 @@ class Lanes:
         one = self.value(f"insertelement {vector} poison, {kind} {x}, i32 0")
         return self.value(f"shufflevector {vector} {one}, {vector} poison, <{self.width} x i32> zeroinitializer")
 
+    def broadcast(self, p: str) -> str:
+        """The number at p, in all lanes."""
+        return self.splat(self.value(f"load {self.number.name}, ptr {p}, !invariant.load !1"), self.number.name)
+
     def gather(self, pointers: str) -> str:
         """Numbers from anywhere, by a vector of their addresses."""
         return self.value(

@@ -18,7 +18,10 @@ from .schedule import Schedule, Step
 
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
-_CHUNK_ARGS = "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to"
+_CHUNK_ARGS = (
+    "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to, "
+    "ptr noalias readonly %constants"
+)
 
 
 def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
@@ -30,14 +33,14 @@ def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
     for k, stage in enumerate(plan.stages):
         for c, chunk in enumerate(stage.chunks):
             parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
-            calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch)")
+            calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
         if stage.angles:
             calls += emit.trigonometry(k, stage.angles)
     if plan.sine:
         parts += [emit.cos_sin(), emit.cos_sin_far()]
-    parts.append(emit.kernel(calls))
+    parts += [emit.kernel(calls), emit.constant_table()]
     attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
-    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n')
+    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n!1 = !{{}}\n')
     return "\n".join(parts)
 
 
@@ -50,6 +53,7 @@ class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.rows = Rows(plan, number, width, host)
+        self.constants: dict[float, int] = {}
 
     @property
     def overlaps(self) -> bool:
@@ -65,12 +69,17 @@ class _Emission:
         plan, e = self.plan, self.lanes()
         names: dict[int, str] = {}
 
+        def constant(x: float) -> str:
+            # by an address in a register: LLVM's own pool may lie anywhere, and each use would name 64 bits of it
+            k = self.constants.setdefault(x, len(self.constants))
+            return e.broadcast(e.value(f"getelementptr inbounds {self.number.name}, ptr %constants, i64 {k}"))
+
         def get(i: int, sign: int = 1) -> str:
             found = names.get(i)
             if found is None:
                 node = plan.nodes[i]
                 if node[0] == "const":
-                    found = e.constant(node[1])
+                    found = constant(node[1])
                 else:
                     found = e.load("%in" if node[0] in ("in", "sin", "cos") else "%from", plan.slot[i])
                 names[i] = found
@@ -83,7 +92,7 @@ class _Emission:
             elif step.op in _OPS:
                 x = e.binary(_OPS[step.op], get(a[0]), get(a[1]))
             elif step.op == "inv":
-                x = e.binary("fdiv", e.constant(1.0), get(a[0]))
+                x = e.binary("fdiv", constant(1.0), get(a[0]))
             elif step.op == "neg":
                 result = step.i in plan.output_slot  # 0 - 0 is 0: no result is -0
                 x = e.binary("fsub", e.constant(0.0), get(a[0])) if result else e.negative(get(a[0]))
@@ -238,6 +247,12 @@ done:
                 entries = ", ".join(f"i32 {s}" for s in pairs)
                 text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
         return text
+
+    def constant_table(self) -> str:
+        """The numbers of the chunks, once they are written."""
+        e = self.lanes()
+        entries = [f"{self.number.name} {e.number_text(x)}" for x in self.constants]
+        return f"@constants = internal constant [{len(entries)} x {self.number.name}] [{', '.join(entries)}]\n"
 
     def kernel(self, calls: list[str]) -> str:
         plan, e = self.plan, self.lanes()
