@@ -149,7 +149,7 @@ def compiled(
     program = trace(robot, term, options)
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     together = host.lanes(number.size) if lanes == 1 else 1
-    plan = schedule(program, together=together)
+    plan = schedule(program, together=together, direct=lanes == 1)
     code = object_code(ir.module(plan, number, host, lanes), host)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,

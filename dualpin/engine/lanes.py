@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import itertools
 import math
 import struct
 from dataclasses import dataclass
@@ -65,21 +67,31 @@ class Lanes:
     """Lines of IR that work on vectors of `width` numbers.  Methods return the name of their value."""
 
     def __init__(self, number: Number, width: int, host: Host) -> None:
-        self.number, self.width, self.host = number, width, host
+        self.number, self.host = number, host
+        self.lines: list[str] = []
+        self._names = itertools.count(1)
+        self._splat = binding().llvm_version_info[0] >= 19
+        self._set_width(width)
+
+    def _set_width(self, width: int) -> None:
+        number, self.width = self.number, width
         self.vector = f"<{width} x {number.name}>"
         self.integer = f"<{width} x i{number.bits}>"
         self.mask = f"<{width} x i1>"
         self.places = f"<{width} x ptr>"
         self.suffix = f"v{width}f{number.bits}"
         self.align = width * number.size
-        self.lines: list[str] = []
-        self._names = 0
-        self._splat = binding().llvm_version_info[0] >= 19
+
+    def of_width(self, width: int) -> Lanes:
+        """More of the same lines, on vectors of another width."""
+        other = copy.copy(self)
+        other._set_width(width)
+        return other
 
     def value(self, text: str) -> str:
-        self._names += 1
-        self.lines.append(f"  %t{self._names} = {text}")
-        return f"%t{self._names}"
+        name = f"%t{next(self._names)}"
+        self.lines.append(f"  {name} = {text}")
+        return name
 
     def do(self, text: str) -> None:
         self.lines.append("  " + text)

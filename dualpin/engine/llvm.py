@@ -53,7 +53,7 @@ class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.rows = Rows(plan, number, width, host)
-        self.constants: dict[float, int] = {}
+        self.pool: dict[float, int] = {}  # numbers used by chunks
 
     @property
     def overlaps(self) -> bool:
@@ -71,7 +71,7 @@ class _Emission:
 
         def constant(x: float) -> str:
             # by an address in a register: LLVM's own pool may lie anywhere, and each use would name 64 bits of it
-            k = self.constants.setdefault(x, len(self.constants))
+            k = self.pool.setdefault(x, len(self.pool))
             return e.broadcast(e.value(f"getelementptr inbounds {self.number.name}, ptr %constants, i64 {k}"))
 
         def get(i: int, sign: int = 1) -> str:
@@ -94,7 +94,7 @@ class _Emission:
             elif step.op == "inv":
                 x = e.binary("fdiv", constant(1.0), get(a[0]))
             elif step.op == "neg":
-                result = step.i in plan.output_slot  # 0 - 0 is 0: no result is -0
+                result = step.i in plan.places  # 0 - 0 is 0: no result is -0
                 x = e.binary("fsub", e.constant(0.0), get(a[0])) if result else e.negative(get(a[0]))
             elif step.op == "sqrt":
                 x = e.unary("sqrt", get(a[0]))
@@ -103,8 +103,8 @@ class _Emission:
             names[step.i] = x
             if step.i in plan.slot:
                 e.store("%to", plan.slot[step.i], x)
-            if step.i in plan.output_slot:
-                e.store("%out", plan.output_slot[step.i], x)
+            for place in plan.places.get(step.i, ()):
+                e.store("%out", place, x)
         body = "\n".join(e.lines)
         return f"define internal void @{name}({_CHUNK_ARGS}) noinline #0 {{\n{body}\n  ret void\n}}\n"
 
@@ -251,8 +251,16 @@ done:
     def constant_table(self) -> str:
         """The numbers of the chunks, once they are written."""
         e = self.lanes()
-        entries = [f"{self.number.name} {e.number_text(x)}" for x in self.constants]
+        entries = [f"{self.number.name} {e.number_text(x)}" for x in self.pool]
         return f"@constants = internal constant [{len(entries)} x {self.number.name}] [{', '.join(entries)}]\n"
+
+    def _copied(self, e: Lanes, ops: tuple[str, ...]) -> None:
+        """Results that are inputs, or sines of inputs."""
+        for i, places in self.plan.places.items():
+            if self.plan.nodes[i][0] in ops:
+                x = e.load("%scratch", self.plan.slot[i])
+                for place in places:
+                    e.store("%out", place, x)
 
     def kernel(self, calls: list[str]) -> str:
         plan, e = self.plan, self.lanes()
@@ -262,10 +270,10 @@ done:
             pointer = e.value(f"load ptr, ptr {e.value(f'getelementptr ptr, ptr %arrays, i64 {k}')}")
             stride = e.value(f"load i64, ptr {e.value(f'getelementptr i64, ptr %strides, i64 {k}')}")
             arrays.append(Array(pointer, e.value(f"mul i64 {stride}, {size}")))
-        e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
-        e.store("%out", 0, "zeroinitializer")
-        for slot, x in plan.constants.items():
-            e.store("%out", slot, e.constant(x))
+        if not plan.direct:
+            e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
+            for place, x in plan.constants.items():
+                e.store("%out", place, e.constant(x))
         e.do("%last = sub i64 %n, 1")
         e.do("%any = icmp sgt i64 %n, 0")
         e.do("br i1 %any, label %tile, label %exit")
@@ -282,15 +290,15 @@ done:
             e.do("%some = icmp slt i64 %b, %n")
             e.do("br i1 %some, label %compute, label %exit")
             e.label("compute")
-        for i, slot in plan.output_slot.items():  # results that are inputs, or sines of inputs
-            if plan.nodes[i][0] == "in":
-                e.store("%out", slot, e.load("%scratch", plan.slot[i]))
+        if plan.direct:
+            e.do(f"%row = mul i64 %b, {arrays[-1].stride}")
+            e.do(f"%out = getelementptr i8, ptr {arrays[-1].pointer}, i64 %row")
+            self.rows.copy_constants(e)
+        self._copied(e, ("in",))
         for call in calls:
             e.do(call)
-        for i, slot in plan.output_slot.items():
-            if plan.nodes[i][0] in ("sin", "cos"):
-                e.store("%out", slot, e.load("%scratch", plan.slot[i]))
-        if not self.overlaps:
+        self._copied(e, ("sin", "cos"))
+        if not plan.direct and not self.overlaps:
             self.rows.store(e, arrays[-1], "%b", "%last")
         e.do("br label %tile.end")
         e.label("tile.end")

@@ -15,7 +15,7 @@ from .host import Host
 from .lanes import Lanes, Number
 from .schedule import Schedule
 
-UNROLLED = 64  # columns, or with one lane entries, that are written out instead of looped over
+UNROLLED = 64  # columns that are written out instead of looped over
 BLOCK = 256  # columns of a result that leave together: their slots fit the first cache
 STREAMED = 8 << 20  # bytes of a result from which it is written past the caches
 
@@ -32,7 +32,8 @@ class Rows:
     """IR that moves one tile of samples into its slots and out of them."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
-        self.plan, self.number, self.width = plan, number, width
+        self.plan, self.number, self.width, self.host = plan, number, width, host
+        self.widest = host.lanes(number.size)
         self.columns = len(plan.outputs)
         self.lines = host.width == 64 and width > 1 and self.columns > 0
         self.gathers = self.lines and host.gathers
@@ -41,7 +42,9 @@ class Rows:
 
     @property
     def spare(self) -> int:
-        """Slots needed after those of the results: to gather beyond the last, or to put rows together in."""
+        """Slots needed after the others: to copy or gather beyond the last, or to put rows together in."""
+        if self.width == 1:
+            return self.widest
         if not self.lines:
             return 0
         return self.joined if self.gathers else self.columns + 1
@@ -52,7 +55,13 @@ class Rows:
         if self.gathers:
             count = self.joined * self.columns + W
             outputs = [outputs[i % self.columns] * W + i // self.columns for i in range(count)]
-        return f"@outputs = internal constant [{len(outputs)} x i32] [{', '.join(f'i32 {x}' for x in outputs)}]\n"
+        text = f"@outputs = internal constant [{len(outputs)} x i32] [{', '.join(f'i32 {x}' for x in outputs)}]\n"
+        if self.plan.direct:
+            e = Lanes(self.number, 1, self.host)
+            row = [e.number_text(self.plan.constants.get(j, 0.0)) for j in range(self.columns)]
+            entries = ", ".join(f"{self.number.name} {x}" for x in row)
+            text += f"@row = internal constant [{self.columns} x {self.number.name}] [{entries}]\n"
+        return text
 
     # in
 
@@ -60,6 +69,9 @@ class Rows:
         """Input k of the tile's rows: `first`, those after it up to the `last` there is, and that again."""
         start, columns = sum(self.plan.sizes[:k]), self.plan.sizes[k]
         bases = self._addresses(e, array, first, last)
+        if self.width == 1:
+            self._copy(e, f"in{k}", columns, bases[0], e.slot("%scratch", start), beyond=True)
+            return
 
         def transpose(j: int | str, count: int) -> None:
             places = [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
@@ -78,7 +90,22 @@ class Rows:
             places.append(e.value(f"getelementptr i8, ptr {array.pointer}, i64 {offset}"))
         return places
 
+    def _copy(self, e: Lanes, tag: str, count: int, source: str, target: str, beyond: bool = False) -> None:
+        """Numbers from one place to another, by whole vectors; the last may go `beyond`."""
+        wide = e.of_width(self.widest)
+
+        def vector(j: int | str, n: int) -> None:
+            x = wide.load_row(self._at(wide, source, j), n)
+            wide.store_row(self._at(wide, target, j), wide.width if beyond else n, x)
+
+        self._each(wide, tag, count, wide.width, vector)
+
     # out
+
+    def copy_constants(self, e: Lanes) -> None:
+        """What does not depend on the inputs, to a row that the rest will be written to."""
+        if self.plan.constants:
+            self._copy(e, "constants", self.columns, "@row", "%out")
 
     def store(self, e: Lanes, array: Array, first: str, last: str) -> None:
         """The results of the tile's rows, which follow each other without gaps; `last` is the last of all."""
@@ -186,7 +213,7 @@ class Rows:
         e.do(f"%{tag}.blocks = icmp slt i64 %{tag}.c1, {row}")
         e.do(f"br i1 %{tag}.blocks, label %{tag}.block, label %rest")
 
-    def _at(self, e: Lanes, base: str, i: str) -> str:
+    def _at(self, e: Lanes, base: str, i: int | str) -> str:
         return e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {i}")
 
     def _line(self, e: Lanes, source: str, row: str, j: str) -> str:

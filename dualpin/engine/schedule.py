@@ -54,12 +54,13 @@ class Schedule:
         How many cosines lie side by side, followed by their sines.
     slots : int
         How many of those there are.
-    output_slot : dict
-        Node -> its slot among the outputs, which are numbered apart; slot 0 holds zero.
+    places : dict
+        Node -> where it goes among the results, which are numbered apart: its slot, or with `direct`
+        all entries of the row that it is.
     constants : dict
-        Output slot -> value, for results that do not depend on the inputs.
+        The same for results that do not depend on the inputs: place -> value.
     outputs : list of int
-        The output slot of each entry of the result.
+        The place of each entry of the result.
     """
 
     nodes: list[Node]
@@ -68,11 +69,12 @@ class Schedule:
     sine: dict[int, int]
     cosine: dict[int, int]
     slots: int
-    output_slot: dict[int, int]
+    places: dict[int, list[int]]
     constants: dict[int, float]
     outputs: list[int]
     sizes: list[int]
     together: int = 1
+    direct: bool = False
 
     @property
     def operations(self) -> int:
@@ -80,13 +82,14 @@ class Schedule:
 
     @property
     def output_slots(self) -> int:
-        return 1 + len(self.output_slot) + len(self.constants)
+        return 0 if self.direct else len(self.places) + len(self.constants)
 
 
-def schedule(program: Trace, chunk: int = CHUNK, together: int = 1) -> Schedule:
+def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool = False) -> Schedule:
     """Order, fuse, cut and place.
 
     `together` says how many angles are handled at a time: so many cosines lie side by side, then their sines.
+    With `direct`, results go straight to their row.
     """
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
@@ -108,17 +111,24 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1) -> Schedule:
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
     slots = place_passed(stages, slot, slots)
 
-    output_slot: dict[int, int] = {}
-    known: dict[float, int] = {0.0: 0}
-    outputs = []
-    for x in program.outputs:
-        fresh = 1 + len(output_slot) + len(known) - 1
-        if type(x) is Sym:
-            outputs.append(output_slot.setdefault(x.i, fresh))
-        else:
-            outputs.append(known.setdefault(float(x), fresh))
-    constants = {s: value for value, s in known.items() if s}
-    return Schedule(nodes, stages, slot, sine, cosine, slots, output_slot, constants, outputs, program.sizes, together)
+    places: dict[int, list[int]] = {}
+    constants: dict[int, float] = {}
+    if direct:
+        outputs = list(range(len(program.outputs)))
+        for j, x in enumerate(program.outputs):
+            if type(x) is Sym:
+                places.setdefault(x.i, []).append(j)
+            else:
+                constants[j] = x
+    else:
+        keys = [x.i if type(x) is Sym else ("constant", x) for x in program.outputs]
+        number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
+        outputs = [number[key] for key in keys]
+        places = {key: [k] for key, k in number.items() if isinstance(key, int)}
+        constants = {k: key[1] for key, k in number.items() if not isinstance(key, int)}
+    return Schedule(
+        nodes, stages, slot, sine, cosine, slots, places, constants, outputs, program.sizes, together, direct
+    )
 
 
 def fused(program: Trace, order: list[int]) -> dict[int, Step]:

@@ -248,13 +248,13 @@ def trigonometry(dtype=np.float64, host=None, lanes=None):
     graph = Graph()
     (x,) = graph.inputs(0, 1)
     together = host.lanes(number.size) if lanes == 1 else 1
-    plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]), together=together)
+    plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]), together=together, direct=lanes == 1)
     code = kernels.object_code(ir.module(plan, number, host, lanes), host)
     about = {
         "sizes": [1],
         "operations": 1,
         "lanes": lanes,
-        "scratch": ir.scratch_bytes(plan, number, this_host(), lanes),
+        "scratch": ir.scratch_bytes(plan, number, host, lanes),
     }
     return kernels.Kernel(about, code, (2,), np.dtype(dtype))
 
