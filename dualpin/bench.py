@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from .boundary import compute
+from . import functions
 from .crosscheck.oracles.pinocchio import Pinocchio
 from .engine.threads import get_num_threads, set_num_threads
 from .errors import ArgumentError, DualpinError, DualpinWarning, nearest
@@ -135,10 +135,9 @@ class Pair:
         return written_out(f, args, out), out
 
     def function(self) -> Call:
-        """The public function's way, for one configuration."""
-        args = tuple(x[0].copy() for x in self.inputs)
-        robot, name, options = self.robot, self.term.name, self.options
-        return lambda: compute(robot, name, args, "auto", None, **options)
+        """The public function, for one configuration."""
+        arrays = (x[0].copy() for x in self.inputs)
+        return written_out(getattr(functions, self.term.name), [self.robot, *arrays, *self.options.values()])
 
     def theirs(self) -> tuple[Call, int, str]:
         """Pinocchio's fastest: its parallel loop in C++ where there is one, else its Python call.

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,32 +22,36 @@ from .terms import TERMS, Options, Term, input_shape
 _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
 
 
-def compute(
-    robot: Robot, name: str, arrays: tuple[Any, ...], engine: str, out: np.ndarray | None, **options: Any
-) -> np.ndarray:
-    """What the public functions do: the robot's own callable for the term where there is one, else `call`.
+def prepared(
+    robot: Robot, key: str | tuple[Any, ...], engine: str, names: tuple[str, ...] = ()
+) -> Callable[..., np.ndarray]:
+    """What a public function calls with its arrays and `out`: the robot's own callable for the term, or `call`.
 
-    The first call makes that callable; `options` are still as the user gave them.
+    It is made at first use.  `key` is the term's name, followed by its options as the user gave
+    them, which are called `names`.
     """
     if engine == "auto":
         try:
-            found = robot._ready[(name, *options.values()) if options else name]
+            return robot._ready[key]
         except (AttributeError, KeyError, TypeError):
             pass
-        else:
-            return found(*arrays, out)
+    name, *values = (key,) if isinstance(key, str) else key
     check_robot(robot, name)
-    if engine == "auto" and robot.numbers != "double":
-        engine = "numpy"  # constants of more digits are no machine numbers: they run uncompiled
-    settled = settle(robot, options)
-    if engine == "auto":
-        from .engine.bind import bind
+    settled = settle(robot, dict(zip(names, values, strict=True)))
+    if engine != "auto" or robot.numbers != "double":
+        # constants of more digits are no machine numbers: they run uncompiled
+        return partial(_called, robot, name, "numpy" if engine == "auto" else engine, settled)
+    from .engine.bind import bind
 
-        found = bind(robot, name, **settled)
-        with contextlib.suppress(TypeError):  # options that are no keys: settled every time
-            robot._ready[(name, *options.values()) if options else name] = found
-        return found(*arrays, out)
-    return call(robot, name, dict(zip(TERMS[name].inputs, arrays, strict=True)), engine=engine, out=out, **settled)
+    found = bind(robot, name, **settled)
+    with contextlib.suppress(TypeError):  # options that are no keys: settled every time
+        robot._ready[key] = found
+    return found
+
+
+def _called(robot: Robot, name: str, engine: str, options: Options, *arrays: Any) -> np.ndarray:
+    *inputs, out = arrays
+    return call(robot, name, dict(zip(TERMS[name].inputs, inputs, strict=True)), engine=engine, out=out, **options)
 
 
 def settle(robot: Robot, options: Mapping[str, Any]) -> dict[str, Any]:
@@ -191,4 +196,4 @@ def choice(what: str, value: str, choices: tuple[str, ...]) -> str:
     return value
 
 
-__all__ = ["Options", "as_array", "call", "check_robot", "choice", "compute", "flattened", "numbers"]
+__all__ = ["Options", "as_array", "call", "check_robot", "choice", "flattened", "numbers", "prepared"]

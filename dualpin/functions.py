@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .boundary import call, check_out, check_robot, choice, compute
+from .boundary import call, check_out, check_robot, choice, prepared
 from .model.robot import Frame, Robot
 
 FrameLike = str | int | Frame
@@ -63,15 +63,15 @@ def fk(
     """
     if as_ == "matrix":
         if frame is None:
-            return compute(robot, "fk", (q,), engine, out)
-        return compute(robot, "frame_pose", (q,), engine, out, frame=frame)
+            return prepared(robot, "fk", engine)(q, out)
+        return prepared(robot, ("frame_pose", frame), engine, ("frame",))(q, out)
     choice("fk: as_", as_, ("matrix", "dual_quaternion"))
     if frame is None:
         from .spatial import from_matrix
 
         x = from_matrix(call(robot, "fk", {"q": q}, engine=engine))
     else:
-        x = compute(robot, "frame_quaternion", (q,), engine, None, frame=frame)
+        x = prepared(robot, ("frame_quaternion", frame), engine, ("frame",))(q, None)
         x = np.where(x[..., :1] < 0, -x, x)
     if out is None:
         return x
@@ -114,7 +114,7 @@ def jacobian(
     >>> dp.jacobian(dp.load("ur5"), np.zeros(6), "tool0").shape
     (6, 6)
     """
-    return compute(robot, "jacobian", (q,), engine, out, frame=frame, reference=reference)
+    return prepared(robot, ("jacobian", frame, reference), engine, ("frame", "reference"))(q, out)
 
 
 def jacobian_dot(
@@ -142,7 +142,7 @@ def jacobian_dot(
     >>> float(abs(dp.jacobian_dot(robot, np.zeros(6), np.zeros(6), "tool0")).max())
     0.0
     """
-    return compute(robot, "jacobian_dot", (q, v), engine, out, frame=frame, reference=reference)
+    return prepared(robot, ("jacobian_dot", frame, reference), engine, ("frame", "reference"))(q, v, out)
 
 
 def frame_velocity(
@@ -168,7 +168,7 @@ def frame_velocity(
     >>> dp.frame_velocity(dp.load("ur5"), np.zeros(6), np.zeros(6), "tool0").tolist()
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    return compute(robot, "frame_velocity", (q, v), engine, out, frame=frame, reference=reference)
+    return prepared(robot, ("frame_velocity", frame, reference), engine, ("frame", "reference"))(q, v, out)
 
 
 def frame_acceleration(
@@ -209,8 +209,8 @@ def frame_acceleration(
     >>> dp.frame_acceleration(dp.load("ur5"), np.zeros(6), np.zeros(6), np.zeros(6), "tool0").shape
     (6,)
     """
-    seen = {"frame": frame, "reference": reference, "classical": bool(classical)}
-    return compute(robot, "frame_acceleration", (q, v, a), engine, out, **seen)
+    key = ("frame_acceleration", frame, reference, bool(classical))
+    return prepared(robot, key, engine, ("frame", "reference", "classical"))(q, v, a, out)
 
 
 def rnea(
@@ -250,15 +250,8 @@ def rnea(
     (1000, 9)
     """
     if f_ext is None:
-        if engine == "auto":  # control loops: what `compute` does first, without the call
-            try:
-                ready = robot._ready["rnea"]
-            except (AttributeError, KeyError):
-                pass
-            else:
-                return ready(q, v, a, out)
-        return compute(robot, "rnea", (q, v, a), engine, out)
-    return compute(robot, "rnea_f_ext", (q, v, a, f_ext), engine, out)
+        return prepared(robot, "rnea", engine)(q, v, a, out)
+    return prepared(robot, "rnea_f_ext", engine)(q, v, a, f_ext, out)
 
 
 def bias(
@@ -272,7 +265,7 @@ def bias(
     >>> dp.bias(dp.load("ur5"), np.zeros(6), np.ones(6)).shape
     (6,)
     """
-    return compute(robot, "bias", (q, v), engine, out)
+    return prepared(robot, "bias", engine)(q, v, out)
 
 
 def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
@@ -284,7 +277,7 @@ def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine
     >>> dp.gravity(dp.load("ur5"), np.zeros(6)).shape
     (6,)
     """
-    return compute(robot, "gravity", (q,), engine, out)
+    return prepared(robot, "gravity", engine)(q, out)
 
 
 def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
@@ -301,7 +294,7 @@ def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     >>> bool((M == M.T).all())
     True
     """
-    return compute(robot, "crba", (q,), engine, out)
+    return prepared(robot, "crba", engine)(q, out)
 
 
 def coriolis(
@@ -325,7 +318,7 @@ def coriolis(
     >>> bool(np.allclose(C @ v + dp.gravity(robot, q), dp.bias(robot, q, v)))
     True
     """
-    return compute(robot, "coriolis", (q, v), engine, out)
+    return prepared(robot, "coriolis", engine)(q, v, out)
 
 
 def aba(
@@ -365,15 +358,8 @@ def aba(
     True
     """
     if f_ext is None:
-        if engine == "auto":  # control loops: what `compute` does first, without the call
-            try:
-                ready = robot._ready["aba"]
-            except (AttributeError, KeyError):
-                pass
-            else:
-                return ready(q, v, tau, out)
-        return compute(robot, "aba", (q, v, tau), engine, out)
-    return compute(robot, "aba_f_ext", (q, v, tau, f_ext), engine, out)
+        return prepared(robot, "aba", engine)(q, v, tau, out)
+    return prepared(robot, "aba_f_ext", engine)(q, v, tau, f_ext, out)
 
 
 def rnea_derivatives(
@@ -404,7 +390,7 @@ def rnea_derivatives(
     >>> bool(abs(dq @ v - slope).max() < 1e-6)
     True
     """
-    dq, dv, da = np.moveaxis(compute(robot, "rnea_derivatives", (q, v, a), engine, None), -3, 0)
+    dq, dv, da = np.moveaxis(prepared(robot, "rnea_derivatives", engine)(q, v, a, None), -3, 0)
     return dq, dv, da
 
 
@@ -435,7 +421,7 @@ def aba_derivatives(
     >>> bool(np.allclose(dtau, dp.minv(robot, q)))
     True
     """
-    dq, dv, dtau = np.moveaxis(compute(robot, "aba_derivatives", (q, v, tau), engine, None), -3, 0)
+    dq, dv, dtau = np.moveaxis(prepared(robot, "aba_derivatives", engine)(q, v, tau, None), -3, 0)
     return dq, dv, dtau
 
 
@@ -454,7 +440,7 @@ def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     >>> bool(np.allclose(dp.minv(robot, q) @ dp.crba(robot, q), np.eye(6)))
     True
     """
-    return compute(robot, "minv", (q,), engine, out)
+    return prepared(robot, "minv", engine)(q, out)
 
 
 def kinetic_energy(
@@ -468,7 +454,7 @@ def kinetic_energy(
     >>> float(dp.kinetic_energy(dp.load("ur5"), np.zeros(6), np.zeros(6)))
     0.0
     """
-    return compute(robot, "kinetic_energy", (q, v), engine, out)
+    return prepared(robot, "kinetic_energy", engine)(q, v, out)
 
 
 def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
@@ -480,7 +466,7 @@ def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = Non
     >>> dp.potential_energy(dp.load("ur5"), np.zeros((3, 6))).shape
     (3,)
     """
-    return compute(robot, "potential_energy", (q,), engine, out)
+    return prepared(robot, "potential_energy", engine)(q, out)
 
 
 def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
@@ -492,7 +478,7 @@ def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: st
     >>> dp.com(dp.load("ur5"), np.zeros(6)).shape
     (3,)
     """
-    return compute(robot, "com", (q,), engine, out)
+    return prepared(robot, "com", engine)(q, out)
 
 
 def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
@@ -504,7 +490,7 @@ def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, e
     >>> dp.com_jacobian(dp.load("ur5"), np.zeros(6)).shape
     (3, 6)
     """
-    return compute(robot, "com_jacobian", (q,), engine, out)
+    return prepared(robot, "com_jacobian", engine)(q, out)
 
 
 def centroidal_momentum_matrix(
@@ -524,7 +510,7 @@ def centroidal_momentum_matrix(
     >>> dp.centroidal_momentum_matrix(dp.load("ur5"), np.zeros(6)).shape
     (6, 6)
     """
-    return compute(robot, "centroidal_momentum_matrix", (q,), engine, out)
+    return prepared(robot, "centroidal_momentum_matrix", engine)(q, out)
 
 
 def joint_torque_regressor(
@@ -548,7 +534,7 @@ def joint_torque_regressor(
     >>> bool(np.allclose(Y @ dp.inertial_parameters(robot), dp.rnea(robot, q, v, a)))
     True
     """
-    return compute(robot, "joint_torque_regressor", (q, v, a), engine, out)
+    return prepared(robot, "joint_torque_regressor", engine)(q, v, a, out)
 
 
 def inertial_parameters(robot: Robot) -> np.ndarray:
@@ -637,7 +623,7 @@ def integrate(
     >>> bool(abs(dp.difference(robot, q, dp.integrate(robot, q, 0.1 * v)) - 0.1 * v).max() < 1e-14)
     True
     """
-    return compute(robot, "integrate", (q, v), engine, out)
+    return prepared(robot, "integrate", engine)(q, v, out)
 
 
 def difference(
@@ -651,4 +637,4 @@ def difference(
     >>> dp.difference(dp.load("ur5"), np.zeros(6), np.ones(6)).tolist()
     [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
     """
-    return compute(robot, "difference", (q0, q1), engine, out)
+    return prepared(robot, "difference", engine)(q0, q1, out)

@@ -57,9 +57,6 @@ def functions() -> list[dict[str, Any]]:
             pair = bench.Pair(robot, term, 1, 1)
             pair.check()
             kernel, function = pair.ours()[0], pair.function()
-            if term == "rnea":
-                q, v, a = (x[0].copy() for x in pair.inputs)
-                function = lambda r=robot, q=q, v=v, a=a: dp.rnea(r, q, v, a)  # noqa: E731
             mine, public, theirs = (1e6 * min(t) for t in bench.alternating([kernel, function, pair.theirs()[0]]))
             rows.append({"robot": name, "term": term, "kernel_us": mine, "function_us": public, "pinocchio_us": theirs})
             shown(rows[-1])
