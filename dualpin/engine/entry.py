@@ -42,7 +42,7 @@ class Code(ctypes.Structure):
     def adopt(self, kernel: Kernel, many: bool) -> None:
         """From now on the entry calls this kernel by itself."""
         if many:
-            self.many, self.most = kernel, int(2 * threads.WORTH / kernel.seconds)
+            self.many, self.most = kernel, int(threads.WORTH / kernel.seconds)
         else:
             self.one = kernel
         self.scratch[many] = kernel.scratch

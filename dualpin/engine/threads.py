@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -11,8 +12,10 @@ import numpy as np
 
 from ..errors import ArgumentError
 
-WORTH = 100e-6
-"""Seconds of work a thread must have: handing it over costs some 20 microseconds."""
+WORTH = 300e-6
+"""Seconds of work that more than one thread is worth: waking another takes some 20 to 50 microseconds."""
+PART = 100e-6
+"""Seconds of work taken at a time: long beside the taking, short beside the waiting for the last."""
 
 count = ctypes.c_int64(0)
 """The number in use as last asked for, where machine code can read it; 0 is not known yet."""
@@ -78,22 +81,35 @@ def set_num_threads(n: int | None) -> None:
 def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple: int) -> None:
     """work(start, stop) over 0 ... n, in parts of a multiple of samples, on as many threads as are worth it.
 
-    `seconds` is what one sample is expected to take.
+    `seconds` is what one sample is expected to take.  Each thread takes the next part when it has
+    done one, so that a slow one does not hold up the others.
     """
-    parts = min(int(n * seconds / WORTH), n // multiple)
-    parts = min(parts, get_num_threads()) if parts > 1 else 1
-    if parts < 2:
+    step = max(1, int(PART / seconds) // multiple) * multiple
+    parts = -(-n // step)
+    if n * seconds < WORTH or parts < 2 or get_num_threads() < 2:
         work(0, n)
         return
-    step = -(-n // (parts * multiple)) * multiple
-    ranges = [(k, min(k + step, n)) for k in range(0, n, step)]
-    pool = _workers(parts - 1)
-    pending = [pool.submit(work, *r) for r in ranges[1:]]
+    numbers, end = itertools.count(), [parts]
+
+    def some() -> None:
+        try:
+            while (k := next(numbers)) < end[0]:
+                work(k * step, min((k + 1) * step, n))
+        except BaseException:  # an error, or Ctrl-C: nobody goes on
+            end[0] = 0
+            raise
+
+    threads = min(get_num_threads(), parts)
+    pool = _workers(threads - 1)
+    others = [pool.submit(some) for _ in range(threads - 1)]
     try:
-        work(*ranges[0])
+        some()
     finally:
-        for future in pending:
-            future.result()
+        for future in others:
+            future.cancel()  # one that has not begun by now has nothing left to do
+        for future in others:
+            if not future.cancelled():
+                future.result()
 
 
 def _workers(n: int) -> ThreadPoolExecutor:
