@@ -27,6 +27,9 @@ from .trace import trace
 
 log = logging.getLogger("dualpin.engine")
 
+QUICK = 40_000
+"""Operations beyond which LLVM is asked to be quick: a third of the time to compile, for a fifth more to run."""
+
 _lock = threading.RLock()  # one compilation at a time, and never the same one twice
 _scratch = threading.local()
 
@@ -150,7 +153,7 @@ def compiled(
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     together = host.lanes(number.size) if lanes == 1 else 1
     plan = schedule(program, together=together, direct=lanes == 1)
-    code = object_code(ir.module(plan, number, host, lanes), host)
+    code = object_code(ir.module(plan, number, host, lanes), host, quick=plan.operations > QUICK)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
         "scratch": ir.scratch_bytes(plan, number, host, lanes),
@@ -164,12 +167,12 @@ def compiled(
 # --- the compiler --------------------------------------------------------------------------------
 
 
-def object_code(text: str, host: Host) -> bytes:
+def object_code(text: str, host: Host, quick: bool = False) -> bytes:
     """IR to machine code.  No optimisation passes: folding was done on the graph."""
     llvm = binding()
     try:
         machine = llvm.Target.from_triple(host.triple).create_target_machine(
-            cpu=host.cpu, features=host.features, opt=2, reloc="pic", codemodel="jitdefault"
+            cpu=host.cpu, features=host.features, opt=0 if quick else 2, reloc="pic", codemodel="jitdefault"
         )
         return machine.emit_object(llvm.parse_assembly(text, llvm.create_context()))
     except RuntimeError as e:

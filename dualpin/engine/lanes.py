@@ -153,7 +153,7 @@ class Lanes:
 
     def broadcast(self, p: str) -> str:
         """The number at p, in all lanes."""
-        return self.splat(self.value(f"load {self.number.name}, ptr {p}, !invariant.load !1"), self.number.name)
+        return self.splat(self.value(f"load {self.number.name}, ptr {p}"), self.number.name)
 
     def gather(self, pointers: str) -> str:
         """Numbers from anywhere, by a vector of their addresses."""

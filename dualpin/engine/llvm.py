@@ -40,7 +40,7 @@ def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
         parts += [emit.cos_sin(), emit.cos_sin_far()]
     parts += [emit.kernel(calls), emit.constant_table()]
     attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
-    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n!1 = !{{}}\n')
+    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n')
     return "\n".join(parts)
 
 
