@@ -58,8 +58,9 @@ def run(
     list of dict
         "robot", "floating", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample",
         "ratio" of medians of alternating runs, in microseconds; "reference": which of Pinocchio's
-        functions it was measured against; and "best_us_per_sample", "best_pinocchio_us_per_sample",
-        "best_ratio" of the shortest runs, which a busy machine disturbs least.
+        functions it was measured against; "best_us_per_sample", "best_pinocchio_us_per_sample",
+        "best_ratio" of the shortest runs, which a busy machine disturbs least; and "fill_us_per_sample",
+        what NumPy takes to fill an array like the result with a number.
 
     Raises
     ------
@@ -189,15 +190,17 @@ class Pair:
         set_num_threads(self.threads)
         self.check()
         theirs, samples, name = self.theirs()
-        mine, other = alternating([self.ours()[0], theirs], repetitions)
+        ours, out = self.ours()
+        blank = np.empty_like(out)
+        mine, other, filling = alternating([ours, theirs, lambda: blank.fill(1.0)], repetitions)
         row: dict[str, Any] = {"term": self.term.name, "batch": self.batch, "threads": self.threads}
         for prefix, measure in (("", statistics.median), ("best_", min)):
-            ours, pins = measure(mine) / self.batch * 1e6, measure(other) / samples * 1e6
+            us, pins = measure(mine) / self.batch * 1e6, measure(other) / samples * 1e6
             row |= {
-                f"{prefix}us_per_sample": round(ours, 5), f"{prefix}pinocchio_us_per_sample": round(pins, 5),
-                f"{prefix}ratio": round(pins / ours, 2),
+                f"{prefix}us_per_sample": round(us, 5), f"{prefix}pinocchio_us_per_sample": round(pins, 5),
+                f"{prefix}ratio": round(pins / us, 2),
             }  # fmt: skip
-        return row | {"reference": name}
+        return row | {"reference": name, "fill_us_per_sample": round(min(filling) / self.batch * 1e6, 5)}
 
 
 _PINOCCHIO = {

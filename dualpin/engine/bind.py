@@ -72,9 +72,14 @@ class Careful:
         self.__name__ = term.name
         self.__doc__ = f"{term.name}({', '.join(term.inputs)}, out=None) of {robot.name}"
 
-    def __call__(self, *arrays: Any, out: np.ndarray | None = None) -> np.ndarray:
+    def __call__(self, *arrays: Any, out: np.ndarray | None = None, **other: Any) -> np.ndarray:
         from ..boundary import call
 
+        if other:
+            raise TypeError(
+                f"{self.term.name}: arrays ({', '.join(self.term.inputs)}) are given in order, and `out` by its name; "
+                f"{', '.join(other)} is not known"
+            )
         arrays, out = self.separated(arrays, out)
         if len(arrays) != len(self.term.inputs):
             raise ArgumentError(
@@ -102,17 +107,20 @@ class Careful:
 
 
 class Spreading:
-    """Batches that are plainly right: the result is allocated, the samples shared among threads."""
+    """Batches that are plainly right: the result is allocated, the samples shared among threads.
+
+    If a sample is wrong, others may have been written to `out` before the error is raised.
+    """
 
     def __init__(self, careful: Careful, alone: Function) -> None:
         self.careful, self.alone = careful, alone
 
-    def __call__(self, *arrays: Any, out: np.ndarray | None = None) -> np.ndarray:
+    def __call__(self, *arrays: Any, out: np.ndarray | None = None, **other: Any) -> np.ndarray:
         inputs, given = self.careful.separated(arrays, out)
         kernel = self.careful.code.many
-        n = self.samples(inputs, given)
+        n = None if other else self.samples(inputs, given)
         if kernel is None or not n:
-            return self.careful(*arrays, out=out)
+            return self.careful(*arrays, out=out, **other)
         result = np.empty((n, *self.careful.shape), self.careful.dtype) if given is None else given
         try:
             spread(
@@ -129,13 +137,15 @@ class Spreading:
         if len(inputs) != len(careful.term.inputs):
             return None
         for x in inputs:
-            if type(x) is not np.ndarray or x.dtype != careful.dtype or not x.flags.c_contiguous or x.ndim < 2:
+            if type(x) is not np.ndarray or x.dtype is not careful.dtype or not x.flags.c_contiguous or x.ndim < 2:
                 return None
             if n not in (None, len(x)) or (out is not None and np.may_share_memory(x, out)):
                 return None
             n = len(x)
-        if out is not None and (type(out) is not np.ndarray or out.shape != (n, *careful.shape)):
-            return None
+        if out is not None:
+            plain = type(out) is np.ndarray and out.dtype is careful.dtype and out.flags.c_contiguous
+            if not plain or out.shape != (n, *careful.shape):
+                return None
         return n
 
 

@@ -7,7 +7,7 @@ certain - float64 (or float32) arrays, C-contiguous, of the right shape or with 
 and leaves everything else to a Python function that converts, allocates, spreads over threads or explains.
 
 Only the stable ABI of CPython 3.11 and later is used: no structure of NumPy's or Python's is looked
-into.  All that may run Python code (attribute look-up, allocation) comes before the first buffer is held.
+into.  Attribute look-up and allocation, which may run Python code, come before the first buffer is held.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from . import threads
 from .host import binding, this_host
 from .kernel import Kernel, loaded, object_code
 
-STACK = 48 * 1024
-"""Bytes of scratch taken from the stack; more comes from the heap."""
+STACK = 4 * 1024
+"""Bytes of scratch taken from the stack; more comes from the heap.  No more than a page: the guard below is one."""
 _MOST, _AXES = 6, 4  # arrays a call can have, and axes one of them for one sample
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
 _READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
@@ -486,8 +486,8 @@ squared:
   br i1 %c.more, label %square, label %unit.check
 unit.check:
   %minus = fneg double %sum1
-  %high = fcmp ogt double %sum1, 1.0e-6
-  %low = fcmp ogt double %minus, 1.0e-6
+  %high = fcmp ogt double %sum1, 1.9e-6
+  %low = fcmp ogt double %minus, 1.9e-6
   %off = or i1 %high, %low
   %u1 = add i64 %u, 1
   br i1 %off, label %let.go.all, label %unit.ok

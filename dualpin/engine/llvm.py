@@ -3,10 +3,10 @@
     void kernel(i64 n, ptr scratch, ptr arrays, ptr strides)
 
 `arrays` holds the addresses of the inputs and, last, of the output; `strides` how many numbers lie
-from one row to the next (0 repeats a row).  For each tile of as many samples as there are lanes:
-rows are loaded and transposed into slots (the last tile repeats its last row), stages run, and
-results are transposed back.  Loads, stores and trigonometric functions are rolled loops; only the
-robot's own arithmetic is a straight line.
+from one row to the next (0 repeats a row; rows of the output follow each other without gaps).  For
+each tile of as many samples as there are lanes: rows are brought to slots (the last tile repeats its
+last row), stages run, and results are brought to rows.  Loads, stores and trigonometric functions
+are rolled loops; only the robot's own arithmetic is a straight line.
 """
 
 from __future__ import annotations

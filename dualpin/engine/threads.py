@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import itertools
 import os
+import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
@@ -18,10 +20,12 @@ PART = 100e-6
 """Seconds of work taken at a time: long beside the taking, short beside the waiting for the last."""
 
 count = ctypes.c_int64(0)
-"""The number in use as last asked for, where machine code can read it; 0 is not known yet."""
+"""Where machine code reads whether there is one thread (1), several (2), or nobody knows yet (0)."""
 
 _chosen: int | None = None
 _pool: tuple[int, ThreadPoolExecutor] | None = None
+_pool_lock = threading.Lock()  # nobody replaces the pool between finding it and the last `submit`
+_here = threading.local()  # `busy` in a thread at work on parts: to wait for others there would be for itself
 
 
 def available() -> int:
@@ -40,8 +44,10 @@ def get_num_threads() -> int:
     >>> dp.get_num_threads() >= 1
     True
     """
-    count.value = _chosen or _from_environment()
-    return count.value
+    n = _chosen or _from_environment()
+    if _chosen is None:
+        count.value = min(n, 2)
+    return n
 
 
 def _from_environment() -> int:
@@ -75,7 +81,7 @@ def set_num_threads(n: int | None) -> None:
     if n is not None and (not isinstance(n, (int, np.integer)) or isinstance(n, bool) or n < 1):
         raise ArgumentError(f"set_num_threads: a number of threads, 1 or more, or None expected, got {n!r}")
     _chosen = None if n is None else int(n)
-    count.value = _chosen or 0
+    count.value = min(_chosen or 0, 2)
 
 
 def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple: int) -> None:
@@ -86,22 +92,24 @@ def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple:
     """
     step = max(1, int(PART / seconds) // multiple) * multiple
     parts = -(-n // step)
-    if n * seconds < WORTH or parts < 2 or get_num_threads() < 2:
+    busy = getattr(_here, "busy", False)
+    if busy or n * seconds < WORTH or parts < 2 or get_num_threads() < 2:
         work(0, n)
         return
     numbers, end = itertools.count(), [parts]
 
     def some() -> None:
+        _here.busy = True
         try:
             while (k := next(numbers)) < end[0]:
                 work(k * step, min((k + 1) * step, n))
         except BaseException:  # an error, or Ctrl-C: nobody goes on
             end[0] = 0
             raise
+        finally:
+            _here.busy = False
 
-    threads = min(get_num_threads(), parts)
-    pool = _workers(threads - 1)
-    others = [pool.submit(some) for _ in range(threads - 1)]
+    others = _submitted(some, min(get_num_threads(), parts) - 1)
     try:
         some()
     finally:
@@ -112,19 +120,23 @@ def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple:
                 future.result()
 
 
-def _workers(n: int) -> ThreadPoolExecutor:
+def _submitted(task: Callable[[], None], n: int) -> list[Future]:
+    """The task, n times on other threads; fewer where the interpreter is ending and starts no more."""
     global _pool
-    pool = _pool
-    if pool is None or pool[0] < n:
-        if pool is not None:
-            pool[1].shutdown(wait=False)  # those at work finish
-        _pool = pool = (n, ThreadPoolExecutor(n, thread_name_prefix="dualpin"))
-    return pool[1]
+    futures: list[Future] = []
+    with _pool_lock, contextlib.suppress(RuntimeError):
+        if _pool is None or _pool[0] < n:
+            if _pool is not None:
+                _pool[1].shutdown(wait=False)  # those at work finish
+            _pool = (n, ThreadPoolExecutor(n, thread_name_prefix="dualpin"))
+        for _ in range(n):
+            futures.append(_pool[1].submit(task))
+    return futures
 
 
 def _forget() -> None:
-    global _pool
-    _pool = None
+    global _pool, _pool_lock
+    _pool, _pool_lock = None, threading.Lock()
 
 
 if hasattr(os, "register_at_fork"):

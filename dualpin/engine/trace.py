@@ -326,7 +326,7 @@ class Trace:
 
     def __init__(self, graph: Graph, sizes: Sequence[int], outputs: Sequence[Any]) -> None:
         self.graph, self.sizes = graph, list(sizes)
-        self.outputs: list[Any] = [x if type(x) is Sym else float(x) for x in outputs]
+        self.outputs: list[Any] = [x if type(x) is Sym else float(x) + 0.0 for x in outputs]  # no -0
 
     @property
     def flops(self) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import gc
 import pickle
+import subprocess
 import sys
 import threading
 import weakref
@@ -278,6 +279,18 @@ def test_one_wrong_quaternion_among_many_is_found(threads):
                 dp.rnea(robot, q, v, a, out=given)
     finally:
         dp.set_num_threads(None)
+
+
+def test_threads_of_small_stacks_are_safe():
+    code = """
+import threading, numpy as np, dualpin as dp
+r = dp.load("panda"); q, v, a = r.sample(100, seed=0); f = r.kernel("rnea_derivatives")
+f(q, v, a); out = np.empty_like(f(q, v, a))
+threading.stack_size(32768)
+t = threading.Thread(target=f, args=(q, v, a, out)); t.start(); t.join()
+assert np.array_equal(out, f(q, v, a))
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
 
 
 def test_large_results_take_their_scratch_from_the_heap():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import threading
 
 import numpy as np
@@ -44,6 +45,60 @@ def test_small_work_stays_on_one_thread():
     dp.set_num_threads(4)
     threads.spread(lambda *_: seen.add(threading.get_ident()), 64, 1e-9, 8)
     assert seen == {threading.get_ident()}
+
+
+@pytest.mark.parametrize("case", ["another dtype object", "Fortran order", "norms nearly 1"])
+def test_batches_that_the_entry_leaves_to_python_are_shared_too(case):
+    robot = dp.load("solo8", floating=True)
+    q, v, a = robot.sample(20_000, seed=0)
+    dp.set_num_threads(2)
+    expected = dp.rnea(robot, q, v, a)
+    out, tolerance = np.empty_like(expected), 0.0
+    if case == "another dtype object":
+        q, v, a = pickle.loads(pickle.dumps((q, v, a)))
+    elif case == "Fortran order":
+        out = np.asfortranarray(out)
+    else:
+        q[:, 3:7] *= 1 + 7e-7
+        tolerance = 1e-5 * np.abs(expected).max()
+    assert dp.rnea(robot, q, v, a, out=out) is out
+    assert np.abs(out - expected).max() <= tolerance
+
+
+def test_parts_within_parts_do_not_wait_for_themselves():
+    done = []
+    dp.set_num_threads(2)
+
+    def work(start, stop):
+        threads.spread(lambda *_: done.append(1), 1000, 1.0, 8)
+
+    threads.spread(work, 100, 1.0, 8)
+    assert len(done) == 13
+
+
+def test_many_callers_with_different_numbers_of_threads():
+    errors = []
+
+    def work(parts):
+        try:
+            for _ in range(200):
+                threads.spread(lambda *_: None, 8 * parts, 1.0, 8)
+        except Exception as e:
+            errors.append(e)
+
+    dp.set_num_threads(8)
+    callers = [threading.Thread(target=work, args=(k,)) for k in range(2, 8)]
+    for t in callers:
+        t.start()
+    for t in callers:
+        t.join()
+    assert errors == []
+
+
+def test_an_absurd_number_of_threads_is_kept_as_it_is():
+    dp.set_num_threads(2**64 + 1)
+    assert dp.get_num_threads() == 2**64 + 1
+    assert threads.count.value == 2
 
 
 def test_what_a_worker_raises_is_raised():

@@ -36,6 +36,9 @@ def ratios(rows: list[dict[str, Any]], batch: int) -> str:
                 continue
             aim = TARGETS.get(term, (None,) * 3)[GROUP.get(name, 1)] if batch > 1 and not floating else None
             short = f" (aim {aim})" if aim and r["best_ratio"] < aim else ""
+            filled = r["best_pinocchio_us_per_sample"] / max(r.get("fill_us_per_sample", 0.0), 1e-9)
+            if short and filled < 2 * aim:
+                short = f" (aim {aim}; filling the result alone {filled:.1f})"
             line.append(f"{r['best_us_per_sample']:.3g} / **{r['best_ratio']:.1f}** / {r['ratio']:.1f}{short}")
         lines.append(line)
     return table(["", *(f"{n}{' + floating' if f else ''}" for n, f in names)], lines)
@@ -56,7 +59,8 @@ def markdown(results: dict[str, Any]) -> str:
             "## Batches of 4096 on one thread\n",
             "Microseconds a sample / times faster than Pinocchio, by the shortest runs of both / by the medians: "
             "against `rneaInParallel(1)` and `abaInParallel(1)`, "
-            "its C++ loops, and for other terms against a Python loop over its calls.\n",
+            "its C++ loops, and for other terms against a Python loop over its calls. Where an aim is missed and "
+            "writing is why, the last figure is what NumPy's `fill` of an array like the result would reach.\n",
             ratios(results["main"], 4096),
             "## One configuration\n",
             "`robot.kernel(term)` with `out=` against Pinocchio's call from Python.\n",
