@@ -114,13 +114,14 @@ def derivatives(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray, 
 
 
 def condition(M: np.ndarray) -> np.ndarray:
-    """The condition number of M; infinite where that is not finite."""
+    """The condition number of symmetric M, by its eigenvalues; infinite where that is not finite."""
     if M.shape[-1] == 0:
         return np.ones(len(M))
     good = np.isfinite(M).all(axis=(-2, -1))
     with np.errstate(all="ignore"):
-        values = np.linalg.svd(np.where(good[:, None, None], M, 0.0), compute_uv=False)
-        return np.where(good & (values[:, -1] > 0), values[:, 0] / values[:, -1], np.inf)
+        sizes = np.abs(np.linalg.eigvalsh(np.where(good[:, None, None], M, 0.0)))
+        least, most = sizes.min(axis=-1), sizes.max(axis=-1)
+        return np.where(good & (least > 0), most / least, np.inf)
 
 
 def scaled_condition(M: np.ndarray) -> np.ndarray:

@@ -262,7 +262,7 @@ def _six_columns(x: np.ndarray, G: np.ndarray) -> np.ndarray:
 
 
 def _forces(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return np.einsum("ki,nk...->ni...", G, x)
+    return np.moveaxis(np.tensordot(x, G, axes=(1, 0)), -1, 1)
 
 
 def _matrix(x: np.ndarray, G: np.ndarray) -> np.ndarray:
