@@ -50,18 +50,16 @@ class Rows:
         return self.joined if self.gathers else self.columns + 1
 
     def tables(self) -> str:
-        """The slots of the entries of a row; for gathering, the numbers in them, up to a vector after the row."""
-        outputs, W = self.plan.outputs, self.width
-        if self.gathers:
+        """The constants of a row; or where its entries come from: slots, or the numbers in them to gather from."""
+        name, W, outputs = self.number.name, self.width, self.plan.outputs
+        if self.plan.direct:
+            text = Lanes(self.number, 1, self.host).number_text
+            row = [f"{name} {text(self.plan.constants.get(j, 0.0))}" for j in range(self.columns)]
+            return f"@row = internal constant [{len(row)} x {name}] [{', '.join(row)}]\n"
+        if self.gathers:  # and on into the next row, as far as a vector goes
             count = self.joined * self.columns + W
             outputs = [outputs[i % self.columns] * W + i // self.columns for i in range(count)]
-        text = f"@outputs = internal constant [{len(outputs)} x i32] [{', '.join(f'i32 {x}' for x in outputs)}]\n"
-        if self.plan.direct:
-            e = Lanes(self.number, 1, self.host)
-            row = [e.number_text(self.plan.constants.get(j, 0.0)) for j in range(self.columns)]
-            entries = ", ".join(f"{self.number.name} {x}" for x in row)
-            text += f"@row = internal constant [{self.columns} x {self.number.name}] [{entries}]\n"
-        return text
+        return f"@outputs = internal constant [{len(outputs)} x i32] [{', '.join(f'i32 {x}' for x in outputs)}]\n"
 
     # in
 
@@ -74,9 +72,8 @@ class Rows:
             return
 
         def transpose(j: int | str, count: int) -> None:
-            places = [e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}") for base in bases]
-            slot = e.value(f"add i64 {j}, {start}")
-            for c, column in enumerate(e.transposed([e.load_row(p, count) for p in places])[:count]):
+            slot, rows = e.value(f"add i64 {j}, {start}"), [e.load_row(self._at(e, base, j), count) for base in bases]
+            for c, column in enumerate(e.transposed(rows)[:count]):
                 e.store("%scratch", e.value(f"add i64 {slot}, {c}"), column)
 
         self._each(e, f"in{k}", columns, self.width, transpose)
@@ -115,9 +112,7 @@ class Rows:
         source = "%out"
         if not self.gathers:
             source = e.slot("%out", self.plan.output_slots)
-            places = (e.value(f"getelementptr {self.number.name}, ptr {source}, i64 {r * self.columns}")
-                      for r in range(self.width))  # fmt: skip
-            self._transposed(e, list(places))
+            self._transposed(e, [self._at(e, source, r * self.columns) for r in range(self.width)])
         all_rows = e.value(f"add i64 {last}, 1")
         rows = e.value(f"sub i64 {all_rows}, {first}")
         rows = e.value(f"select i1 {e.value(f'icmp slt i64 {rows}, {self.width}')}, i64 {rows}, i64 {self.width}")
@@ -140,7 +135,7 @@ class Rows:
                     entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c}')}")
                     columns.append(e.load("%out", e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64")))
             for base, row in zip(bases, e.transposed(columns), strict=True):
-                e.store_row(e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {j}"), count, row)
+                e.store_row(self._at(e, base, j), count, row)
 
         self._each(e, "results", self.columns, self.width, group)
 
