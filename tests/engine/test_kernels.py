@@ -82,15 +82,14 @@ def test_engines_agree_where_joints_follow_others():
         assert error <= bound, term
 
 
+REFUSED = {"falcon", "ur3"}  # by Pinocchio, too
+UNMOVING = {"bluevolta", "iris_simple", "quadrotor_base"}  # no joints but the floating base, which is not asked for
+
+
 @pytest.mark.campaign
-@pytest.mark.parametrize("name", sorted(catalogue()))
+@pytest.mark.parametrize("name", sorted(set(catalogue()) - REFUSED - UNMOVING))
 def test_engines_agree_on_every_robot(name):
-    try:
-        robot = dp.load(name)
-    except dp.DualpinError as e:
-        pytest.skip(str(e))
-    if not robot.mass or not robot.nv:
-        pytest.skip("nothing moves")
+    robot = dp.load(name)
     for term in ("rnea", "crba", "coriolis", "bias", "gravity", "fk", "centroidal_momentum_matrix", "jacobian"):
         error, bound = disagreement(robot, term, 5)
         assert error <= bound, term
