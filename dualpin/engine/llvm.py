@@ -14,7 +14,8 @@ from __future__ import annotations
 from .host import Host
 from .lanes import Lanes, Number
 from .rows import Array, Rows
-from .schedule import Schedule, Step
+from .schedule import Schedule, Step, exactly
+from .tape import tape, teller, walker
 
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
@@ -31,11 +32,19 @@ def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
     parts = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY, emit.tables()]
     calls: list[str] = []
     for k, stage in enumerate(plan.stages):
-        for c, chunk in enumerate(stage.chunks):
+        if plan.tape:
+            steps = tape(plan, stage)
+            text = "\\" + steps.hex("\\")
+            parts.append(f'@tape{k} = internal constant [{len(steps)} x i8] c"{text}", align 16\n')
+            calls.append(f"call void @walk(ptr %scratch, ptr @tape{k})")
+        for c, chunk in enumerate([] if plan.tape else stage.chunks):
             parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
             calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
         if stage.angles:
             calls += emit.trigonometry(k, stage.angles)
+    if plan.tape:
+        parts += [walker(emit.lanes()), teller(emit.lanes(), plan)]
+        emit.pool = {key: k for k, key in enumerate(plan.known)}
     if plan.sine:
         parts += [emit.cos_sin(), emit.cos_sin_far()]
     parts += [emit.kernel(calls), emit.constant_table()]
@@ -53,7 +62,7 @@ class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.rows = Rows(plan, number, width, host)
-        self.pool: dict[float, int] = {}  # numbers used by chunks
+        self.pool: dict[tuple[float, float], int] = {}  # numbers used by the straight lines
 
     @property
     def overlaps(self) -> bool:
@@ -71,7 +80,7 @@ class _Emission:
 
         def constant(x: float) -> str:
             # by an address in a register: LLVM's own pool may lie anywhere, and each use would name 64 bits of it
-            k = self.pool.setdefault(x, len(self.pool))
+            k = self.pool.setdefault(exactly(x), len(self.pool))
             return e.broadcast(e.value(f"getelementptr inbounds {self.number.name}, ptr %constants, i64 {k}"))
 
         def get(i: int, sign: int = 1) -> str:
@@ -249,9 +258,9 @@ done:
         return text
 
     def constant_table(self) -> str:
-        """The numbers of the chunks, once they are written."""
+        """The numbers of the straight lines, once they are written."""
         e = self.lanes()
-        entries = [f"{self.number.name} {e.number_text(x)}" for x in self.pool]
+        entries = [f"{self.number.name} {e.number_text(x)}" for x, _ in self.pool]
         return f"@constants = internal constant [{len(entries)} x {self.number.name}] [{', '.join(entries)}]\n"
 
     def _copied(self, e: Lanes, ops: tuple[str, ...]) -> None:
@@ -295,6 +304,8 @@ done:
             e.do(f"%out = getelementptr i8, ptr {arrays[-1].pointer}, i64 %row")
             self.rows.copy_constants(e)
         self._copied(e, ("in",))
+        if plan.tape:  # here, since rows may be loaded beyond the slots of the inputs
+            e.do("call void @tell(ptr %scratch, ptr @constants)")
         for call in calls:
             e.do(call)
         self._copied(e, ("sin", "cos"))

@@ -14,15 +14,23 @@ than linear in its length and spill badly; cut like this, compile time is linear
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field
 
 from .trace import ARITHMETIC, Node, Sym, Trace
 
 CHUNK = 250
+LONG = 200_000
+"""Operations from which a program is a `tape` instead of code: every value then has a slot."""
 
 
-@dataclass
+def exactly(x: float) -> tuple[float, float]:
+    """A key that tells 0 from -0."""
+    return x, math.copysign(1.0, x)
+
+
+@dataclass(slots=True)
 class Step:
     """One operation: node i, and its operands after fusion ("fma" -> a b + c, signs as +1 or -1)."""
 
@@ -61,6 +69,8 @@ class Schedule:
         The same for results that do not depend on the inputs: place -> value.
     outputs : list of int
         The place of each entry of the result.
+    known : dict
+        Of a tape: the slots of its numbers, which follow each other.
     """
 
     nodes: list[Node]
@@ -75,6 +85,12 @@ class Schedule:
     sizes: list[int]
     together: int = 1
     direct: bool = False
+    known: dict[tuple[float, float], int] = field(default_factory=dict)
+
+    @property
+    def tape(self) -> bool:
+        """Whether it is too long to be code."""
+        return bool(self.known)
 
     @property
     def operations(self) -> int:
@@ -94,7 +110,9 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
     steps = fused(program, order)
-    stages = staged(nodes, order, steps, chunk)
+    tape = len(steps) > LONG
+    direct = direct and not tape
+    stages = staged(nodes, order, steps, 1 if tape else chunk)
 
     starts = [sum(program.sizes[:k]) for k in range(len(program.sizes) + 1)]
     slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
@@ -109,6 +127,13 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool
     for i in order:
         if nodes[i][0] in ("sin", "cos"):
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
+    known: dict[tuple[float, float], int] = {}
+    if tape:
+        numbers = {i: exactly(nodes[i][1]) for i in order if nodes[i][0] == "const"}
+        keys = dict.fromkeys([*map(exactly, (1.0, 0.0, -0.0)), *numbers.values()])
+        known = {key: slots + k for k, key in enumerate(keys)}
+        slot |= {i: known[key] for i, key in numbers.items()}
+        slots += len(known)
     slots = place_passed(stages, slot, slots)
 
     places: dict[int, list[int]] = {}
@@ -121,13 +146,13 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool
             else:
                 constants[j] = x
     else:
-        keys = [x.i if type(x) is Sym else ("constant", x) for x in program.outputs]
-        number = {key: k for k, key in enumerate(dict.fromkeys(keys))}
-        outputs = [number[key] for key in keys]
+        results = [x.i if type(x) is Sym else ("constant", x) for x in program.outputs]
+        number = {key: k for k, key in enumerate(dict.fromkeys(results))}
+        outputs = [number[key] for key in results]
         places = {key: [k] for key, k in number.items() if isinstance(key, int)}
         constants = {k: key[1] for key, k in number.items() if not isinstance(key, int)}
     return Schedule(
-        nodes, stages, slot, sine, cosine, slots, places, constants, outputs, program.sizes, together, direct
+        nodes, stages, slot, sine, cosine, slots, places, constants, outputs, program.sizes, together, direct, known
     )
 
 

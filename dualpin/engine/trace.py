@@ -29,8 +29,8 @@ class UntraceableError(DualpinError):
     """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
 
 
-LARGEST = 250_000
-"""Nodes beyond which a term is not compiled: it would take LLVM many seconds, and more memory than it is worth."""
+LARGEST = 4_000_000
+"""Nodes beyond which a term is not traced: their graph would take a gigabyte."""
 
 
 class Graph:
