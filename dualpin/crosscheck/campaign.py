@@ -12,8 +12,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from ..engine.threads import available, set_num_threads
 from ..errors import ArgumentError, DualpinError, DualpinWarning
-from ..io.catalogue import catalogue
+from ..io.catalogue import catalogue, find
 from ..io.urdf import load
 from .results import Refusal, Report, RobotResult, TermResult, versions
 from .run import Case, Check, attempt, chosen, pinocchio_version
@@ -30,15 +31,20 @@ def all_cases() -> list[Case]:
     cases = []
     for name in names:
         cases += [Case(name), Case(name, floating=True)]
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DualpinWarning)
-            try:
-                coupled = load(name, mimic=True).coupled
-            except DualpinError:
-                continue  # its refusal is reported by the two cases above
-        if coupled:
+        if _coupled(name):
             cases.append(Case(name, mimic=True))
     return cases
+
+
+def _coupled(name: str) -> bool:
+    if b"mimic" not in find(name).read_bytes():
+        return False  # without reading all of it as a robot
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)
+        try:
+            return load(name, mimic=True).coupled
+        except DualpinError:
+            return False  # its refusal is reported of the fixed and the floating base
 
 
 def campaign(
@@ -104,9 +110,10 @@ def _results(cases: Sequence[Case], settings: Settings, jobs: int) -> Iterable[t
         for case in cases:
             yield case, attempt(case, *settings)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(cases)), context, initializer=_ignore_interrupts) as pool:
-        futures = {pool.submit(attempt, c, *settings): c for c in cases}
+    context, jobs = multiprocessing.get_context("spawn"), min(jobs, len(cases))
+    with ProcessPoolExecutor(jobs, context, initializer=_one_of, initargs=(jobs,)) as pool:
+        # large files are large robots: they begin first, so that none is left to one process at the end
+        futures = {pool.submit(attempt, c, *settings): c for c in sorted(cases, key=_size, reverse=True)}
         try:
             for future in as_completed(futures):
                 yield futures[future], future.result()
@@ -115,8 +122,18 @@ def _results(cases: Sequence[Case], settings: Settings, jobs: int) -> Iterable[t
             raise
 
 
-def _ignore_interrupts() -> None:
+def _one_of(jobs: int) -> None:
+    """What a process among so many begins with."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+    set_num_threads(max(1, available() // jobs))
+
+
+def _size(case: Case) -> int:
+    """Of the file, in bytes."""
+    try:
+        return find(str(case.robot)).stat().st_size
+    except (DualpinError, OSError):
+        return 0
 
 
 def _packed(result: Result) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from .arbiter import arbitrate as _fifty_digits
 from .oracles.pinocchio import Pinocchio, build
 from .results import Refusal, Report, RobotResult, TermResult, versions
 from .sampling import batches, frames, planar_angles, states
+from .tolerance import MassMatrices
 from .where import locate
 
 LAST_DIGITS = 1e-13
@@ -217,12 +218,16 @@ def compare(
     with tempfile.TemporaryDirectory() as folder:
         oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)
     given = states(robot, samples, seed) | {"sample": np.arange(samples)}
-    largest = max(int(np.prod(TERMS[c.term].shape(robot, **c.variants(robot, seed)[0]), dtype=int)) for c in checks)
     tallies = {c.term: _Tally() for c in checks if robot.mass > 0 or not c.weighs}
-    for part in batches(samples, largest):
-        batch = {key: x[part] for key, x in given.items()}
-        for term, tally in tallies.items():
-            _gather(tally, CHECKS[term], robot, oracle, batch, seed, engine)
+    for together in _groups([CHECKS[term] for term in tallies]):
+        largest = max(
+            int(np.prod(TERMS[c.term].shape(robot, **c.variants(robot, seed)[0]), dtype=int)) for c in together
+        )
+        for part in batches(samples, largest):
+            batch = {key: x[part] for key, x in given.items()}
+            mass = MassMatrices(crba(robot, batch["q"], engine=engine)) if together[0].solves else None
+            for check in together:
+                _gather(tallies[check.term], check, robot, oracle, batch, seed, engine, mass)
     results = {c.term: TermResult(0.0, 0.0, True, note="no moving body has mass") for c in checks}
     results |= {term: _judged(tally, oracle.source(term), given) for term, tally in tallies.items()}
     for term, result in results.items():
@@ -249,51 +254,66 @@ def _written(robot: Robot, folder: str) -> str:
     return path
 
 
+def _groups(checks: Sequence[Check]) -> list[list[Check]]:
+    """Terms by themselves, but those that solve with M together: how well it can be solved with is found once."""
+    solving = [c for c in checks if c.solves]
+    return [[c] for c in checks if not c.solves] + ([solving] if solving else [])
+
+
 def _gather(
-    tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, batch: dict[str, np.ndarray], seed: int, engine: str
-) -> None:
+    tally: _Tally, check: Check, robot: Robot, oracle: Pinocchio, batch: dict[str, np.ndarray], seed: int, engine: str,
+    mass: MassMatrices | None,
+) -> None:  # fmt: skip
     keys = ["q", "q1"] if check.term == "difference" else list(TERMS[check.term].inputs)
     inputs = {key: batch[key] for key in keys}
     named = {"q0": batch["q"], "q1": batch["q1"]} if check.term == "difference" else inputs
     variants = check.variants(robot, seed)
     answers = oracle.compute(check.term, inputs, variants)
+    n = len(batch["q"])
     for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
         ours = call(robot, check.term, named, engine=engine, **options)
-        n = len(batch["q"])
-        difference = np.abs(ours - theirs).reshape(n, -1)
-        scale = np.maximum(1.0, np.abs(theirs).reshape(n, -1).max(axis=1, initial=0.0))
-        error = difference.max(axis=1, initial=0.0) / scale
-        error = np.where(np.isfinite(error), error, np.inf)
-        bound = tolerance.recursion(robot, n)
-        if check.term == "difference":
-            bound = tolerance.logarithm(robot, ours[:, planar_angles(robot)])
-        if check.term == "potential_energy":
-            positions = fk(robot, batch["q"], engine=engine)[..., :3, 3]
-            bound = tolerance.weighing(robot, positions, theirs)
-        if check.solves:
-            bound, hopeless = _solved(check.term, robot, batch, theirs, engine)
-            error = np.where(hopeless, np.nan, error)
+        bound = _bound(check.term, robot, batch, ours, theirs, engine, mass)
+        error, where = scaled_error(ours.reshape(n, -1), theirs.reshape(n, -1))
+        if mass is not None:
+            error[mass.hopeless] = np.nan
         tally.errors.append(error)
         tally.bounds.append(bound.value)
-        tally.where.append(difference.argmax(axis=1) if difference.shape[1] else np.zeros(n, int))
+        tally.where.append(where)
         tally.samples += batch["sample"].tolist()
         tally.variants += [variant] * n
         tally.reason = bound.reason
 
 
-def _solved(
-    term: str, robot: Robot, batch: dict[str, np.ndarray], theirs: np.ndarray, engine: str
-) -> tuple[tolerance.Tolerance, np.ndarray]:
-    """The tolerance of a term that solves with M, and the samples where M is singular."""
-    M = crba(robot, batch["q"], engine=engine)
-    hopeless = ~(tolerance.scaled_condition(M) < tolerance.SINGULAR)
+def scaled_error(x: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """max|x - ref| / max(1, max|ref|) of each row, infinite where that is no number; and where.  x is overwritten."""
+    if x.shape[1] == 0:
+        return np.zeros(len(x)), np.zeros(len(x), int)
+    with np.errstate(all="ignore"):
+        difference = np.abs(np.subtract(x, reference, out=x), out=x)
+        where = difference.argmax(axis=1)
+        scale = np.maximum(1.0, np.maximum(reference.max(axis=1), -reference.min(axis=1)))
+        error = np.take_along_axis(difference, where[:, None], axis=1)[:, 0] / scale
+    return np.where(np.isfinite(error), error, np.inf), where
+
+
+def _bound(
+    term: str, robot: Robot, batch: dict[str, np.ndarray], ours: np.ndarray, theirs: np.ndarray, engine: str,
+    mass: MassMatrices | None,
+) -> tolerance.Tolerance:  # fmt: skip
+    """How far the two may be apart, sample by sample."""
+    if term == "difference":
+        return tolerance.logarithm(robot, ours[:, planar_angles(robot)])
+    if term == "potential_energy":
+        return tolerance.weighing(robot, fk(robot, batch["q"], engine=engine)[..., :3, 3], theirs)
+    if mass is None:
+        return tolerance.recursion(robot, len(theirs))
     if term == "minv":
-        return tolerance.inverse(robot, M), hopeless
+        return tolerance.inverse(robot, mass)
     forces = np.abs(batch["tau"]) + np.abs(bias(robot, batch["q"], batch["v"], engine=engine))
     if term == "aba_derivatives":
         a = aba(robot, batch["q"], batch["v"], batch["tau"], engine=engine)
-        return tolerance.derivatives(robot, M, forces, a, theirs), hopeless
-    return tolerance.solution(robot, M, forces, theirs), hopeless
+        return tolerance.derivatives(robot, mass, forces, a, theirs)
+    return tolerance.solution(robot, mass, forces, theirs)
 
 
 def _arbitrate(

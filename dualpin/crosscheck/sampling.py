@@ -54,8 +54,8 @@ def frames(robot: Robot, seed: int, most: int = 3) -> list[Frame]:
     return list(chosen)
 
 
-def batches(n: int, floats_a_sample: int, budget: int = 4 << 20) -> Iterator[slice]:
-    """Slices of n samples whose largest term stays under a budget of floats."""
-    size = int(np.clip(budget // max(floats_a_sample, 1), 16, 1024))
+def batches(n: int, floats_a_sample: int, budget: int = 1 << 18) -> Iterator[slice]:
+    """Slices of n samples whose results stay in the caches, under a budget of floats, as far as that is possible."""
+    size = int(np.clip(budget // max(floats_a_sample, 1), 4, 1024))
     for start in range(0, n, size):
         yield slice(start, min(start + size, n))

@@ -9,6 +9,7 @@ system is solved, the condition of the inertia matrix.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -75,41 +76,81 @@ def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Toleran
     return Tolerance(value, f"{reason}, at most {CEILING:g}")
 
 
-def inverse(robot: Robot, M: np.ndarray) -> Tolerance:
+SINGULAR = 1 / (64 * EPS)
+"""A scaled condition number from which M is singular to working precision: nothing is left to compare."""
+
+
+class MassMatrices:
+    """M of a batch, and how well it can be solved with: each found once, when a term asks for it."""
+
+    def __init__(self, M: np.ndarray) -> None:
+        self.M = M
+
+    @cached_property
+    def condition(self) -> np.ndarray:
+        return condition(self.M)
+
+    @cached_property
+    def inverse(self) -> np.ndarray:
+        """|M^-1|; of the identity where M is singular."""
+        good = np.isfinite(self.M).all(axis=(-2, -1)) & np.isfinite(self.condition)
+        with np.errstate(all="ignore"):
+            return np.abs(np.linalg.inv(np.where(good[:, None, None], self.M, np.eye(self.M.shape[-1]))))
+
+    @cached_property
+    def hopeless(self) -> np.ndarray:
+        """Where M is singular to working precision, whatever its units.
+
+        The condition number of D^-1/2 M D^-1/2, D = diag M, is what remains when units do not matter.
+        It is at most the product of the row-sum norms of that matrix and its inverse; where this
+        does not settle it, eigenvalues do.
+        """
+        with np.errstate(all="ignore"):
+            d = np.sqrt(np.diagonal(self.M, axis1=-2, axis2=-1))
+            scales = d[:, :, None] * d[:, None, :]
+            most = _row_sums(np.abs(self.M) / scales) * _row_sums(self.inverse * scales)
+            hopeless = ~(most < SINGULAR) | ~np.isfinite(self.condition)
+            hopeless[hopeless] = ~(condition((self.M / scales)[hopeless]) < SINGULAR)
+        return hopeless
+
+
+def _row_sums(A: np.ndarray) -> np.ndarray:
+    return A.sum(axis=-1).max(axis=-1, initial=0.0)
+
+
+def inverse(robot: Robot, mass: MassMatrices) -> Tolerance:
     """Of M^-1: the recursion's error of M, times its condition number.
 
     Not the smaller one of M scaled to a unit diagonal, which our sparse factors follow: Pinocchio
     inverts the blocks of a floating base as they are, metres beside radians (50 digits show it).
     """
-    value = recursion(robot, len(M)).value * condition(M)
+    value = recursion(robot, len(mass.M)).value * mass.condition
     return Tolerance(value, "the recursion's x cond(M)")
 
 
-def solution(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray) -> Tolerance:
+def solution(robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray) -> Tolerance:
     """Of a = M^-1 f, entry by entry:  |da| <= |M^-1| (|dM| |a| + |df|)  (Skeel 1979), or as `inverse`.
 
     |dM| and |df| are the recursion's relative error of M and of the forces that cancel in f.
     """
     with np.errstate(all="ignore"):
-        good = scaled_condition(M) < SINGULAR
-        M_inverse = np.linalg.inv(np.where(good[:, None, None], M, np.eye(M.shape[-1])))
-        load = forces + np.einsum("nij,nj->ni", np.abs(M), np.abs(a))
-        error = np.einsum("nij,nj->ni", np.abs(M_inverse), load).max(axis=-1, initial=0.0)
+        load = forces + (np.abs(mass.M) @ np.abs(a)[..., None])[..., 0]
+        error = (mass.inverse @ load[..., None])[..., 0].max(axis=-1, initial=0.0)
         relative = error / np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
-    value = recursion(robot, len(M)).value * np.maximum(condition(M), relative)
+    value = recursion(robot, len(mass.M)).value * np.maximum(mass.condition, relative)
     return Tolerance(value, "the recursion's x the larger of cond(M) and |M^-1| (|M| |a| + |forces|) / |a|")
 
 
-def derivatives(robot: Robot, M: np.ndarray, forces: np.ndarray, a: np.ndarray, X: np.ndarray) -> Tolerance:
+def derivatives(robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray, X: np.ndarray) -> Tolerance:
     """Of X = M^-1 D, with D = d tau / d(q, v) at the acceleration a that was itself solved for.
 
     Two errors come through M^-1: the recursion's, of M and D, as in `inverse`; and that of D where a
     is off by da.  M da is no more than the recursion's error of the forces, and dM/dq is scaled as M
     is, so that M^-1 (dM/dq) da is of the size of da.
     """
-    of_a = solution(robot, M, forces, a).value * np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
-    scale = np.maximum(1.0, np.abs(X).reshape(len(M), -1).max(axis=-1, initial=0.0))
-    value = recursion(robot, len(M)).value * condition(M) + of_a / scale
+    of_a = solution(robot, mass, forces, a).value * np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
+    scale = np.maximum(1.0, np.abs(X).reshape(len(X), -1).max(axis=-1, initial=0.0))
+    value = recursion(robot, len(X)).value * mass.condition + of_a / scale
     return Tolerance(value, "the recursion's x cond(M) + the error of the acceleration it is taken at")
 
 
@@ -122,14 +163,3 @@ def condition(M: np.ndarray) -> np.ndarray:
         sizes = np.abs(np.linalg.eigvalsh(np.where(good[:, None, None], M, 0.0)))
         least, most = sizes.min(axis=-1), sizes.max(axis=-1)
         return np.where(good & (least > 0), most / least, np.inf)
-
-
-def scaled_condition(M: np.ndarray) -> np.ndarray:
-    """The condition number of D^-1/2 M D^-1/2, D = diag M: what remains when units do not matter."""
-    with np.errstate(all="ignore"):
-        d = np.sqrt(np.diagonal(M, axis1=-2, axis2=-1))
-        return condition(M / (d[..., :, None] * d[..., None, :]))
-
-
-SINGULAR = 1 / (64 * EPS)
-"""A scaled condition number from which M is singular to working precision: nothing is left to compare."""

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from . import entry_ir, threads
-from .host import binding, this_host
+from .host import this_host
 from .kernel import Kernel, loaded, object_code
 
 STACK = 4 * 1024
@@ -133,14 +133,11 @@ def bound(
 
 
 @cache
-def addresses() -> dict[str, int]:
+def addresses() -> dict[str, Any]:
     """The emitted functions; compiled once in a process."""
-    llvm = binding()
-    for name in entry_ir.API:
-        llvm.add_symbol(name, ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value)
+    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in entry_ir.API}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     numbers = {"MOST": _MOST, "READ": _READ, "WRITE": _WRITE, "STACK": STACK, "ROW": 2 + _AXES}
-    engine = loaded(object_code(entry_ir.text(fields, numbers), this_host()))
-    found = {name: engine.get_function_address(name) for name in ("entry", "release")}
-    found["engine"] = engine  # keeps the memory
-    return found
+    names = ("entry", "release")
+    code = loaded(object_code(entry_ir.text(fields, numbers), this_host()), names, api)
+    return {name: code[name] for name in names} | {"code": code}  # which keeps the memory

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import logging
 import os
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -32,6 +33,7 @@ QUICK = 40_000
 
 _lock = threading.RLock()  # one compilation at a time, and never the same one twice
 _scratch = threading.local()
+_numbers = itertools.count()  # of what is linked: names must differ
 
 
 class Kernel:
@@ -57,9 +59,7 @@ class Kernel:
         self.lanes: int = about["lanes"]
         self.scratch: int = about["scratch"]
         self._code = loaded(code)  # keeps the memory
-        self.address: int = self._code.get_function_address("kernel")
-        if not self.address:
-            raise CompilerError("the object code has no kernel")
+        self.address: int = self._code["kernel"]
         count = len(self.sizes) + 1
         self._pointers, self._strides = ctypes.c_void_p * count, ctypes.c_int64 * count
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, self._pointers, self._strides)
@@ -179,26 +179,34 @@ def object_code(text: str, host: Host, quick: bool = False) -> bytes:
         raise CompilerError(f"LLVM: {e}") from e
 
 
-def loaded(code: bytes) -> Any:
-    """Object code in executable memory, linked to the C library."""
-    llvm = binding()
-    c_library()
-    target = llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault")
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target)
+def loaded(code: bytes, exports: Sequence[str] = ("kernel",), imports: Mapping[str, int] | None = None) -> Any:
+    """Object code in executable memory: addresses by name, as long as it is kept."""
+    library = binding().JITLibraryBuilder().add_object_img(code)
+    for name in exports:
+        library.export_symbol(name)
+    for name, address in (c_library() if imports is None else imports).items():
+        library.import_symbol(name, address)
     try:
-        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-        engine.finalize_object()
+        return library.link(linker(), f"dualpin{next(_numbers)}")
     except RuntimeError as e:
         raise CompilerError(f"LLVM: {e}") from e
-    return engine
 
 
 @cache
-def c_library() -> Any:
+def linker() -> Any:
+    """One for all kernels of the process: an execution engine for each would take four times as long."""
+    llvm = binding()
+    return llvm.create_lljit_compiler(
+        llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
+    )
+
+
+@cache
+def c_library() -> dict[str, int]:
     """The C library's sine and cosine, under names of our own."""
     library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
     if not hasattr(library, "sin"):
         library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")
-    for name in ("sin", "cos"):
-        binding().add_symbol(f"dualpin_{name}", ctypes.cast(getattr(library, name), ctypes.c_void_p).value)
-    return library
+    return {
+        f"dualpin_{name}": ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in ("sin", "cos")
+    }

@@ -59,7 +59,8 @@ def test_what_a_tape_can_say(monkeypatch, gathers):
     x, y, z = graph.inputs(0, 3)
     outputs = [
         x + y, x - y, x * y, 1.0 / y, -x, -(x * y), x * y + z, x * y - z, z - x * y, LIBRARY.sqrt(x),
-        select(x, y, z, x), select(x, 0.0, -x, 0.0), x, 2.0, LIBRARY.sin(x * y), x * y + z * x, -(x + y) * z, 3.0 * x + 0.5,
+        select(x, y, z, x), select(x, 0.0, -x, 0.0), x, 2.0, LIBRARY.sin(x * y),
+        x * y + z * x, -(x + y) * z, 3.0 * x + 0.5,
     ]  # fmt: skip
     values = [0.0, -0.0, 1.5, -2.25, np.inf, np.nan, 1e-310]
     rows = np.array(np.meshgrid(values, values, values)).reshape(3, -1).T

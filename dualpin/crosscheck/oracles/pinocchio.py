@@ -78,6 +78,7 @@ class Layout:
         self._moves: list[Callable[[np.ndarray, np.ndarray], None]] = []
         for i, joint in enumerate(robot, 1):
             self._add(robot, joint, model.joints[i])
+        self.order = _permutation(self.G)
 
     def _add(self, robot: Robot, joint: Joint, pin_joint: Any) -> None:
         if pin_joint.nv == 0 or "Mimic" in pin_joint.shortname():
@@ -118,12 +119,32 @@ class Layout:
         """(n, nv) of dualpin to (n, nv) of Pinocchio."""
         return ours @ self.G.T
 
+    def columns(self, x: np.ndarray) -> np.ndarray:
+        """x G, of the last axis."""
+        return x @ self.G if self.order is None else _picked(x, self.order, -1)
+
+    def rows(self, x: np.ndarray) -> np.ndarray:
+        """G^T x, of axis 1."""
+        if self.order is None:
+            return np.moveaxis(np.tensordot(x, self.G, axes=(1, 0)), -1, 1)
+        return _picked(x, self.order, 1)
+
     def q(self, ours: np.ndarray) -> np.ndarray:
         """(n, nq) of dualpin to (n, nq) of Pinocchio."""
         pins = np.zeros((*ours.shape[:-1], self.model.nq))
         for move in self._moves:
             move(ours, pins)
         return pins
+
+
+def _permutation(G: np.ndarray) -> np.ndarray | None:
+    """Which row of G holds the one of each column, where G does nothing but permute."""
+    plain = G.shape[0] == G.shape[1] and ((G == 0) | (G == 1)).all()
+    return G.argmax(axis=0) if plain and (G.sum(axis=0) == 1).all() and (G.sum(axis=1) == 1).all() else None
+
+
+def _picked(x: np.ndarray, order: np.ndarray, axis: int) -> np.ndarray:
+    return x if (order == np.arange(len(order))).all() else np.take(x, order, axis=axis)
 
 
 def leading(robot: Robot, joint: Joint) -> tuple[Joint, float, float]:
@@ -178,21 +199,21 @@ class Pinocchio:
         if self.robot.coupled and QUESTIONS[term].solves:
             return [self._solved(term, states)]
         layout = self.coupled if self._native(term) and self.coupled is not None else self.free
-        m, G = layout.model, layout.G
-        question, d = QUESTIONS[term], m.createData()
+        m, question = layout.model, QUESTIONS[term]
+        d = question.data(self.pin, m)
         choices = [self._chosen(m, options) for options in variants]
-        answers: list[list[np.ndarray]] = [[] for _ in variants]
+        answers: list[np.ndarray] = []
         rows = layout.states(states, coupled=self.robot.coupled)
         with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
             for k in range(n):
                 state = {key: x[k] for key, x in rows.items()}
                 found = question.run(self.pin, m, d, state)
-                for answer, choice in zip(answers, choices, strict=True):
-                    # copied: what the binding returns may live in its data
-                    answer.append(np.array(question.read(self.pin, m, d, *choice) if question.read else found))
-            return [
-                question.convert(np.array(a), G).reshape(n, *shape) for a, shape in zip(answers, shapes, strict=True)
-            ]
+                for i, choice in enumerate(choices):
+                    x = question.read(self.pin, m, d, *choice) if question.read else found
+                    if k == 0:
+                        answers.append(np.empty((n, *np.shape(x))))
+                    answers[i][k] = x  # copied: what the binding returns may live in its data
+            return [question.convert(a, layout).reshape(n, *s) for a, s in zip(answers, shapes, strict=True)]
 
     def _chosen(self, m: Any, options: dict[str, Any]) -> list[Any]:
         """Options as Pinocchio's: frame's index, reference, classical."""
@@ -245,52 +266,54 @@ def _solve(M: np.ndarray, b: np.ndarray) -> np.ndarray:
 # conventions at once.
 
 
-def _plain(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+def _plain(x: np.ndarray, to: Layout) -> np.ndarray:
     return x
 
 
-def _six(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+def _six(x: np.ndarray, to: Layout) -> np.ndarray:
     return x[:, ANGULAR_FIRST]
 
 
-def _columns(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return x @ G
+def _columns(x: np.ndarray, to: Layout) -> np.ndarray:
+    return to.columns(x)
 
 
-def _six_columns(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return x[:, ANGULAR_FIRST] @ G
+def _six_columns(x: np.ndarray, to: Layout) -> np.ndarray:
+    return to.columns(_six(x, to))
 
 
-def _forces(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return np.moveaxis(np.tensordot(x, G, axes=(1, 0)), -1, 1)
+def _forces(x: np.ndarray, to: Layout) -> np.ndarray:
+    return to.rows(x)
 
 
-def _matrix(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return G.T @ (x @ G)
+def _matrix(x: np.ndarray, to: Layout) -> np.ndarray:
+    return to.rows(to.columns(x))
 
 
-def _symmetric(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    upper = np.triu(x)
-    return _matrix(upper + np.swapaxes(np.triu(x, 1), -1, -2), G)
+def _symmetric(x: np.ndarray, to: Layout) -> np.ndarray:
+    """Of which the upper triangle is filled."""
+    lower = np.tri(x.shape[-1], k=-1, dtype=bool)
+    return _matrix(np.where(lower, np.swapaxes(x, -1, -2), x), to)
 
 
-def _derivatives(x: np.ndarray, G: np.ndarray) -> np.ndarray:
+def _derivatives(x: np.ndarray, to: Layout) -> np.ndarray:
     """By q, by v, and a symmetric matrix of which one triangle is filled."""
-    return np.stack([_matrix(x[:, 0], G), _matrix(x[:, 1], G), _symmetric(x[:, 2], G)], axis=1)
+    return np.stack([_matrix(x[:, 0], to), _matrix(x[:, 1], to), _symmetric(x[:, 2], to)], axis=1)
 
 
-def _velocities(x: np.ndarray, G: np.ndarray) -> np.ndarray:
-    return x @ np.linalg.pinv(G).T
+def _velocities(x: np.ndarray, to: Layout) -> np.ndarray:
+    return x @ np.linalg.pinv(to.G).T
 
 
 @dataclass(frozen=True)
 class Question:
-    """How Pinocchio computes a term: (pin, model, data, state), then (pin, model, data, *options)."""
+    """How Pinocchio computes a term: run(pin, model, data, state), then read(pin, model, data, *options)."""
 
     run: Callable[..., Any]
-    convert: Callable[[np.ndarray, np.ndarray], np.ndarray] = _plain
+    convert: Callable[[np.ndarray, Layout], np.ndarray] = _plain
     read: Callable[..., Any] | None = None
     solves: bool = False
+    data: Callable[[Any, Any], Any] = lambda pin, m: m.createData()
 
 
 def _motion(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> None:
@@ -312,17 +335,16 @@ def _acceleration(pin: Any, m: Any, d: Any, frame: int, reference: Any, classica
 
 
 def _pushed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray:
-    forces = pin.StdVec_Force()
-    forces.append(pin.Force.Zero())
-    for f in s["f_ext"].reshape(-1, 6):
-        forces.append(pin.Force(f[3:], f[:3]))
-    return pin.rnea(m, d, s["q"], s["v"], s["a"], forces)
+    data, forces = d
+    for force, wrench in zip(forces[1:], s["f_ext"][:, ANGULAR_FIRST], strict=True):  # to [f; n]
+        force.vector = wrench
+    return pin.rnea(m, data, s["q"], s["v"], s["a"], pin.StdVec_Force(forces))
 
 
 QUESTIONS = {
     "fk": Question(
         lambda pin, m, d, s: pin.forwardKinematics(m, d, s["q"]),
-        read=lambda pin, m, d: [d.oMi[i].homogeneous for i in range(1, m.njoints)],
+        read=lambda pin, m, d: [X.homogeneous for X in d.oMi][1:],
     ),
     "frame_pose": Question(
         lambda pin, m, d, s: pin.framesForwardKinematics(m, d, s["q"]),
@@ -335,7 +357,9 @@ QUESTIONS = {
     "frame_velocity": Question(_motion, _six, lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
     "frame_acceleration": Question(_motion, _six, _acceleration),
     "rnea": Question(lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]), _forces),
-    "rnea_f_ext": Question(_pushed, _forces),
+    "rnea_f_ext": Question(
+        _pushed, _forces, data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])
+    ),
     "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), _forces),
     "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), _forces),
     "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), _symmetric),
