@@ -40,9 +40,9 @@ class TestTerms:
     def test_dualpin(self, benchmark, name, term, batch):
         call, _ = pair(name, term, batch).ours()
         benchmark.extra_info.update(samples=batch)
-        benchmark(call)
+        benchmark(call, 1)
 
     def test_pinocchio(self, benchmark, name, term, batch):
         call, samples, reference = pair(name, term, batch).theirs()
         benchmark.extra_info.update(samples=samples, reference=reference)
-        benchmark(call)
+        benchmark(call, 1)

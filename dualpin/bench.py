@@ -9,6 +9,7 @@ import statistics
 import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +31,8 @@ AGREEMENT = 1e-8  # scaled; measured terms are right or the figures mean nothing
 REPETITIONS = 5
 SLICE = 0.08  # seconds of each measurement: after the other's turn, caches and clocks take some calls to settle
 
-Call = Callable[[], Any]
+Call = Callable[[int], Any]
+"""Does something so many times."""
 
 
 def run(
@@ -109,7 +111,7 @@ def _loaded(given: str | Robot, floating: bool) -> tuple[Robot, str]:
 
 
 class Pair:
-    """The same term of the same states, by us and by Pinocchio, as two calls without arguments."""
+    """The same term of the same states, by us and by Pinocchio, as two loops."""
 
     def __init__(self, robot: Robot, term: str, batch: int, threads: int) -> None:
         if robot.source is None:
@@ -133,12 +135,12 @@ class Pair:
             out, args = np.empty(shape), [x[0].copy() for x in self.inputs]
         else:
             out, args = np.empty((self.batch, *shape)), self.inputs
-        return written_out(f, args, out), out
+        return loop(f, [args], out), out
 
     def function(self) -> Call:
         """The public function, for one configuration."""
         arrays = (x[0].copy() for x in self.inputs)
-        return written_out(getattr(functions, self.term.name), [self.robot, *arrays, *self.options.values()])
+        return loop(getattr(functions, self.term.name), [[self.robot, *arrays, *self.options.values()]])
 
     def theirs(self) -> tuple[Call, int, str]:
         """Pinocchio's fastest: its parallel loop in C++ where there is one, else its Python call.
@@ -152,7 +154,7 @@ class Pair:
             pool = pin.ModelPool(model, self.threads)
             arrays = [np.asfortranarray(states[key].T) for key in self.term.inputs]
             out, f, n = np.empty((model.nv, self.batch), order="F"), getattr(pin, in_parallel), self.threads
-            return (lambda: f(n, pool, *arrays, out)), self.batch, f"{in_parallel}({n})"
+            return loop(f, [[n, pool, *arrays, out]]), self.batch, f"{in_parallel}({n})"
         data = model.createData()
         name = _PINOCCHIO[self.term.name]
         call = getattr(pin, name)
@@ -161,20 +163,13 @@ class Pair:
             extra = [self.oracle._frame(model, self.options["frame"]), pin.LOCAL]
         few = min(self.batch, 64)
         samples = [[np.ascontiguousarray(states[key][i]) for key in self.term.inputs] + extra for i in range(few)]
-        calls = [written_out(call, [model, data, *one]) for one in samples]
-        if few == 1:
-            return calls[0], 1, name
-
-        def loop() -> None:
-            for f in calls:
-                f()
-
-        return loop, few, f"{name}, Python loop"
+        calls = [[model, data, *one] for one in samples]
+        return loop(call, calls), few, name if few == 1 else f"{name}, Python loop"
 
     def check(self) -> None:
         """Both give the same, or there is nothing to compare."""
         call, out = self.ours()
-        call()
+        call(1)
         few = min(self.batch, 16)
         states = {key: x[:few] for key, x in zip(self.term.inputs, self.inputs, strict=True)}
         expected = self.oracle.compute(self.term.name, states, [self.options])[0]
@@ -192,7 +187,7 @@ class Pair:
         theirs, samples, name = self.theirs()
         ours, out = self.ours()
         blank = np.empty_like(out)
-        mine, other, filling = alternating([ours, theirs, lambda: blank.fill(1.0)], repetitions)
+        mine, other, filling = alternating([ours, theirs, loop(blank.fill, [[1.0]])], repetitions)
         row: dict[str, Any] = {"term": self.term.name, "batch": self.batch, "threads": self.threads}
         for prefix, measure in (("", statistics.median), ("best_", min)):
             us, pins = measure(mine) / self.batch * 1e6, measure(other) / samples * 1e6
@@ -212,11 +207,19 @@ _PINOCCHIO = {
 }  # fmt: skip
 
 
-def written_out(f: Callable[..., Any], args: Sequence[Any], out: np.ndarray | None = None) -> Call:
-    """f(*args) or f(*args, out=out) as a user would write it: unpacking a sequence costs a tenth of a microsecond."""
-    names = [f"x{i}" for i in range(len(args))]
-    call = ", ".join(names + (["out=out"] if out is not None else []))
-    return eval(f"lambda: f({call})", {"f": f, "out": out, **dict(zip(names, args, strict=True))})
+def loop(f: Callable[..., Any], calls: Sequence[Sequence[Any]], out: np.ndarray | None = None) -> Call:
+    """A loop that calls f with each of these arguments, and `out`, so many times: written as a user would write it.
+
+    Unpacking arguments or calling a function that calls f would cost a tenth of a microsecond.
+    """
+    names = [f"x{i}" for i in range(len(calls[0]))]
+    statement = f"f({', '.join(names + (['out=out'] if out is not None else []))})"
+    lines = [f"{', '.join(names)}, = calls[0]", "for _ in range(times):", f"    {statement}"]
+    if len(calls) > 1:
+        lines = ["for _ in range(times):", f"    for {', '.join(names)}, in calls:", f"        {statement}"]
+    scope: dict[str, Any] = {}
+    exec("def call(times, f, calls, out):\n    " + "\n    ".join(lines), scope)
+    return partial(scope["call"], f=f, calls=calls, out=out)
 
 
 def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: float = SLICE) -> list[list[float]]:
@@ -224,9 +227,9 @@ def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: 
     calls = list(calls)
     loops = []
     for f in calls:
-        f()
+        f(1)
         start = time.perf_counter()
-        f()
+        f(1)
         loops.append(max(1, int(seconds / max(time.perf_counter() - start, 1e-7))))
     times: list[list[float]] = [[] for _ in calls]
     collecting = gc.isenabled()
@@ -234,10 +237,8 @@ def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: 
     try:
         for _ in range(repetitions):
             for k, f in enumerate(calls):
-                again = range(loops[k])
                 start = time.perf_counter()
-                for _ in again:
-                    f()
+                f(loops[k])
                 times[k].append((time.perf_counter() - start) / loops[k])
     finally:
         if collecting:

@@ -15,6 +15,7 @@ import tempfile
 import time
 import warnings
 from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -80,11 +81,11 @@ def by_threads() -> list[dict[str, Any]]:
             pair = bench.Pair(robot, term, 65536, 1)
             f, _ = pair.ours()
 
-            def on(n: int, f: Any = f) -> Any:
+            def on(n: int, times: int, f: Any = f) -> None:
                 dp.set_num_threads(n)
-                return f()
+                f(times)
 
-            calls = [lambda: on(1), lambda: on(2)]
+            calls = [partial(on, 1), partial(on, 2)]
             one, two = map(min, bench.alternating(calls))
             dp.set_num_threads(None)
             rows.append({"robot": name, "term": term, "batch": 65536, "one_us": one / 65536 * 1e6,
