@@ -22,8 +22,9 @@ from typing import Any
 import numpy as np
 
 from . import entry_ir, threads
+from .compiler import loaded, object_code
 from .host import this_host
-from .kernel import Kernel, loaded, object_code
+from .kernel import Kernel
 
 STACK = 4 * 1024
 """Bytes of scratch taken from the stack; more comes from the heap.  No more than a page: the guard below is one."""
@@ -139,5 +140,5 @@ def addresses() -> dict[str, Any]:
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     numbers = {"MOST": _MOST, "READ": _READ, "WRITE": _WRITE, "STACK": STACK, "ROW": 2 + _AXES}
     names = ("entry", "release")
-    code = loaded(object_code(entry_ir.text(fields, numbers), this_host()), names, api)
+    code = loaded([object_code(entry_ir.text(fields, numbers), this_host())], names, api)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory

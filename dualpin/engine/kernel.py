@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import ctypes
-import itertools
 import logging
-import os
-import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +15,9 @@ from ..model.robot import Robot
 from ..terms import Options, Term
 from . import cache as disk
 from . import llvm as ir
+from .compiler import Compilers, loaded, split
 from .fingerprint import key as kernel_key
-from .host import CompilerError, Host, binding, this_host
+from .host import Host, this_host
 from .lanes import DOUBLE, SINGLE
 from .schedule import schedule
 from .threads import spread
@@ -33,7 +30,6 @@ QUICK = 40_000
 
 _lock = threading.RLock()  # one compilation at a time, and never the same one twice
 _scratch = threading.local()
-_numbers = itertools.count()  # of what is linked: names must differ
 
 
 class Kernel:
@@ -58,7 +54,7 @@ class Kernel:
         self.operations: int = about["operations"]
         self.lanes: int = about["lanes"]
         self.scratch: int = about["scratch"]
-        self._code = loaded(code)  # keeps the memory
+        self._code = loaded(split(code, about["objects"]))  # keeps the memory
         self.address: int = self._code["kernel"]
         count = len(self.sizes) + 1
         self._pointers, self._strides = ctypes.c_void_p * count, ctypes.c_int64 * count
@@ -152,61 +148,15 @@ def compiled(
     program = trace(robot, term, options)
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     together = host.lanes(number.size) if lanes == 1 else 1
-    plan = schedule(program, together=together, direct=lanes == 1)
-    code = object_code(ir.module(plan, number, host, lanes), host, quick=plan.operations > QUICK)
+    with Compilers(host, len(program.graph.nodes)) as compilers:
+        plan = schedule(program, together=together, direct=lanes == 1)
+        texts = ir.modules(plan, number, host, lanes, parts=1 if plan.tape else compilers.count)
+        objects = compilers.object_codes(texts, quick=plan.operations > QUICK)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
-        "scratch": ir.scratch_bytes(plan, number, host, lanes),
+        "scratch": ir.scratch_bytes(plan, number, host, lanes), "objects": [len(x) for x in objects],
     }  # fmt: skip
     seconds = time.perf_counter() - start
     if seconds > 0.5:
         log.info("compiled %s of %s: %d operations, %.2f s", term.name, robot.name, plan.operations, seconds)
-    return about, code
-
-
-# --- the compiler --------------------------------------------------------------------------------
-
-
-def object_code(text: str, host: Host, quick: bool = False) -> bytes:
-    """IR to machine code.  No optimisation passes: folding was done on the graph."""
-    llvm = binding()
-    try:
-        machine = llvm.Target.from_triple(host.triple).create_target_machine(
-            cpu=host.cpu, features=host.features, opt=0 if quick else 2, reloc="pic", codemodel="jitdefault"
-        )
-        return machine.emit_object(llvm.parse_assembly(text, llvm.create_context()))
-    except RuntimeError as e:
-        raise CompilerError(f"LLVM: {e}") from e
-
-
-def loaded(code: bytes, exports: Sequence[str] = ("kernel",), imports: Mapping[str, int] | None = None) -> Any:
-    """Object code in executable memory: addresses by name, as long as it is kept."""
-    library = binding().JITLibraryBuilder().add_object_img(code)
-    for name in exports:
-        library.export_symbol(name)
-    for name, address in (c_library() if imports is None else imports).items():
-        library.import_symbol(name, address)
-    try:
-        return library.link(linker(), f"dualpin{next(_numbers)}")
-    except RuntimeError as e:
-        raise CompilerError(f"LLVM: {e}") from e
-
-
-@cache
-def linker() -> Any:
-    """One for all kernels of the process: an execution engine for each would take four times as long."""
-    llvm = binding()
-    return llvm.create_lljit_compiler(
-        llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
-    )
-
-
-@cache
-def c_library() -> dict[str, int]:
-    """The C library's sine and cosine, under names of our own."""
-    library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
-    if not hasattr(library, "sin"):
-        library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")
-    return {
-        f"dualpin_{name}": ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in ("sin", "cos")
-    }
+    return about, b"".join(objects)

@@ -25,32 +25,41 @@ _CHUNK_ARGS = (
 )
 
 
-def module(plan: Schedule, number: Number, host: Host, lanes: int) -> str:
-    """The kernel and all it calls, as text; with one lane, it is made for single configurations."""
+def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int = 1) -> list[str]:
+    """The kernel and all it calls, as text; with one lane, it is made for single configurations.
+
+    With several parts, the first has the kernel and the others most of its chunks.
+    """
     emit = _Emission(plan, number, lanes, host)
     widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes})
-    parts = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY, emit.tables()]
-    calls: list[str] = []
+    declarations = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY]
+    main, chunks, calls = [emit.tables()], dict[str, str](), list[str]()
+    linkage = "internal" if parts == 1 else ""
     for k, stage in enumerate(plan.stages):
         if plan.tape:
             steps = tape(plan, stage)
             text = "\\" + steps.hex("\\")
-            parts.append(f'@tape{k} = internal constant [{len(steps)} x i8] c"{text}", align 16\n')
+            main.append(f'@tape{k} = internal constant [{len(steps)} x i8] c"{text}", align 16\n')
             calls.append(f"call void @walk(ptr %scratch, ptr @tape{k})")
         for c, chunk in enumerate([] if plan.tape else stage.chunks):
-            parts.append(emit.chunk(f"chunk{k}_{c}", chunk))
-            calls.append(f"call void @chunk{k}_{c}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
+            name = f"chunk{k}_{c}"
+            chunks[name] = emit.chunk(name, chunk, linkage)
+            calls.append(f"call void @{name}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
         if stage.angles:
             calls += emit.trigonometry(k, stage.angles)
     if plan.tape:
-        parts += [walker(emit.lanes()), teller(emit.lanes(), plan)]
+        main += [walker(emit.lanes()), teller(emit.lanes(), plan)]
         emit.pool = {key: k for k, key in enumerate(plan.known)}
     if plan.sine:
-        parts += [emit.cos_sin(), emit.cos_sin_far()]
-    parts += [emit.kernel(calls), emit.constant_table()]
+        main += [emit.cos_sin(), emit.cos_sin_far()]
+    main += [emit.kernel(calls), emit.constant_table()]
+    names = list(chunks)
+    shares = [names[k * len(names) // parts : (k + 1) * len(names) // parts] for k in range(parts)]
+    main += [f"declare void @{name}({_CHUNK_ARGS})" for share in shares[1:] for name in share]
     attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
-    parts.append(f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n')
-    return "\n".join(parts)
+    end = f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n'
+    bodies = [[*([] if k else main), *(chunks[name] for name in share)] for k, share in enumerate(shares)]
+    return ["\n".join([*declarations, *body, end]) for body in bodies]
 
 
 def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int:
@@ -74,7 +83,7 @@ class _Emission:
 
     # the straight lines
 
-    def chunk(self, name: str, steps: list[Step]) -> str:
+    def chunk(self, name: str, steps: list[Step], linkage: str) -> str:
         plan, e = self.plan, self.lanes()
         names: dict[int, str] = {}
 
@@ -115,7 +124,7 @@ class _Emission:
             for place in plan.places.get(step.i, ()):
                 e.store("%out", place, x)
         body = "\n".join(e.lines)
-        return f"define internal void @{name}({_CHUNK_ARGS}) noinline #0 {{\n{body}\n  ret void\n}}\n"
+        return f"define {linkage} void @{name}({_CHUNK_ARGS}) noinline #0 {{\n{body}\n  ret void\n}}\n"
 
     # trigonometric functions
 

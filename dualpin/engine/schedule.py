@@ -15,7 +15,6 @@ than linear in its length and spill badly; cut like this, compile time is linear
 from __future__ import annotations
 
 import math
-from collections import Counter
 from dataclasses import dataclass, field
 
 from .trace import ARITHMETIC, Node, Sym, Trace
@@ -162,44 +161,42 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
     Decided here and not by the compiler, so that every lane width gives the same bits.
     """
     nodes = program.graph.nodes
-    uses = Counter(a for i in order for a in program.graph.operands(i))
-    uses.update(x.i for x in program.outputs if type(x) is Sym)
-    position = {i: n for n, i in enumerate(order)}
-    swallowed: set[int] = set()
+    uses, position = [0] * len(nodes), [0] * len(nodes)
+    for n, i in enumerate(order):
+        position[i] = n
+        op, *args = nodes[i]
+        if op not in ("in", "const"):
+            for a in args:
+                uses[a] += 1
+    for out in program.outputs:
+        if type(out) is Sym:
+            uses[out.i] += 1
     steps: dict[int, Step] = {}
     for i in order:
         op, *args = nodes[i]
         if op not in ARITHMETIC:
             continue
-        step = Step(i, op, tuple(args))
         if op in ("+", "-"):
             a, b = args
-            products = [p for p in (a, b) if nodes[p][0] == "*" and uses[p] == 1 and steps[p].op == "*"]
+            products = [p for p in args if uses[p] == 1 and nodes[p][0] == "*"]
             if products:  # the later one: the other is at hand when it is needed
                 p = max(products, key=position.__getitem__)
-                x, y = nodes[p][1:]
-                if op == "+":
-                    step = Step(i, "fma", (x, y, b if p == a else a))
-                elif p == a:
-                    step = Step(i, "fma", (x, y, b), (1, -1))  # x y - b
-                else:
-                    step = Step(i, "fma", (x, y, a), (-1, 1))  # a - x y
-                swallowed.add(p)
-        steps[i] = step
-    for p in swallowed:
-        del steps[p]
+                signs = (1, 1) if op == "+" else (1, -1) if p == a else (-1, 1)  # x y - b, a - x y
+                steps[i] = Step(i, "fma", (*steps.pop(p).args, b if p == a else a), signs)
+                continue
+        steps[i] = Step(i, op, tuple(args))
     return steps
 
 
 def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: int) -> list[Stage]:
     """Which stage each step belongs to: the latest that still serves all its users."""
-    level: dict[int, int] = {}  # how many rounds of sines and cosines come before a value
+    level = [0] * len(nodes)  # how many rounds of sines and cosines come before a value
     for i in order:
         op, *args = nodes[i]
-        below = 0 if op in ("in", "const") else max(level[a] for a in args)
-        level[i] = below + (op in ("sin", "cos"))
-    last = max(level.values(), default=0)
-    stage = dict.fromkeys(order, last)
+        if op not in ("in", "const"):
+            level[i] = max([level[a] for a in args]) + (op in ("sin", "cos"))
+    last = max([level[i] for i in order], default=0)
+    stage = [last] * len(nodes)
     angles: dict[int, int] = {}  # angle -> the round that makes its sine and cosine
     for i in reversed(order):
         op, *args = nodes[i]
@@ -208,7 +205,8 @@ def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: i
             stage[args[0]] = min(stage[args[0]], level[i] - 1)
         elif op not in ("in", "const"):
             for a in args:
-                stage[a] = min(stage[a], stage[i])
+                if stage[i] < stage[a]:
+                    stage[a] = stage[i]
     stages = []
     for n in range(last + 1):
         line = [steps[i] for i in order if i in steps and stage[i] == n]

@@ -14,6 +14,7 @@ from dualpin.boundary import call
 from dualpin.engine import find, rows
 from dualpin.engine import kernel as kernels
 from dualpin.engine import llvm as ir
+from dualpin.engine.compiler import object_code
 from dualpin.engine.host import CompilerError, this_host
 from dualpin.engine.lanes import DOUBLE, SINGLE
 from dualpin.engine.schedule import schedule
@@ -249,12 +250,13 @@ def trigonometry(dtype=np.float64, host=None, lanes=None):
     (x,) = graph.inputs(0, 1)
     together = host.lanes(number.size) if lanes == 1 else 1
     plan = schedule(Trace(graph, [1], [LIBRARY.sin(x), LIBRARY.cos(x)]), together=together, direct=lanes == 1)
-    code = kernels.object_code(ir.module(plan, number, host, lanes), host)
+    code = object_code(*ir.modules(plan, number, host, lanes), host)
     about = {
         "sizes": [1],
         "operations": 1,
         "lanes": lanes,
         "scratch": ir.scratch_bytes(plan, number, host, lanes),
+        "objects": [len(code)],
     }
     return kernels.Kernel(about, code, (2,), np.dtype(dtype))
 

@@ -1,0 +1,126 @@
+"""From LLVM's IR to machine code that can be called.
+
+llvmlite lets LLVM work for one thread at a time, so large programs are compiled by several processes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import itertools
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import IO, Any, cast
+
+from . import worker
+from .host import CompilerError, Host, binding
+from .threads import get_num_threads
+
+LARGE = 30_000
+"""Nodes from which a program is worth other processes: they take a tenth of a second to begin."""
+MOST = 4  # processes
+
+_numbers = itertools.count()  # of what is linked: names must differ
+
+
+def object_code(text: str, host: Host, quick: bool = False) -> bytes:
+    """IR to machine code.  No optimisation passes: folding was done on the graph."""
+    binding()
+    try:
+        return worker.object_code(text, host.triple, host.cpu, host.features, quick)
+    except RuntimeError as e:
+        raise CompilerError(f"LLVM: {e}") from e
+
+
+class Compilers:
+    """This process and others that help it with a large program: begun early, ended in any case."""
+
+    def __init__(self, host: Host, nodes: int) -> None:
+        binding()
+        self.host = host
+        self.others: list[subprocess.Popen[bytes]] = []
+        if nodes < LARGE or not Path(sys.executable or "").name.startswith("python"):
+            return  # too small, or a program that Python is only a part of
+        for _ in range(min(get_num_threads(), MOST) - 1):
+            with contextlib.suppress(OSError):  # no more processes
+                self.others.append(
+                    subprocess.Popen(
+                        [sys.executable, "-I", worker.__file__],
+                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                    )
+                )  # fmt: skip
+
+    @property
+    def count(self) -> int:
+        return 1 + len(self.others)
+
+    def __enter__(self) -> Compilers:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in self.others:
+            with process:  # which closes its pipes and waits for its end
+                process.kill()
+
+    def object_codes(self, texts: Sequence[str], quick: bool) -> list[bytes]:
+        """The first is compiled here, each of the others by a process, and here where that fails."""
+        host = self.host
+        about = {"path": sys.path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
+        asked = list(zip(self.others, texts[1:], strict=False))
+        for process, text in asked:
+            with contextlib.suppress(OSError), cast(IO[bytes], process.stdin) as pipe:
+                pipe.write(json.dumps(about).encode() + b"\n" + text.encode())
+        objects = [object_code(texts[0], host, quick)]
+        for process, text in asked:
+            code = cast(IO[bytes], process.stdout).read()
+            done = code and process.wait() == 0
+            objects.append(code if done else object_code(text, host, quick))
+        return objects
+
+
+def loaded(
+    objects: Sequence[bytes], exports: Sequence[str] = ("kernel",), imports: Mapping[str, int] | None = None
+) -> Any:
+    """Object code in executable memory: addresses by name, as long as it is kept."""
+    library = binding().JITLibraryBuilder()
+    for code in objects:
+        library.add_object_img(code)
+    for name in exports:
+        library.export_symbol(name)
+    for name, address in (c_library() if imports is None else imports).items():
+        library.import_symbol(name, address)
+    try:
+        return library.link(linker(), f"dualpin{next(_numbers)}")
+    except RuntimeError as e:
+        raise CompilerError(f"LLVM: {e}") from e
+
+
+def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
+    """Objects of these sizes that follow each other."""
+    ends = list(itertools.accumulate(sizes))
+    return [code[end - size : end] for size, end in zip(sizes, ends, strict=True)]
+
+
+@cache
+def linker() -> Any:
+    """One for all kernels of the process: an execution engine for each would take four times as long."""
+    llvm = binding()
+    return llvm.create_lljit_compiler(
+        llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
+    )
+
+
+@cache
+def c_library() -> dict[str, int]:
+    """The C library's sine and cosine, under names of our own."""
+    library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
+    if not hasattr(library, "sin"):
+        library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")
+    return {
+        f"dualpin_{name}": ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in ("sin", "cos")
+    }
