@@ -92,10 +92,15 @@ class MassMatrices:
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """|M^-1|; of the identity where M is singular."""
-        good = np.isfinite(self.M).all(axis=(-2, -1)) & np.isfinite(self.condition)
+        """|M^-1|; no numbers where elimination finds M singular."""
+        good = np.isfinite(self.M).all(axis=(-2, -1))
         with np.errstate(all="ignore"):
-            return np.abs(np.linalg.inv(np.where(good[:, None, None], self.M, np.eye(self.M.shape[-1]))))
+            try:
+                return np.abs(np.linalg.inv(np.where(good[:, None, None], self.M, np.nan)))
+            except np.linalg.LinAlgError:  # some are: they are found by their eigenvalues
+                good &= condition(self._scaled) < SINGULAR
+                inverse = np.linalg.inv(np.where(good[:, None, None], self.M, np.eye(self.M.shape[-1])))
+                return np.where(good[:, None, None], np.abs(inverse), np.nan)
 
     @cached_property
     def hopeless(self) -> np.ndarray:
@@ -106,12 +111,21 @@ class MassMatrices:
         does not settle it, eigenvalues do.
         """
         with np.errstate(all="ignore"):
-            d = np.sqrt(np.diagonal(self.M, axis1=-2, axis2=-1))
-            scales = d[:, :, None] * d[:, None, :]
-            most = _row_sums(np.abs(self.M) / scales) * _row_sums(self.inverse * scales)
-            hopeless = ~(most < SINGULAR) | ~np.isfinite(self.condition)
-            hopeless[hopeless] = ~(condition((self.M / scales)[hopeless]) < SINGULAR)
+            most = _row_sums(np.abs(self._scaled)) * _row_sums(self.inverse * self._units)
+        hopeless = ~(most < SINGULAR)
+        hopeless[hopeless] = ~(condition(self._scaled[hopeless]) < SINGULAR)
         return hopeless
+
+    @cached_property
+    def _units(self) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            d = np.sqrt(np.diagonal(self.M, axis1=-2, axis2=-1))
+        return d[:, :, None] * d[:, None, :]
+
+    @cached_property
+    def _scaled(self) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            return self.M / self._units
 
 
 def _row_sums(A: np.ndarray) -> np.ndarray:

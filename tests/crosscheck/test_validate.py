@@ -10,6 +10,8 @@ from random_robots import random_urdf
 import dualpin as dp
 from dualpin.algorithms import coriolis as coriolis_module
 from dualpin.crosscheck import CHECKS, tolerance
+from dualpin.crosscheck.oracles.pinocchio import Layout, _permutation
+from dualpin.crosscheck.run import scaled_error
 from dualpin.crosscheck.where import locate
 from dualpin.model.robot import Joint, Robot
 from dualpin.spatial import Inertia, Pose, Vector3, diagonal
@@ -198,3 +200,49 @@ def test_a_potential_energy_that_cancels_is_not_called_wrong():
     report = dp.validate("falcon_bravo7_no_ee", samples=500, floating=True, terms=["potential_energy"], engine="numpy")
     assert report.passed
     assert report.terms["potential_energy"].tolerance <= tolerance.CEILING
+
+
+def test_errors_are_of_the_largest_entry_and_infinite_where_there_is_no_number():
+    reference = np.array([[0.0, -4.0, 1.0], [0.5, 0.0, 0.0], [1.0, np.nan, 2.0], [np.inf, 1.0, 1.0]])
+    x = reference + np.array([[0.0, 0.5, 1.0], [0.0, 0.25, 0.0], [9.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    error, where = scaled_error(x.copy(), reference)
+    assert np.array_equal(error, [0.25, 0.25, np.inf, np.inf])
+    assert where[:2].tolist() == [2, 1]
+    error, where = scaled_error(np.empty((2, 0)), np.empty((2, 0)))
+    assert error.tolist() == where.tolist() == [0, 0]
+
+
+def test_what_is_singular_is_found_by_norms_as_by_eigenvalues():
+    """Matrices whose scaled condition numbers lie around the bound, in units from 1e-8 to 1e8."""
+    rng = np.random.default_rng(9)
+    exponents = np.concatenate([rng.uniform(0, 20, 150), [0.0, 16.0, 300.0]])
+    M = []
+    for e in exponents:
+        Q, _ = np.linalg.qr(rng.normal(size=(6, 6)))
+        units = np.diag(10.0 ** rng.uniform(-8, 8, 6))
+        M.append(units @ (Q @ np.diag([*np.ones(5), 10.0**-e]) @ Q.T) @ units)
+    M = np.array([*M, np.zeros((6, 6)), np.full((6, 6), np.nan)])
+    d = np.sqrt(np.diagonal(M, axis1=1, axis2=2))
+    with np.errstate(all="ignore"):
+        expected = ~(tolerance.condition(M / d[:, :, None] / d[:, None, :]) < tolerance.SINGULAR)
+    hopeless = tolerance.MassMatrices(M).hopeless
+    # between the bounds by rounding alone: eigenvalues of nearly singular matrices know no more
+    near = np.abs(np.append(exponents, [20, 20]) - np.log10(tolerance.SINGULAR)) < 0.5
+    assert np.array_equal(hopeless[~near], expected[~near])
+    assert 10 < hopeless.sum() < 140
+
+
+def test_layouts_that_only_permute_pick_instead_of_multiplying():
+    def layout(G):
+        made = object.__new__(Layout)
+        made.G, made.order = G, _permutation(G)
+        return made
+
+    rng = np.random.default_rng(3)
+    permutation = np.eye(5)[[3, 0, 4, 1, 2]]
+    tall = rng.normal(size=(5, 3))
+    for G in (permutation, np.eye(5), tall, -np.eye(5), 2 * np.eye(5), np.eye(5)[[0, 0, 2, 3, 4]]):
+        to, x = layout(G), rng.normal(size=(4, 5, 5))
+        assert np.allclose(to.columns(x), x @ G, rtol=0, atol=1e-14)
+        assert np.allclose(to.rows(x), G.T @ x, rtol=0, atol=1e-14)
+    assert [layout(G).order is None for G in (permutation, np.eye(5), tall, -np.eye(5))] == [False, False, True, True]
