@@ -48,12 +48,16 @@ def validate(
     Examples:  dualpin validate panda ur5 --samples 100  |  dualpin validate my_arm.urdf --floating --out out
     """
     from ..crosscheck.campaign import all_cases, campaign
-    from ..crosscheck.run import Case
+    from ..crosscheck.run import CHECKS, Case
     from ..io.catalogue import find
 
     if all_ == bool(robots):
         raise ArgumentError("validate: name robots, or give --all (not both)")
     for name in robots or []:
+        if name in CHECKS and not Path(name).exists():
+            raise ArgumentError(
+                f"validate: {name!r} is a term, not a robot; terms go between commas: --terms rnea,crba"
+            )
         find(name)  # a name that is nothing at all is no file to refuse
     cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
     workers = min(jobs or os.cpu_count() or 1, len(cases))

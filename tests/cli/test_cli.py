@@ -67,6 +67,7 @@ def test_a_failed_report_has_exit_code_1(tmp_path):
     (("validate", "nowhere.urdf"), "no such file"),
     (("validate",), "name robots, or give --all"),
     (("validate", "ur5", "--terms", "rnae"), "did you mean 'rnea'"),
+    (("validate", "ur5", "--terms", "rnea", "crba"), "'crba' is a term, not a robot; terms go between commas"),
     (("fk", "ur5", "--q", "1,2"), "6 finite numbers"),
     (("fk", "ur5", "--frame", "tool"), "did you mean 'tool0'"),
     (("report", "nothing.json"), "cannot read"),
