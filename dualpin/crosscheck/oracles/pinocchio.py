@@ -16,6 +16,7 @@ import os
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -79,6 +80,9 @@ class Layout:
         for i, joint in enumerate(robot, 1):
             self._add(robot, joint, model.joints[i])
         self.order = _permutation(self.G)
+        # each term has data of its own, since some fill only what they need; those of a large robot take
+        # longer to make than a batch, and 40 MB
+        self.data = lru_cache(maxsize=4)(lambda pin, term: QUESTIONS[term].data(pin, model))
 
     def _add(self, robot: Robot, joint: Joint, pin_joint: Any) -> None:
         if pin_joint.nv == 0 or "Mimic" in pin_joint.shortname():
@@ -139,7 +143,7 @@ class Layout:
 
 def _permutation(G: np.ndarray) -> np.ndarray | None:
     """Which row of G holds the one of each column, where G does nothing but permute."""
-    plain = G.shape[0] == G.shape[1] and ((G == 0) | (G == 1)).all()
+    plain = 0 < G.shape[0] == G.shape[1] and ((G == 0) | (G == 1)).all()
     return G.argmax(axis=0) if plain and (G.sum(axis=0) == 1).all() and (G.sum(axis=1) == 1).all() else None
 
 
@@ -200,7 +204,7 @@ class Pinocchio:
             return [self._solved(term, states)]
         layout = self.coupled if self._native(term) and self.coupled is not None else self.free
         m, question = layout.model, QUESTIONS[term]
-        d = question.data(self.pin, m)
+        d = layout.data(self.pin, term)
         choices = [self._chosen(m, options) for options in variants]
         answers: list[np.ndarray] = []
         rows = layout.states(states, coupled=self.robot.coupled)
