@@ -217,7 +217,7 @@ def compare(
     coupled = case.mimic or robot.coupled
     with tempfile.TemporaryDirectory() as folder:
         oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)
-    given = states(robot, samples, seed) | {"sample": np.arange(samples)}
+    given = states(robot, samples, seed, engine) | {"sample": np.arange(samples)}
     tallies = {c.term: _Tally() for c in checks if robot.mass > 0 or not c.weighs}
     for together in _groups([CHECKS[term] for term in tallies]):
         largest = max(

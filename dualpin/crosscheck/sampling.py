@@ -14,7 +14,7 @@ STEP = 0.3  # of the tangent step between the two configurations of `difference`
 LEAST_TURN = 0.5  # of STEP: turns of planar joints are no smaller, see `tolerance.logarithm`
 
 
-def states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
+def states(robot: Robot, n: int, seed: int, engine: str = "numpy") -> dict[str, np.ndarray]:
     """n states: q within the limits (angles of joints whose limits leave no room: anywhere), v, a, tau, f_ext, q1.
 
     tau is what the acceleration a needs, so that forward dynamics is asked for moderate accelerations.
@@ -29,7 +29,7 @@ def states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
     f_ext = rng.uniform(-10, 10, (n, len(robot), 6))
     return {
         "q": q, "v": v, "a": a, "f_ext": f_ext,
-        "tau": rnea(robot, q, v, a, engine="numpy"),
+        "tau": rnea(robot, q, v, a, engine=engine),
         "q1": integrate(robot, q, STEP * step, engine="numpy"),
     }  # fmt: skip
 

@@ -29,11 +29,14 @@ _MAGIC = b"dualpin kernel 1\n"
 def folder() -> Path:
     """Where kernels are kept: ``DUALPIN_CACHE_DIR``, or the platform's cache folder for dualpin."""
     chosen = os.environ.get("DUALPIN_CACHE_DIR")
-    if chosen:
-        return Path(chosen).expanduser() / "kernels"
+    return (Path(chosen).expanduser() if chosen else _usual_folder()) / "kernels"
+
+
+@cache
+def _usual_folder() -> Path:
     import platformdirs
 
-    return Path(platformdirs.user_cache_dir("dualpin", appauthor=False)) / "kernels"
+    return Path(platformdirs.user_cache_dir("dualpin", appauthor=False))
 
 
 def info() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from random_robots import random_urdf
 import dualpin as dp
 from dualpin.algorithms import coriolis as coriolis_module
 from dualpin.crosscheck import CHECKS, tolerance
-from dualpin.crosscheck.oracles.pinocchio import Layout, _permutation
+from dualpin.crosscheck.oracles.pinocchio import Layout, _runs
 from dualpin.crosscheck.run import scaled_error
 from dualpin.crosscheck.where import locate
 from dualpin.model.robot import Joint, Robot
@@ -235,7 +235,7 @@ def test_what_is_singular_is_found_by_norms_as_by_eigenvalues():
 def test_layouts_that_only_permute_pick_instead_of_multiplying():
     def layout(G):
         made = object.__new__(Layout)
-        made.G, made.order = G, _permutation(G)
+        made.G, made.runs = G, _runs(G)
         return made
 
     rng = np.random.default_rng(3)
@@ -245,4 +245,4 @@ def test_layouts_that_only_permute_pick_instead_of_multiplying():
         to, x = layout(G), rng.normal(size=(4, 5, 5))
         assert np.allclose(to.columns(x), x @ G, rtol=0, atol=1e-14)
         assert np.allclose(to.rows(x), G.T @ x, rtol=0, atol=1e-14)
-    assert [layout(G).order is None for G in (permutation, np.eye(5), tall, -np.eye(5))] == [False, False, True, True]
+    assert [len(layout(G).runs) for G in (permutation, np.eye(5), tall, -np.eye(5))] == [4, 1, 0, 0]

@@ -79,7 +79,7 @@ class Layout:
         self._moves: list[Callable[[np.ndarray, np.ndarray], None]] = []
         for i, joint in enumerate(robot, 1):
             self._add(robot, joint, model.joints[i])
-        self.order = _permutation(self.G)
+        self.runs = _runs(self.G)
         # each term has data of its own, since some fill only what they need; those of a large robot take
         # longer to make than a batch, and 40 MB
         self.data = lru_cache(maxsize=4)(lambda pin, term: QUESTIONS[term].data(pin, model))
@@ -125,13 +125,15 @@ class Layout:
 
     def columns(self, x: np.ndarray) -> np.ndarray:
         """x G, of the last axis."""
-        return x @ self.G if self.order is None else _picked(x, self.order, -1)
+        if not self.runs:
+            return x @ self.G
+        return x if len(self.runs) == 1 else np.concatenate([x[..., run] for run in self.runs], axis=-1)
 
     def rows(self, x: np.ndarray) -> np.ndarray:
         """G^T x, of axis 1."""
-        if self.order is None:
+        if not self.runs:
             return np.moveaxis(np.tensordot(x, self.G, axes=(1, 0)), -1, 1)
-        return _picked(x, self.order, 1)
+        return x if len(self.runs) == 1 else np.concatenate([x[:, run] for run in self.runs], axis=1)
 
     def q(self, ours: np.ndarray) -> np.ndarray:
         """(n, nq) of dualpin to (n, nq) of Pinocchio."""
@@ -141,14 +143,13 @@ class Layout:
         return pins
 
 
-def _permutation(G: np.ndarray) -> np.ndarray | None:
-    """Which row of G holds the one of each column, where G does nothing but permute."""
-    plain = 0 < G.shape[0] == G.shape[1] and ((G == 0) | (G == 1)).all()
-    return G.argmax(axis=0) if plain and (G.sum(axis=0) == 1).all() and (G.sum(axis=1) == 1).all() else None
-
-
-def _picked(x: np.ndarray, order: np.ndarray, axis: int) -> np.ndarray:
-    return x if (order == np.arange(len(order))).all() else np.take(x, order, axis=axis)
+def _runs(G: np.ndarray) -> list[slice]:
+    """Which rows of G hold the ones of its columns, as runs of neighbours; none where G does more than permute."""
+    square = 0 < G.shape[0] == G.shape[1]
+    if not (square and ((G == 0) | (G == 1)).all() and (G.sum(axis=0) == 1).all() and (G.sum(axis=1) == 1).all()):
+        return []
+    order = G.argmax(axis=0)
+    return [slice(run[0], run[-1] + 1) for run in np.split(order, np.flatnonzero(np.diff(order) != 1) + 1)]
 
 
 def leading(robot: Robot, joint: Joint) -> tuple[Joint, float, float]:
@@ -209,14 +210,14 @@ class Pinocchio:
         answers: list[np.ndarray] = []
         rows = layout.states(states, coupled=self.robot.coupled)
         with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
-            for k in range(n):
-                state = {key: x[k] for key, x in rows.items()}
-                found = question.run(self.pin, m, d, state)
-                for i, choice in enumerate(choices):
-                    x = question.read(self.pin, m, d, *choice) if question.read else found
-                    if k == 0:
-                        answers.append(np.empty((n, *np.shape(x))))
-                    answers[i][k] = x  # copied: what the binding returns may live in its data
+            for k, one in enumerate(zip(*rows.values(), strict=True)):
+                found = question.run(self.pin, m, d, dict(zip(rows, one, strict=True)))
+                read = question.read
+                values = [found] if read is None else [read(self.pin, m, d, *choice) for choice in choices]
+                if not answers:
+                    answers = [np.empty((n, *np.shape(x))) for x in values]
+                for answer, x in zip(answers, values, strict=True):
+                    answer[k] = x  # copied: what the binding returns may live in its data
             return [question.convert(a, layout).reshape(n, *s) for a, s in zip(answers, shapes, strict=True)]
 
     def _chosen(self, m: Any, options: dict[str, Any]) -> list[Any]:
@@ -348,7 +349,7 @@ def _pushed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray:
 QUESTIONS = {
     "fk": Question(
         lambda pin, m, d, s: pin.forwardKinematics(m, d, s["q"]),
-        read=lambda pin, m, d: [X.homogeneous for X in d.oMi][1:],
+        read=lambda pin, m, d: np.concatenate([X.homogeneous for X in d.oMi][1:]),
     ),
     "frame_pose": Question(
         lambda pin, m, d, s: pin.framesForwardKinematics(m, d, s["q"]),
