@@ -169,6 +169,6 @@ def unpacked(key: str, content: bytes) -> tuple[dict[str, Any], bytes]:
         raise ValueError("the checksum does not fit")
     header, _, code = rest.partition(b"\n")
     entry = json.loads(header)
-    if entry["key"] != key:
+    if not isinstance(entry, dict) or entry.get("key") != key or not isinstance(entry.get("about"), dict):
         raise ValueError("made for something else")
     return entry["about"], code

@@ -13,7 +13,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -24,6 +24,7 @@ from .threads import get_num_threads
 LARGE = 30_000
 """Nodes from which a program is worth other processes: they take a tenth of a second to begin."""
 MOST = 4  # processes
+MANY = 64  # kernels for one linker
 
 _numbers = itertools.count()  # of what is linked: names must differ
 
@@ -69,17 +70,16 @@ class Compilers:
 
     def object_codes(self, texts: Sequence[str], quick: bool) -> list[bytes]:
         """The first is compiled here, each of the others by a process, and here where that fails."""
-        host = self.host
-        about = {"path": sys.path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
+        host, path = self.host, [p for p in sys.path if isinstance(p, str)]
+        about = {"path": path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
         asked = list(zip(self.others, texts[1:], strict=False))
         for process, text in asked:
             with contextlib.suppress(OSError), cast(IO[bytes], process.stdin) as pipe:
-                pipe.write(json.dumps(about).encode() + b"\n" + text.encode())
+                worker.send(pipe, json.dumps(about).encode())
+                worker.send(pipe, text.encode())
         objects = [object_code(texts[0], host, quick)]
         for process, text in asked:
-            code = cast(IO[bytes], process.stdout).read()
-            done = code and process.wait() == 0
-            objects.append(code if done else object_code(text, host, quick))
+            objects.append(worker.receive(cast(IO[bytes], process.stdout)) or object_code(text, host, quick))
         return objects
 
 
@@ -94,8 +94,9 @@ def loaded(
         library.export_symbol(name)
     for name, address in (c_library() if imports is None else imports).items():
         library.import_symbol(name, address)
+    number = next(_numbers)
     try:
-        return library.link(linker(), f"dualpin{next(_numbers)}")
+        return library.link(linker(number // MANY), f"dualpin{number}")
     except RuntimeError as e:
         raise CompilerError(f"LLVM: {e}") from e
 
@@ -103,12 +104,17 @@ def loaded(
 def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
     """Objects of these sizes that follow each other."""
     ends = list(itertools.accumulate(sizes))
+    if not ends or ends[-1] != len(code):
+        raise CompilerError(f"objects of {sizes} bytes expected, got {len(code)}")
     return [code[end - size : end] for size, end in zip(sizes, ends, strict=True)]
 
 
-@cache
-def linker() -> Any:
-    """One for all kernels of the process: an execution engine for each would take four times as long."""
+@lru_cache(maxsize=1)
+def linker(_number: int) -> Any:
+    """One for many kernels: an execution engine for each would take four times as long.
+
+    Not one for all: a linker remembers the names of what was linked, and ends with the last kernel it linked.
+    """
     llvm = binding()
     return llvm.create_lljit_compiler(
         llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)

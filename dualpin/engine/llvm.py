@@ -272,6 +272,11 @@ done:
         entries = [f"{self.number.name} {e.number_text(x)}" for x, _ in self.pool]
         return f"@constants = internal constant [{len(entries)} x {self.number.name}] [{', '.join(entries)}]\n"
 
+    def _constants(self, e: Lanes) -> None:
+        """Results that do not depend on the inputs."""
+        for place, x in self.plan.constants.items():
+            e.store("%out", place, e.constant(x))
+
     def _copied(self, e: Lanes, ops: tuple[str, ...]) -> None:
         """Results that are inputs, or sines of inputs."""
         for i, places in self.plan.places.items():
@@ -290,8 +295,8 @@ done:
             arrays.append(Array(pointer, e.value(f"mul i64 {stride}, {size}")))
         if not plan.direct:
             e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
-            for place, x in plan.constants.items():
-                e.store("%out", place, e.constant(x))
+        if not plan.direct and not plan.tape:
+            self._constants(e)
         e.do("%last = sub i64 %n, 1")
         e.do("%any = icmp sgt i64 %n, 0")
         e.do("br i1 %any, label %tile, label %exit")
@@ -315,6 +320,7 @@ done:
         self._copied(e, ("in",))
         if plan.tape:  # here, since rows may be loaded beyond the slots of the inputs
             e.do("call void @tell(ptr %scratch, ptr @constants)")
+            self._constants(e)
         for call in calls:
             e.do(call)
         self._copied(e, ("sin", "cos"))

@@ -1,12 +1,17 @@
 """LLVM at work.  Imported, or run as a process of its own that needs nothing but llvmlite and so begins at once:
 
-python worker.py     in: a line of JSON, the arguments of `object_code` and sys.path; then IR.  out: object code.
+    python worker.py     in: the arguments of `object_code` and sys.path, as JSON; then IR.  out: object code.
+
+All are sent with their lengths: a pipe may have other ends in processes that know nothing of it.
 """
 
 from __future__ import annotations
 
 import json
 import sys
+from typing import IO
+
+LENGTH = 8  # bytes that say how many follow
 
 
 def object_code(text: str, triple: str, cpu: str, features: str, quick: bool) -> bytes:
@@ -19,14 +24,28 @@ def object_code(text: str, triple: str, cpu: str, features: str, quick: bool) ->
     return machine.emit_object(llvm.parse_assembly(text, llvm.create_context()))
 
 
+def send(pipe: IO[bytes], data: bytes) -> None:
+    pipe.write(len(data).to_bytes(LENGTH, "little") + data)
+    pipe.flush()
+
+
+def receive(pipe: IO[bytes]) -> bytes:
+    """What was sent, or nothing if it did not come whole."""
+    head = pipe.read(LENGTH)
+    size = int.from_bytes(head, "little")
+    data = pipe.read(size) if len(head) == LENGTH and size < 1 << 40 else b""
+    return data if len(data) == size else b""
+
+
 def main() -> None:
-    about = json.loads(sys.stdin.buffer.readline())
+    about = json.loads(receive(sys.stdin.buffer))
+    text = receive(sys.stdin.buffer).decode()
     sys.path[:] = about.pop("path")
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    sys.stdout.buffer.write(object_code(sys.stdin.buffer.read().decode(), **about))
+    send(sys.stdout.buffer, object_code(text, **about))
 
 
 if __name__ == "__main__":

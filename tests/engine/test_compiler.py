@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -11,7 +12,7 @@ import pytest
 import dualpin as dp
 from dualpin.engine import compiler
 from dualpin.engine import kernel as kernels
-from dualpin.engine.host import this_host
+from dualpin.engine.host import CompilerError, this_host
 from dualpin.terms import TERMS
 
 
@@ -57,6 +58,37 @@ def test_a_process_that_fails_is_done_without(three_processes, monkeypatch, tmp_
     assert np.array_equal(result, expected)
     assert len(begun) == 2
     assert all(p.returncode is not None for p in begun)
+
+
+def test_pipes_with_other_ends_elsewhere_hold_nobody_up(three_processes, monkeypatch):
+    """As after a fork in another thread: closing a pipe here does not end it."""
+    real, ends = subprocess.Popen, []
+
+    def begin(*arguments, **kinds):
+        process = real(*arguments, **kinds)
+        ends.extend([os.dup(process.stdin.fileno()), os.dup(process.stdout.fileno())])
+        return process
+
+    monkeypatch.setattr(compiler.subprocess, "Popen", begin)
+    try:
+        sizes, _ = coriolis()
+    finally:
+        for end in ends:
+            os.close(end)
+    assert (len(sizes), len(ends)) == (3, 4)
+
+
+def test_entries_of_the_path_that_python_ignores_are_ignored(three_processes, monkeypatch, tmp_path):
+    monkeypatch.setattr(sys, "path", [*sys.path, tmp_path, None])
+    sizes, _ = coriolis()
+    assert len(sizes) == 3
+
+
+def test_objects_of_other_sizes_are_not_believed():
+    assert compiler.split(b"abcde", [2, 3]) == [b"ab", b"cde"]
+    for sizes in ([2, 2], [2, 4], []):
+        with pytest.raises(CompilerError, match="5"):
+            compiler.split(b"abcde", sizes)
 
 
 @pytest.mark.parametrize("python", [None, "", "/opt/blender/blender"])

@@ -82,6 +82,18 @@ def test_what_a_tape_can_say(monkeypatch, gathers):
                               np.signbit(expected[:, exact]) & ~np.isnan(expected[:, exact]))  # fmt: skip
 
 
+def test_constant_results_are_not_overwritten_by_long_rows(monkeypatch):
+    """Rows are loaded by whole vectors, also beyond the slots of the inputs."""
+    monkeypatch.setattr(schedules, "LONG", 0)
+    graph = Graph()
+    (x,) = graph.inputs(0, 1)
+    monkeypatch.setattr(kernels, "trace", lambda *_: Trace(graph, [1], [LIBRARY.sqrt(x), 2.5]))
+    for lanes in (1, this_host().lanes(8)):
+        about, code = kernels.compiled(dp.load("ur5"), TERMS["gravity"], {}, np.dtype(float), this_host(), lanes)
+        got = kernels.Kernel(about, code, (2,), np.dtype(float)).rows([np.full((3, 1), 4.0)])
+        assert got.tolist() == [[2.0, 2.5]] * 3
+
+
 @pytest.mark.campaign
 def test_the_longest_terms_need_no_numpy():
     robot = dp.load("tiago", floating=True)
