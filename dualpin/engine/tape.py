@@ -57,14 +57,14 @@ def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
 def _product(plan: Schedule, step: Step, slots: list[int]) -> tuple[int, int, int]:
     """A step as a b + c."""
     one, zero, nothing = (plan.known[exactly(x)] for x in (1.0, 0.0, -0.0))
-    x, y, *z = [*slots, nothing][:3]
+    if step.op == "neg":  # no result is -0
+        return slots[0] | _MINUS, one, zero if step.i in plan.places else nothing
+    x, y = slots[:2]
     if step.op == "fma":
         of_product, of_sum = (0 if sign > 0 else _MINUS for sign in step.signs)
-        return x | of_product, y, z[0] | of_sum
+        return x | of_product, y, slots[2] | of_sum
     if step.op == "*":
         return x, y, nothing
-    if step.op == "neg":  # no result is -0
-        return x | _MINUS, one, zero if step.i in plan.places else nothing
     return (x, one, y) if step.op == "+" else (y | _MINUS, one, x)
 
 

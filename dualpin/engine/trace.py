@@ -30,7 +30,7 @@ class UntraceableError(DualpinError):
 
 
 LARGEST = 4_000_000
-"""Nodes beyond which a term is not traced: their graph would take a gigabyte."""
+"""Nodes beyond which a term is not traced: to trace and compile a million takes 0.8 GB."""
 
 
 class Graph:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import subprocess
 import sys
@@ -83,6 +85,18 @@ def test_a_sound_file_made_for_something_else_is_not_used(place, compilations):
     first = gravity()
     file = stored(place)
     file.write_bytes(cache.packed("another key", {"sizes": [6]}, b"code"))
+    with pytest.warns(dp.DualpinWarning, match="something else"):
+        assert np.array_equal(gravity(), first)
+    assert len(compilations) == 2
+
+
+@pytest.mark.parametrize("head", ["[]", "{}", '{"about": {}}', '{"key": %s}', '{"key": %s, "about": 1}'])
+def test_a_head_of_another_form_is_not_believed_whatever_its_checksum(place, compilations, head):
+    first = gravity()
+    file = stored(place)
+    magic, _, old, code = file.read_bytes().split(b"\n", 3)
+    rest = (head.replace("%s", json.dumps(json.loads(old)["key"]))).encode() + b"\n" + code
+    file.write_bytes(b"\n".join([magic, hashlib.sha256(rest).hexdigest().encode(), rest]))
     with pytest.warns(dp.DualpinWarning, match="something else"):
         assert np.array_equal(gravity(), first)
     assert len(compilations) == 2
