@@ -165,7 +165,8 @@ class Lanes:
     @property
     def declarations(self) -> str:
         V = self.vector
-        return (
+        pick = f"declare {V} @{self._pick}({V}, {self.integer}, {V})\n" if self.align == 64 else ""
+        return pick + (
             f"declare {V} @llvm.fma.{self.suffix}({V}, {V}, {V})\n"
             f"declare {V} @llvm.sqrt.{self.suffix}({V})\n"
             f"declare {V} @llvm.fabs.{self.suffix}({V})\n"
@@ -223,6 +224,15 @@ class Lanes:
         pick = self.constants([str(lane) for lane in lanes], "i32")
         return self.value(f"shufflevector {self.vector} {a}, {self.vector} {b}, <{self.width} x i32> {pick}")
 
+    def picked(self, a: str, b: str, lanes: str) -> str:
+        """Lanes of a, or `width` and more of b, that are known only when it runs.  AVX-512."""
+        arguments = f"{self.vector} {a}, {self.integer} {lanes}, {self.vector} {b}"
+        return self.value(f"call {self.vector} @{self._pick}({arguments})")
+
+    @property
+    def _pick(self) -> str:
+        return f"llvm.x86.avx512.vpermi2var.{'pd' if self.number.size == 8 else 'ps'}.512"
+
     # sine and cosine
 
     def cos_sin(self, x: str) -> tuple[str, str, str]:
@@ -232,7 +242,7 @@ class Lanes:
         and of what sign.  Adding 1.5 * 2^52 leaves n in the low bits.  The first product and
         difference are exact, so r is rounded once or twice, and results are within 1.5 ulp (2 without fma).
         """
-        c, V, bits = self.number, self.vector, self.number.bits
+        c, V = self.number, self.vector
         k = self.constant
         shifted = self.fma(x, k(2 / math.pi), k(c.rounding))
         octant = self.value(f"bitcast {V} {shifted} to {self.integer}")
@@ -242,16 +252,14 @@ class Lanes:
             r = self.fma(minus_n, k(part), r)
 
         z = self.binary("fmul", r, r)
-        S, C = (self.polynomial(p, z) for p in (c.sin, c.cos))
-        sin = self.fma(self.binary("fmul", r, z), S, r)
-        cos = self.fma(self.binary("fmul", z, z), C, self.fma(z, k(-0.5), k(1.0)))
+        sin = self.fma(self.binary("fmul", r, z), self.polynomial(c.sin, z), r)
+        cos = self.polynomial((1.0, -0.5, *c.cos), z)
 
         odd = self.value(f"trunc {self.integer} {octant} to {self.mask}")
         s = self.value(f"select {self.mask} {odd}, {V} {cos}, {V} {sin}")
-        t = self.value(f"select {self.mask} {odd}, {V} {sin}, {V} {cos}")
-        next_octant = self.value(f"add {self.integer} {octant}, {self.every('1', f'i{bits}')}")
+        t = self.value(f"select {self.mask} {odd}, {V} {self.negative(sin)}, {V} {cos}")
         near = self.value(f"fcmp ole {V} {self.unary('fabs', x)}, {k(c.reach)}")
-        return self.signed(t, next_octant), self.signed(s, octant), near
+        return self.signed(t, octant), self.signed(s, octant), near
 
     def polynomial(self, coefficients: tuple[float, ...], z: str) -> str:
         *rest, value = (self.constant(c) for c in coefficients)

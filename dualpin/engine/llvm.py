@@ -13,7 +13,8 @@ from __future__ import annotations
 
 from .host import Host
 from .lanes import Lanes, Number
-from .rows import Array, Rows
+from .lines import rows_of
+from .rows import Array
 from .schedule import Schedule, Step, exactly
 from .tape import tape, teller, walker
 
@@ -64,19 +65,14 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
 
 def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int:
     """How much memory a kernel needs to work in, aligned to 64 bytes."""
-    return (plan.slots + plan.output_slots + Rows(plan, number, lanes, host).spare) * lanes * number.size
+    return (plan.slots + plan.output_slots + rows_of(plan, number, lanes, host).spare) * lanes * number.size
 
 
 class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
-        self.rows = Rows(plan, number, width, host)
+        self.rows = rows_of(plan, number, width, host)
         self.pool: dict[tuple[float, float], int] = {}  # numbers used by the straight lines
-
-    @property
-    def overlaps(self) -> bool:
-        """Whether results leave after the next rows are loaded: by then they have reached their slots."""
-        return self.rows.lines
 
     def lanes(self) -> Lanes:
         return Lanes(self.number, self.width, self.host)
@@ -304,7 +300,7 @@ done:
         e.do("%b = phi i64 [0, %entry], [%b.next, %tile.end]")
         for k in range(len(plan.sizes)):
             self.rows.load(e, k, arrays[k], "%b", "%last")
-        if self.overlaps:
+        if self.rows.overlaps:
             e.do("%first.time = icmp eq i64 %b, 0")
             e.do("br i1 %first.time, label %compute, label %finished")
             e.label("finished")
@@ -324,18 +320,18 @@ done:
         for call in calls:
             e.do(call)
         self._copied(e, ("sin", "cos"))
-        if not plan.direct and not self.overlaps:
+        if not plan.direct and not self.rows.overlaps:
             self.rows.store(e, arrays[-1], "%b", "%last")
         e.do("br label %tile.end")
         e.label("tile.end")
         e.do(f"%b.next = add i64 %b, {self.width}")
-        if self.overlaps:
+        if self.rows.overlaps:
             e.do("br label %tile")
         else:
             e.do("%more = icmp slt i64 %b.next, %n")
             e.do("br i1 %more, label %tile, label %exit")
         e.label("exit")
-        if self.rows.lines:
+        if self.rows.overlaps:
             e.do("fence seq_cst")  # what went past the caches is seen before anything that follows
         body = "\n".join(e.lines)
         return (
