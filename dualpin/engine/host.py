@@ -25,8 +25,6 @@ class Host:
         Whether a b + c is one instruction.
     gathers : bool
         Whether loading numbers from anywhere takes less time than loading vectors and transposing them.
-    cached : int
-        Bytes of a result up to which it is written into the caches; larger ones go past them.
     """
 
     triple: str
@@ -35,14 +33,13 @@ class Host:
     width: int
     fma: bool
     gathers: bool = False
-    cached: int = 32 << 20
 
     def lanes(self, itemsize: int) -> int:
         return max(1, self.width // itemsize)
 
     @property
     def key(self) -> str:
-        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}|{self.gathers}|{self.cached}"
+        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}|{self.gathers}"
 
 
 _GATHERING = ("sapphirerapids", "emeraldrapids", "graniterapids", "graniterapids-d")
@@ -87,9 +84,7 @@ def this_host() -> Host:
     if machine in ("x86_64", "amd64"):
         width = 64 if {"avx512f", "avx512vl", "avx512dq"} <= has else 32 if "avx2" in has else 16
         cpu = llvm.get_host_cpu_name()
-        if width == 64 and cpu in _GATHERING:
-            return Host(triple, cpu, features, width, "fma" in has, gathers=True, cached=8 << 20)
-        return Host(triple, cpu, features, width, "fma" in has)
+        return Host(triple, cpu, features, width, "fma" in has, width == 64 and cpu in _GATHERING)
     if machine in ("aarch64", "arm64"):
         return Host(triple, llvm.get_host_cpu_name(), features, 16, True)
     return Host(triple, llvm.get_host_cpu_name(), features, 8, False)

@@ -14,6 +14,7 @@ from .rows import Array, Rows
 from .schedule import Schedule
 
 BLOCK = 256  # columns gathered together: their slots fit the first cache
+STREAMED = 8 << 20  # bytes of results from which they go past the caches
 FEW = 12, 4  # vectors in a row from which lines pay; if every row begins as far into a line as the first
 
 
@@ -36,45 +37,75 @@ class _Lines(Rows):
     def _branch(self, e: Lanes, array: Array, last: str) -> tuple[tuple[str, str], tuple[str, str]]:
         """On to past.first if the results go past the caches, else to cached.first; and how these store."""
         whole = e.value(f"mul i64 {e.value(f'add i64 {last}, 1')}, {array.stride}")
-        past = e.value(f"and i1 {self._aligned(e, array)}, {e.value(f'icmp ugt i64 {whole}, {self.host.cached}')}")
+        past = e.value(f"and i1 {self._aligned(e, array)}, {e.value(f'icmp ugt i64 {whole}, {STREAMED}')}")
         e.do(f"br i1 {past}, label %past.first, label %cached.first")
         return ("past", f"align {e.align}, !nontemporal !0"), ("cached", f"align {self.number.size}")
 
 
 class Shifted(_Lines):
-    """Rows transposed a vector at a time; a line is the end of one vector and the beginning of the next."""
+    """Rows transposed a vector at a time; a line is the end of one vector and the beginning of the next.
+
+    A row goes on where the row before it ends, also across tiles: nothing but whole lines is written,
+    except by the first tile and the last, since what lies around all results is not ours.
+    """
+
+    @property
+    def spare(self) -> int:
+        """The end of the tile before."""
+        return 1
 
     def store(self, e: Lanes, array: Array, first: str, last: str) -> None:
         W, bases = self.width, self._addresses(e, array, first, last)
-        full = self.columns // W
+        full, rest = divmod(self.columns, W)
+        bases.append(e.value(f"getelementptr i8, ptr {bases[-1]}, i64 {array.stride}"))
         within = e.value(
             f"select i1 {self._aligned(e, array)}, i{self.number.bits} {e.align - 1}, i{self.number.bits} 0"
         )
         lines, picks = zip(*(self._line(e, base, within) for base in bases), strict=True)
-        begin = self._results(e, 0, W)
-        self._store_rows(e, bases, 0, begin, W)
+        ends = self._results(e, self.columns - W, W)
+        before = [e.load("%out", self.plan.output_slots), *ends[:-1]]
+        e.store("%out", self.plan.output_slots, ends[-1])
+        begun = e.value(f"icmp ne i64 {first}, 0")
+        goes_on = e.value(f"icmp sle i64 {e.value(f'add i64 {first}, {W}')}, {last}")
+        e.do(f"br i1 {e.value(f'and i1 {begun}, {goes_on}')}, label %middle, label %edge")
+        e.label("edge")
+        earlier = self._at(e, bases[0], -W)
+        e.store_row(e.value(f"select i1 {begun}, ptr {earlier}, ptr {bases[0]}"), W, before[0])
+        super().store(e, array, first, last)
+        e.do("br label %rest")
+        e.label("middle")
         for tag, how in self._branch(e, array, last):
             e.label(f"{tag}.first")
             e.do(f"br label %{tag}")
             e.label(tag)
-            e.do(f"%{tag}.j = phi i64 [{W}, %{tag}.first], [%{tag}.next, %{tag}]")
+            e.do(f"%{tag}.j = phi i64 [0, %{tag}.first], [%{tag}.next, %{tag}]")
             phis = len(e.lines)
             rows = self._results(e, f"%{tag}.j", W)
             for k in range(W):
                 line = e.picked(f"%{tag}.before{k}", rows[k], picks[k])
                 e.do(f"store {e.vector} {line}, ptr {self._at(e, lines[k], f'%{tag}.j')}, {how}")
             e.do(f"%{tag}.next = add i64 %{tag}.j, {W}")
-            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {full * W}")
+            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {(full if rest else full - 1) * W}")
             e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.end")
-            e.label(f"{tag}.end")
-            self._store_rows(e, bases, (full - 1) * W, rows, W)
-            e.do("br label %rest")
             e.lines[phis:phis] = [
-                f"  %{tag}.before{k} = phi {e.vector} [{begin[k]}, %{tag}.first], [{rows[k]}, %{tag}]" for k in range(W)
+                f"  %{tag}.before{k} = phi {e.vector} [{before[k]}, %{tag}.first], [{rows[k]}, %{tag}]"
+                for k in range(W)
             ]
+            e.label(f"{tag}.end")
+            if rest:
+                rows = self._results(e, self.columns - 2 * W, W)
+            for k in range(W):
+                line, end = e.picked(rows[k], ends[k], picks[k + 1]), self._at(e, lines[k + 1], -W)
+                if rest:  # of the same rows in every tile: foreseen by the processor
+                    written = e.value(f"icmp eq ptr {end}, {self._at(e, lines[k], (full - 1) * W)}")
+                    e.do(f"br i1 {written}, label %{tag}.ended{k}, label %{tag}.end{k}")
+                    e.label(f"{tag}.end{k}")
+                e.do(f"store {e.vector} {line}, ptr {end}, {how}")
+                if rest:
+                    e.do(f"br label %{tag}.ended{k}")
+                    e.label(f"{tag}.ended{k}")
+            e.do("br label %rest")
         e.label("rest")
-        if self.columns % W:
-            self._store_rows(e, bases, full * W, self._results(e, full * W, self.columns % W), self.columns % W)
 
     def _line(self, e: Lanes, base: str, within: str) -> tuple[str, str]:
         """Where the line around an address begins, and which of two vectors' numbers are in the second's line.

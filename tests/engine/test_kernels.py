@@ -11,7 +11,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.boundary import call
-from dualpin.engine import find
+from dualpin.engine import find, lines
 from dualpin.engine import kernel as kernels
 from dualpin.engine import llvm as ir
 from dualpin.engine.compiler import object_code
@@ -218,13 +218,13 @@ def test_results_fill_their_rows_and_nothing_else(gathers, dtype, term):
 def test_large_results_past_the_caches_are_the_same(gathers):
     robot = dp.load("panda")
     q, _, _ = robot.sample(9001, seed=0)
-    host = dataclasses.replace(this_host(), gathers=gathers, cached=8 << 20)
+    host = dataclasses.replace(this_host(), gathers=gathers)
     kernel = kernels.build(robot, TERMS["crba"], {}, host=host)
     few = kernels.build(robot, TERMS["crba"], {}).rows([q[-50:]])
     for shift in range(3):
         big = np.tile(q, (2, 1))
         out = np.empty(2 * 9001 * 81 + 8)[shift : shift + 2 * 9001 * 81].reshape(-1, 81)
-        assert out.nbytes > host.cached
+        assert out.nbytes > lines.STREAMED
         kernel.rows([big], out)
         assert np.array_equal(out[9001 - 50 : 9001], few)
         assert np.array_equal(out[:9001], out[9001:])
