@@ -23,8 +23,6 @@ class Host:
         Bytes of a vector register: 64 (AVX-512), 32 (AVX2), 16 (SSE2, NEON), 8 (one number at a time).
     fma : bool
         Whether a b + c is one instruction.
-    gathers : bool
-        Whether loading numbers from anywhere takes less time than loading vectors and transposing them.
     """
 
     triple: str
@@ -32,21 +30,13 @@ class Host:
     features: str
     width: int
     fma: bool
-    gathers: bool = False
 
     def lanes(self, itemsize: int) -> int:
         return max(1, self.width // itemsize)
 
     @property
     def key(self) -> str:
-        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}|{self.gathers}"
-
-
-_GATHERING = ("sapphirerapids", "emeraldrapids", "graniterapids", "graniterapids-d")
-"""Processors that gather eight doubles about as fast as they store them (measured on Emerald Rapids).
-
-Older ones of Intel's have slow gathers since their microcode guards against Downfall; AMD's are slow.
-"""
+        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}"
 
 
 @cache
@@ -83,8 +73,7 @@ def this_host() -> Host:
     has = {name for name, on in available.items() if on}
     if machine in ("x86_64", "amd64"):
         width = 64 if {"avx512f", "avx512vl", "avx512dq"} <= has else 32 if "avx2" in has else 16
-        cpu = llvm.get_host_cpu_name()
-        return Host(triple, cpu, features, width, "fma" in has, width == 64 and cpu in _GATHERING)
+        return Host(triple, llvm.get_host_cpu_name(), features, width, "fma" in has)
     if machine in ("aarch64", "arm64"):
         return Host(triple, llvm.get_host_cpu_name(), features, 16, True)
     return Host(triple, llvm.get_host_cpu_name(), features, 8, False)

@@ -78,7 +78,6 @@ class Lanes:
         self.vector = f"<{width} x {number.name}>"
         self.integer = f"<{width} x i{number.bits}>"
         self.mask = f"<{width} x i1>"
-        self.places = f"<{width} x ptr>"
         self.suffix = f"v{width}f{number.bits}"
         self.align = width * number.size
 
@@ -155,13 +154,6 @@ class Lanes:
         """The number at p, in all lanes."""
         return self.splat(self.value(f"load {self.number.name}, ptr {p}"), self.number.name)
 
-    def gather(self, pointers: str) -> str:
-        """Numbers from anywhere, by a vector of their addresses."""
-        return self.value(
-            f"call {self.vector} @llvm.masked.gather.{self.suffix}.v{self.width}p0({self.places} {pointers}, "
-            f"i32 {self.number.size}, {self.mask} {self.constants(['true'] * self.width, 'i1')}, {self.vector} poison)"
-        )
-
     @property
     def declarations(self) -> str:
         V = self.vector
@@ -171,15 +163,7 @@ class Lanes:
             f"declare {V} @llvm.sqrt.{self.suffix}({V})\n"
             f"declare {V} @llvm.fabs.{self.suffix}({V})\n"
             f"declare {V} @llvm.masked.load.{self.suffix}.p0(ptr, i32, {self.mask}, {V})\n"
-            f"declare {V} @llvm.masked.gather.{self.suffix}.v{self.width}p0({self.places}, i32, {self.mask}, {V})\n"
             f"declare void @llvm.masked.store.{self.suffix}.p0({V}, ptr, i32, {self.mask})\n"
-        )
-
-    def store_some(self, p: str, x: str, mask: str) -> None:
-        """Those lanes of x that the mask names."""
-        self.do(
-            f"call void @llvm.masked.store.{self.suffix}.p0({self.vector} {x}, ptr {p}, i32 {self.number.size}, "
-            f"{self.mask} {mask})"
         )
 
     # arithmetic

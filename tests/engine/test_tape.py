@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -51,8 +49,7 @@ def test_a_tape_has_the_bits_of_code_on_smaller_machines(monkeypatch, width, fma
         assert np.array_equal(bits(tape.rows(inputs)), bits(code.rows(inputs)))
 
 
-@pytest.mark.parametrize("gathers", [True, False])
-def test_what_a_tape_can_say(monkeypatch, gathers):
+def test_what_a_tape_can_say(monkeypatch):
     """Each operation, also as a result, on numbers that show the signs of zeros, infinities and what is no number."""
     monkeypatch.setattr(schedules, "LONG", 0)
     graph = Graph()
@@ -71,7 +68,7 @@ def test_what_a_tape_can_say(monkeypatch, gathers):
             np.where(x < y, z, x), np.where(x < 0, -x, 0.0), x, np.full_like(x, 2.0), np.sin(x * y), x * y + z * x,
             -(x + y) * z, 3.0 * x + 0.5,
         ], axis=1)  # fmt: skip
-    host = dataclasses.replace(this_host(), gathers=gathers)
+    host = this_host()
     monkeypatch.setattr(kernels, "trace", lambda *_: Trace(graph, [3], outputs))
     for lanes in (1, host.lanes(8)):
         about, code = kernels.compiled(dp.load("ur5"), TERMS["gravity"], {}, np.dtype(float), host, lanes)
