@@ -115,6 +115,10 @@ class Lanes:
 
     # memory
 
+    def at(self, base: str, i: int | str) -> str:
+        """The place of the number i after the one at `base`."""
+        return self.value(f"getelementptr {self.number.name}, ptr {base}, i64 {i}")
+
     def slot(self, base: str, index: int | str) -> str:
         return self.value(f"getelementptr inbounds {self.vector}, ptr {base}, i64 {index}")
 
@@ -126,6 +130,8 @@ class Lanes:
 
     def load_row(self, p: str, count: int) -> str:
         """`count` numbers, the lanes beyond them zero.  Rows of arrays may lie anywhere."""
+        if not count:
+            return "zeroinitializer"
         if count == self.width:
             return self.value(f"load {self.vector}, ptr {p}, align {self.number.size}")
         mask = self.constants(["true"] * count + ["false"] * (self.width - count), "i1")
@@ -190,21 +196,33 @@ class Lanes:
 
     # rearrangement
 
-    def transposed(self, rows: list[str]) -> list[str]:
-        """Rows to columns, by exchanging blocks of 1, 2, 4, ... lanes between pairs of rows."""
-        W, rows, d = self.width, list(rows), 1
-        while d < W:
+    def transposed(self, rows: list[tuple[str, int]]) -> list[str]:
+        """Columns of `width` rows, given where each is and how many numbers it has; beyond them are zeros.
+
+        Halves of vectors change places while they are loaded, which takes no shuffle; then blocks of
+        1, 2, 4, ... lanes between pairs of vectors.
+        """
+        W, h, half = self.width, self.width // 2, self.of_width(self.width // 2)
+        if W == 1:
+            return [self.load_row(*row) for row in rows]
+        parts = [[half.load_row(p, min(n, h)), half.load_row(half.at(p, h), max(0, n - h))] for p, n in rows]
+        columns = [self.joined(parts[i % h][i // h], parts[i % h + h][i // h], half) for i in range(W)]
+        d = 1
+        while d < h:
             for i in (i for i in range(W) if not i & d):
-                a, b = rows[i], rows[i + d]
+                a, b = columns[i], columns[i + d]
                 low = [lane if not lane & d else W + lane - d for lane in range(W)]
                 high = [lane + d if not lane & d else W + lane for lane in range(W)]
-                rows[i], rows[i + d] = self.shuffled(a, b, low), self.shuffled(a, b, high)
+                columns[i], columns[i + d] = self.shuffled(a, b, low), self.shuffled(a, b, high)
             d *= 2
-        return rows
+        return columns
+
+    def joined(self, a: str, b: str, half: Lanes) -> str:
+        """Two vectors of half the width, one after the other."""
+        pick = self.constants([str(lane) for lane in range(self.width)], "i32")
+        return self.value(f"shufflevector {half.vector} {a}, {half.vector} {b}, <{self.width} x i32> {pick}")
 
     def shuffled(self, a: str, b: str, lanes: list[int]) -> str:
-        if a == b == "zeroinitializer":
-            return a
         pick = self.constants([str(lane) for lane in lanes], "i32")
         return self.value(f"shufflevector {self.vector} {a}, {self.vector} {b}, <{self.width} x i32> {pick}")
 

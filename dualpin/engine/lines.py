@@ -43,7 +43,7 @@ class Lines(Rows):
         goes_on = e.value(f"icmp sle i64 {e.value(f'add i64 {first}, {W}')}, {last}")
         e.do(f"br i1 {e.value(f'and i1 {begun}, {goes_on}')}, label %middle, label %edge")
         e.label("edge")
-        earlier = self._at(e, bases[0], -W)
+        earlier = e.at(bases[0], -W)
         e.store_row(e.value(f"select i1 {begun}, ptr {earlier}, ptr {bases[0]}"), W, before[0])
         super().store(e, array, first, last)
         e.do("br label %rest")
@@ -87,7 +87,7 @@ class Lines(Rows):
         rows = self._results(e, f"%{tag}.j", W)
         for k in range(W):
             line = e.picked(f"%{tag}.before{k}", rows[k], lines[k][1])
-            e.do(f"store {e.vector} {line}, ptr {self._at(e, lines[k][0], f'%{tag}.j')}, {how}")
+            e.do(f"store {e.vector} {line}, ptr {e.at(lines[k][0], f'%{tag}.j')}, {how}")
         e.do(f"%{tag}.next = add i64 %{tag}.j, {W}")
         e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {(full if rest else full - 1) * W}")
         e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.last")
@@ -98,9 +98,9 @@ class Lines(Rows):
         if rest:
             rows = self._results(e, self.columns - 2 * W, W)
         for k, (end, pick) in enumerate(lines[1:]):
-            at, line = self._at(e, end, -W), e.picked(rows[k], ends[k], pick)
+            at, line = e.at(end, -W), e.picked(rows[k], ends[k], pick)
             if rest:  # it may be there already, in every tile in the same rows: the processor foresees it
-                written = e.value(f"icmp eq ptr {at}, {self._at(e, lines[k][0], (full - 1) * W)}")
+                written = e.value(f"icmp eq ptr {at}, {e.at(lines[k][0], (full - 1) * W)}")
                 e.do(f"br i1 {written}, label %{tag}.ended{k}, label %{tag}.end{k}")
                 e.label(f"{tag}.end{k}")
             e.do(f"store {e.vector} {line}, ptr {at}, {how}")

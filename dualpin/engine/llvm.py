@@ -32,7 +32,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     With several parts, the first has the kernel and the others most of its chunks.
     """
     emit = _Emission(plan, number, lanes, host)
-    widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes})
+    widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
     declarations = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY]
     main, chunks, calls = [emit.tables()], dict[str, str](), list[str]()
     linkage = "internal" if parts == 1 else ""
@@ -57,8 +57,12 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     names = list(chunks)
     shares = [names[k * len(names) // parts : (k + 1) * len(names) // parts] for k in range(parts)]
     main += [f"declare void @{name}({_CHUNK_ARGS})" for share in shares[1:] for name in share]
-    attributes = '"prefer-vector-width"="512" ' if host.width == 64 else ""
-    end = f'attributes #0 = {{ nounwind {attributes}"no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n'
+    attributes = "nounwind"
+    if lanes > 1:  # or vectors that registers have no room for would lie across lines of the cache, by chance
+        attributes += f" alignstack={lanes * number.size}"
+    if host.width == 64:
+        attributes += ' "prefer-vector-width"="512"'
+    end = f'attributes #0 = {{ {attributes} "no-trapping-math"="true" }}\n!0 = !{{i32 1}}\n'
     bodies = [[*([] if k else main), *(chunks[name] for name in share)] for k, share in enumerate(shares)]
     return ["\n".join([*declarations, *body, end]) for body in bodies]
 

@@ -6,7 +6,7 @@ loaded as vectors and transposed in registers, and so are results on their way o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from .host import Host
@@ -36,19 +36,17 @@ class Rows:
 
     @property
     def spare(self) -> int:
-        """Slots needed after the others, to copy or gather beyond the last."""
+        """Slots needed after the others, to copy beyond the last."""
         return self.widest if self.width == 1 else 0
 
     def tables(self) -> str:
-        """The constants of a row, or where its entries come from."""
-        if not self.plan.direct:
-            return self._table(self.plan.outputs)
-        name, text = self.number.name, Lanes(self.number, 1, self.host).number_text
-        row = [f"{name} {text(self.plan.constants.get(j, 0.0))}" for j in range(self.columns)]
-        return f"@row = internal constant [{len(row)} x {name}] [{', '.join(row)}]\n"
-
-    def _table(self, places: Sequence[int]) -> str:
-        return f"@outputs = internal constant [{len(places)} x i32] [{', '.join(f'i32 {x}' for x in places)}]\n"
+        """The constants of a row; or where its entries come from, in bytes."""
+        table, kind = "outputs", "i32"
+        entries = [str(place * self.width * self.number.size) for place in self.plan.outputs]
+        if self.plan.direct:
+            table, kind, text = "row", self.number.name, Lanes(self.number, 1, self.host).number_text
+            entries = [text(self.plan.constants.get(j, 0.0)) for j in range(self.columns)]
+        return f"@{table} = internal constant [{len(entries)} x {kind}] [{', '.join(f'{kind} {x}' for x in entries)}]\n"
 
     # in
 
@@ -61,8 +59,8 @@ class Rows:
             return
 
         def transpose(j: int | str, count: int) -> None:
-            slot, rows = e.value(f"add i64 {j}, {start}"), [e.load_row(self._at(e, base, j), count) for base in bases]
-            for c, column in enumerate(e.transposed(rows)[:count]):
+            slot = e.value(f"add i64 {j}, {start}")
+            for c, column in enumerate(e.transposed([(e.at(base, j), count) for base in bases])[:count]):
                 e.store("%scratch", e.value(f"add i64 {slot}, {c}"), column)
 
         self._each(e, f"in{k}", columns, self.width, transpose)
@@ -81,8 +79,8 @@ class Rows:
         wide = e.of_width(self.widest)
 
         def vector(j: int | str, n: int) -> None:
-            x = wide.load_row(self._at(wide, source, j), n)
-            wide.store_row(self._at(wide, target, j), wide.width if beyond else n, x)
+            x = wide.load_row(wide.at(source, j), n)
+            wide.store_row(wide.at(target, j), wide.width if beyond else n, x)
 
         self._each(wide, tag, count, wide.width, vector)
 
@@ -104,21 +102,19 @@ class Rows:
 
     def _results(self, e: Lanes, j: int | str, count: int) -> list[str]:
         """The entries j, j + 1, ... of each row."""
-        columns = ["zeroinitializer"] * self.width
+        columns = [("%out", 0)] * self.width
         for c in range(count):
             if isinstance(j, int):
-                columns[c] = e.load("%out", self.plan.outputs[j + c])
+                columns[c] = e.slot("%out", self.plan.outputs[j + c]), self.width
             else:
                 entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c}')}")
-                columns[c] = e.load("%out", e.value(f"zext i32 {e.value(f'load i32, ptr {entry}')} to i64"))
+                offset = e.value(f"load i32, ptr {entry}")
+                columns[c] = e.value(f"getelementptr i8, ptr %out, i32 {offset}"), self.width
         return e.transposed(columns)
 
     def _store_rows(self, e: Lanes, bases: list[str], j: int | str, rows: list[str], count: int) -> None:
         for base, row in zip(bases, rows, strict=True):
-            e.store_row(self._at(e, base, j), count, row)
-
-    def _at(self, e: Lanes, base: str, i: int | str) -> str:
-        return e.value(f"getelementptr {self.number.name}, ptr {base}, i64 {i}")
+            e.store_row(e.at(base, j), count, row)
 
     # loops
 
