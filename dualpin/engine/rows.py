@@ -27,6 +27,11 @@ class Array:
 class Rows:
     """IR that moves one tile of samples into its slots and out of them."""
 
+    @property
+    def lead(self) -> int:
+        """Entries of the row before, which end it, that the table has too."""
+        return 0
+
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.widest = host.lanes(number.size)
@@ -42,7 +47,8 @@ class Rows:
     def tables(self) -> str:
         """The constants of a row; or where its entries come from, in bytes."""
         table, kind = "outputs", "i32"
-        entries = [str(place * self.width * self.number.size) for place in self.plan.outputs]
+        places = [*self.plan.outputs[self.columns - self.lead :], *self.plan.outputs]
+        entries = [str(place * self.width * self.number.size) for place in places]
         if self.plan.direct:
             table, kind, text = "row", self.number.name, Lanes(self.number, 1, self.host).number_text
             entries = [text(self.plan.constants.get(j, 0.0)) for j in range(self.columns)]
@@ -107,7 +113,7 @@ class Rows:
             if isinstance(j, int):
                 columns[c] = e.slot("%out", self.plan.outputs[j + c]), self.width
             else:
-                entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {c}')}")
+                entry = e.value(f"getelementptr i32, ptr @outputs, i64 {e.value(f'add i64 {j}, {self.lead + c}')}")
                 offset = e.value(f"load i32, ptr {entry}")
                 columns[c] = e.value(f"getelementptr i8, ptr %out, i32 {offset}"), self.width
         return e.transposed(columns)
@@ -125,15 +131,18 @@ class Rows:
             for j in range(0, full * step, step):
                 body(j, step)
         else:
-            e.do(f"br label %{tag}.before")
-            e.label(f"{tag}.before")
-            e.do(f"br label %{tag}")
-            e.label(tag)
-            e.do(f"%{tag}.j = phi i64 [0, %{tag}.before], [%{tag}.next, %{tag}]")
-            body(f"%{tag}.j", step)
-            e.do(f"%{tag}.next = add i64 %{tag}.j, {step}")
-            e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {full * step}")
-            e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")
-            e.label(f"{tag}.after")
+            self._loop(e, tag, 0, full * step, step, lambda j: body(j, step))
         if count % step:
             body(full * step, count % step)
+
+    def _loop(self, e: Lanes, tag: str, start: int, stop: int, step: int, body: Callable[[str], None]) -> None:
+        e.do(f"br label %{tag}.before")
+        e.label(f"{tag}.before")
+        e.do(f"br label %{tag}")
+        e.label(tag)
+        e.do(f"%{tag}.j = phi i64 [{start}, %{tag}.before], [%{tag}.next, %{tag}]")
+        body(f"%{tag}.j")
+        e.do(f"%{tag}.next = add i64 %{tag}.j, {step}")
+        e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {stop}")
+        e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")
+        e.label(f"{tag}.after")
