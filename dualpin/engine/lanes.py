@@ -202,9 +202,9 @@ class Lanes:
         Halves of vectors change places while they are loaded, which takes no shuffle; then blocks of
         1, 2, 4, ... lanes between pairs of vectors.
         """
-        W, h, half = self.width, self.width // 2, self.of_width(self.width // 2)
-        if W == 1:
+        if self.width == 1:
             return [self.load_row(*row) for row in rows]
+        W, h, half = self.width, self.width // 2, self.of_width(self.width // 2)
         parts = [[half.load_row(p, min(n, h)), half.load_row(half.at(p, h), max(0, n - h))] for p, n in rows]
         columns = [self.joined(parts[i % h][i // h], parts[i % h + h][i // h], half) for i in range(W)]
         d = 1

@@ -1,7 +1,8 @@
 """Rows of arrays to slots, and slots to rows.
 
 A sample is a row; a slot holds the same entry of as many samples as there are lanes.  Rows are
-loaded as vectors and transposed in registers, and so are results on their way out.
+loaded as vectors and transposed in registers, and so are results on their way out; `lines` has
+better ways for long rows.
 """
 
 from __future__ import annotations
@@ -27,17 +28,17 @@ class Array:
 class Rows:
     """IR that moves one tile of samples into its slots and out of them."""
 
-    @property
-    def lead(self) -> int:
-        """Entries of the row before, which end it, that the table has too."""
-        return 0
-
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.widest = host.lanes(number.size)
         self.columns = len(plan.outputs)
         # results may leave after the next rows are loaded: by then they have reached their slots
         self.overlaps = host.width == 64 and width > 1 and self.columns > 0
+
+    @property
+    def lead(self) -> int:
+        """Entries at the end of the row before that the table has too."""
+        return 0
 
     @property
     def spare(self) -> int:
@@ -102,7 +103,8 @@ class Rows:
         bases = self._addresses(e, array, first, last)
 
         def group(j: int | str, count: int) -> None:
-            self._store_rows(e, bases, j, self._results(e, j, count), count)
+            for base, row in zip(bases, self._results(e, j, count), strict=True):
+                e.store_row(e.at(base, j), count, row)
 
         self._each(e, "results", self.columns, self.width, group)
 
@@ -118,10 +120,6 @@ class Rows:
                 columns[c] = e.value(f"getelementptr i8, ptr %out, i32 {offset}"), self.width
         return e.transposed(columns)
 
-    def _store_rows(self, e: Lanes, bases: list[str], j: int | str, rows: list[str], count: int) -> None:
-        for base, row in zip(bases, rows, strict=True):
-            e.store_row(e.at(base, j), count, row)
-
     # loops
 
     def _each(self, e: Lanes, tag: str, count: int, step: int, body: Callable[[int | str, int], None]) -> None:
@@ -136,6 +134,7 @@ class Rows:
             body(full * step, count % step)
 
     def _loop(self, e: Lanes, tag: str, start: int, stop: int, step: int, body: Callable[[str], None]) -> None:
+        """body(j) for j = start, start + step, ... before stop, at least once."""
         e.do(f"br label %{tag}.before")
         e.label(f"{tag}.before")
         e.do(f"br label %{tag}")
