@@ -44,23 +44,24 @@ class Lines(Rows):
         return 1
 
     def store(self, e: Lanes, array: Array, first: str, last: str) -> None:
-        W, spare, bases = self.width, self.plan.output_slots, self._addresses(e, array, first, last)
+        W, spare = self.width, self.plan.output_slots
         address = e.value(f"ptrtoint ptr {array.pointer} to i64")
         aligned = e.value(f"icmp eq i64 {e.value(f'and i64 {address}, {self.number.size - 1}')}, 0")
-        bases.append(e.value(f"getelementptr i8, ptr {bases[-1]}, i64 {array.stride}"))
-        lines = [self._line(e, base, aligned) for base in bases]
-        ends, back = self._ends(e, lines[0])
+        base = e.value(f"getelementptr i8, ptr {array.pointer}, i64 {e.value(f'mul i64 {first}, {array.stride}')}")
+        line = self._line(e, base, aligned)
+        ends, back = self._ends(e, line)
         before = [e.load("%out", spare), *ends[:-1]]
         e.store("%out", spare, ends[-1])
         begun = e.value(f"icmp ne i64 {first}, 0")
         goes_on = e.value(f"icmp sle i64 {e.value(f'add i64 {first}, {W}')}, {last}")
         e.do(f"br i1 {e.value(f'and i1 {begun}, {goes_on}')}, label %middle, label %edge")
         e.label("edge")
-        end = e.at(bases[0], e.value(f"sub i64 0, {back}"))
-        e.store_row(e.value(f"select i1 {begun}, ptr {end}, ptr {bases[0]}"), W, before[0])
+        end = e.at(base, e.value(f"sub i64 0, {back}"))
+        e.store_row(e.value(f"select i1 {begun}, ptr {end}, ptr {base}"), W, before[0])
         super().store(e, array, first, last)
         e.do("br label %rest")
         e.label("middle")
+        lines = self._lines(e, array, base, line, aligned)
         whole = e.value(f"mul i64 {e.value(f'add i64 {last}, 1')}, {array.stride}")
         past = e.value(f"and i1 {aligned}, {e.value(f'icmp ugt i64 {whole}, {STREAMED}')}")
         e.do(f"br i1 {past}, label %past.first, label %cached.first")
@@ -76,6 +77,17 @@ class Lines(Rows):
         offset = e.value(f"and i64 {e.value(f'ptrtoint ptr {base} to i64')}, {within}")
         back = e.value(f"lshr i64 {offset}, {self.number.size.bit_length() - 1}")
         return e.at(base, e.value(f"sub i64 0, {back}")), back
+
+    def _lines(self, e: Lanes, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
+        """Of the rows and the one after them."""
+        return [(place, line[1]) for place in self._places(e, array, line[0])]
+
+    def _places(self, e: Lanes, array: Array, place: str) -> list[str]:
+        """A place in the first row, in those after it, and in the one after them."""
+        places = [place]
+        for _ in range(self.width):
+            places.append(e.value(f"getelementptr i8, ptr {places[-1]}, i64 {array.stride}"))
+        return places
 
     def _ends(self, e: Lanes, line: Line) -> tuple[list[str], str]:
         """Of each row the vector that the next goes on from, and how many numbers before that it begins.
@@ -106,6 +118,9 @@ class Shifted(Lines):
     @property
     def lead(self) -> int:
         return 0
+
+    def _lines(self, e: Lanes, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
+        return [self._line(e, place, aligned) for place in self._places(e, array, base)]
 
     def _ends(self, e: Lanes, line: Line) -> tuple[list[str], str]:
         return self._results(e, self.columns - self.width, self.width), str(self.width)
