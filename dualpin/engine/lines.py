@@ -7,6 +7,9 @@ for the caches can then go past them: a line written in parts would have to be r
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+from .angles import Angles
 from .host import Host
 from .lanes import Lanes, Number
 from .rows import Array, Rows
@@ -31,8 +34,14 @@ class Lines(Rows):
     """Rows of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
 
     A row goes on where the row before it ends, also across tiles: nothing but whole lines is written,
-    except by the first tile and the last, since what lies around all results is not ours.
+    except by the first tile and the last, since what lies around all results is not ours.  Lines wait
+    for memory; sines and cosines of the next tile are made meanwhile.
     """
+
+    def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
+        super().__init__(plan, number, width, host)
+        self.angles = Angles(plan, number, width, host)
+        self.ahead = self.angles.ahead
 
     @property
     def lead(self) -> int:
@@ -59,6 +68,8 @@ class Lines(Rows):
         end = e.at(base, e.value(f"sub i64 0, {back}"))
         e.store_row(e.value(f"select i1 {begun}, ptr {end}, ptr {base}"), W, before[0])
         super().store(e, array, first, last)
+        if self.ahead:
+            self.angles.some(e, 0, 0)
         e.do("br label %rest")
         e.label("middle")
         lines = self._lines(e, array, base, line, aligned)
@@ -109,11 +120,43 @@ class Lines(Rows):
             for k, row in enumerate(self._results(e, e.value(f"sub i64 {j}, {back}"), W)):
                 e.do(f"store {e.vector} {row}, ptr {e.at(lines[k][0], j)}, {how}")
 
-        self._loop(e, tag, W, self.columns, W, body)
+        if self.ahead:
+            self._with_angles(e, tag, body)
+        else:
+            self._loop(e, tag, W, self.columns, W, body)
+
+    def _with_angles(self, e: Lanes, tag: str, body: Callable[[str], None]) -> None:
+        """body(j) for the vectors of a row but the first, and an angle with each."""
+        W, near = self.width, f"%{tag}.near"
+
+        def both(j: str) -> None:
+            phis = len(e.lines)
+            body(j)
+            k = e.value(f"sub i64 {e.value(f'lshr i64 {j}, {W.bit_length() - 1}')}, 1")
+            e.do(f"br i1 {e.value(f'icmp slt i64 {k}, {self.ahead}')}, label %{tag}.angle, label %{tag}.on")
+            e.label(f"{tag}.angle")
+            *_, good = self.angles.one(e, "%scratch", "@angles0", k)
+            good = e.value(f"and i1 {good}, {near}")
+            e.do(f"br label %{tag}.on")
+            e.label(f"{tag}.on")
+            e.do(f"{near}.all = phi i1 [{near}, %{tag}], [{good}, %{tag}.angle]")
+            e.lines[phis:phis] = [f"  {near} = phi i1 [true, %{tag}.before], [{near}.all, %{tag}.again]"]
+
+        self._loop(e, tag, W, self.columns, W, both)
+        e.do(f"br i1 {near}.all, label %{tag}.left, label %{tag}.far")
+        e.label(f"{tag}.far")  # once more, with the C library for those out of reach
+        self.angles.some(e, 0, 0)
+        e.do(f"br label %{tag}.left")
+        e.label(f"{tag}.left")
+        self.angles.some(e, 0, self.columns // W - 1)
 
 
 class Shifted(Lines):
     """Other rows: a line is the end of one vector of a row and the beginning of the next."""
+
+    def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
+        super().__init__(plan, number, width, host)
+        self.ahead = 0  # the vectors before and their shifts take the registers
 
     @property
     def lead(self) -> int:
@@ -137,7 +180,7 @@ class Shifted(Lines):
             for k, row in enumerate(rows):
                 e.do(f"store {e.vector} {e.picked(names[k], row, picks[k])}, ptr {e.at(lines[k][0], j)}, {how}")
             e.lines[phis:phis] = [
-                f"  {name} = phi {e.vector} [{x}, %{tag}.before], [{row}, %{tag}]"
+                f"  {name} = phi {e.vector} [{x}, %{tag}.before], [{row}, %{tag}.again]"
                 for name, x, row in zip(names, before, rows, strict=True)
             ]
 

@@ -11,6 +11,7 @@ are rolled loops; only the robot's own arithmetic is a straight line.
 
 from __future__ import annotations
 
+from .angles import Angles
 from .host import Host
 from .lanes import Lanes, Number
 from .lines import rows_of
@@ -34,7 +35,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     emit = _Emission(plan, number, lanes, host)
     widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
     declarations = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY]
-    main, chunks, calls = [emit.tables()], dict[str, str](), list[str]()
+    main, chunks, calls = [emit.rows.tables(), emit.angles.tables()], dict[str, str](), list[str]()
     linkage = "internal" if parts == 1 else ""
     for k, stage in enumerate(plan.stages):
         if plan.tape:
@@ -46,13 +47,11 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
             name = f"chunk{k}_{c}"
             chunks[name] = emit.chunk(name, chunk, linkage)
             calls.append(f"call void @{name}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
-        if stage.angles:
-            calls += emit.trigonometry(k, stage.angles)
+        calls += emit.angles.calls(k)
     if plan.tape:
         main += [walker(emit.lanes()), teller(emit.lanes(), plan)]
         emit.pool = {key: k for k, key in enumerate(plan.known)}
-    if plan.sine:
-        main += [emit.cos_sin(), emit.cos_sin_far()]
+    main += emit.angles.functions()
     main += [emit.kernel(calls), emit.constant_table()]
     names = list(chunks)
     shares = [names[k * len(names) // parts : (k + 1) * len(names) // parts] for k in range(parts)]
@@ -76,6 +75,7 @@ class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.rows = rows_of(plan, number, width, host)
+        self.angles = Angles(plan, number, width, host)
         self.pool: dict[tuple[float, float], int] = {}  # numbers used by the straight lines
 
     def lanes(self) -> Lanes:
@@ -126,145 +126,7 @@ class _Emission:
         body = "\n".join(e.lines)
         return f"define {linkage} void @{name}({_CHUNK_ARGS}) noinline #0 {{\n{body}\n  ret void\n}}\n"
 
-    # trigonometric functions
-
-    def trigonometry(self, k: int, angles: list[int]) -> list[str]:
-        """Calls that fill the slots of a stage's cosines and sines."""
-        plan, n = self.plan, self.plan.together
-        if n == 1:
-            return [f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {len(angles)})"]
-        lines = []
-        for g in range(0, len(angles), n):
-            group = angles[g : g + n]
-            slots = [plan.slot[a] for a in group]
-            at, tag = slots[0], f"{k}.{g}"
-            if slots != list(range(at, at + len(group))):
-                # copied to where their sines will be: that is read before it is written
-                at = plan.sine[group[0]]
-                for lane, slot in enumerate(slots):
-                    one = f"{tag}.{lane}"
-                    lines += [
-                        f"%from.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {slot}",
-                        f"%copy.{one} = load {self.number.name}, ptr %from.{one}",
-                        f"%to.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {at + lane}",
-                        f"store {self.number.name} %copy.{one}, ptr %to.{one}",
-                    ]
-            lines += [
-                f"%angle.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {at}",
-                f"%cosine.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {plan.cosine[group[0]]}",
-                f"call void @cos_sin_of(ptr %angle.{tag}, ptr %cosine.{tag}, i{n} {(1 << len(group)) - 1})",
-            ]
-        return lines
-
-    def cos_sin(self) -> str:
-        return self.cos_sin_of() if self.plan.together > 1 else self.cos_sin_loop()
-
-    def cos_sin_of(self) -> str:
-        """Of angles side by side: their cosines, then their sines.  Bits of `valid` say which lanes count."""
-        n, size = self.plan.together, self.number.size
-        e = Lanes(self.number, n, self.host)
-        x = e.value(f"load {e.vector}, ptr %angle, align {size}")
-        c, s, near = e.cos_sin(x)
-        bits = e.value(f"and i{n} {e.value(f'bitcast {e.mask} {near} to i{n}')}, %valid")
-        ok = e.value(f"icmp eq i{n} {bits}, %valid")
-        sines = e.slot("%result", 1)
-        e.do(f"br i1 {ok}, label %near, label %far")
-        e.label("near")
-        for value, p in ((c, "%result"), (s, sines)):
-            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
-        e.do("ret void")
-        e.label("far")
-        e.do(f"%aside = alloca {e.vector}, align {e.align}")  # the angles may lie where the results go
-        e.do(f"store {e.vector} {x}, ptr %aside, align {e.align}")
-        for value, p in ((c, "%result"), (s, sines)):
-            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
-        e.do("call void @cos_sin_far(ptr %aside, ptr %result)")
-        body = "\n".join(e.lines)
-        return (
-            f"define internal void @cos_sin_of(ptr %angle, ptr %result, i{n} %valid) noinline #0 {{\n"
-            f"{body}\n  ret void\n}}\n"
-        )
-
-    def cos_sin_loop(self) -> str:
-        """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
-        e = self.lanes()
-        e.do("br label %loop")
-        e.label("loop")
-        e.do("%k = phi i64 [0, %entry], [%next, %latch]")
-        where = e.value("getelementptr {i32, i32}, ptr %table, i64 %k")
-        source, target = (
-            e.slot("%tile", e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64"))
-            for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
-        )
-        c, s, near = e.cos_sin(e.load(source, 0))
-        e.store(target, 0, c)
-        e.store(target, 1, s)
-        all_near = e.value(f"icmp eq i{e.width} {e.value(f'bitcast {e.mask} {near} to i{e.width}')}, -1")
-        e.do(f"br i1 {all_near}, label %latch, label %far")
-        e.label("far")
-        e.do(f"call void @cos_sin_far(ptr {source}, ptr {target})")
-        e.do("br label %latch")
-        e.label("latch")
-        e.do("%next = add i64 %k, 1")
-        e.do("%more = icmp slt i64 %next, %count")
-        e.do("br i1 %more, label %loop, label %done")
-        e.label("done")
-        body = "\n".join(e.lines)
-        return (
-            "define internal void @cos_sin(ptr %tile, ptr %table, i64 %count) noinline #0 {\nentry:\n"
-            f"{body}\n  ret void\n}}\n"
-        )
-
-    def cos_sin_far(self) -> str:
-        """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
-        name, reach = self.number.name, self.lanes().number_text(self.number.reach)
-        lanes = self.width * self.plan.together
-        widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
-        if self.number.size == 8:
-            widen = narrow = "bitcast double {} to double"
-        return f"""define internal void @cos_sin_far(ptr %angle, ptr %result) noinline #0 {{
-entry:
-  %sine = getelementptr {name}, ptr %result, i64 {lanes}
-  br label %loop
-loop:
-  %lane = phi i64 [0, %entry], [%next, %latch]
-  %px = getelementptr {name}, ptr %angle, i64 %lane
-  %x = load {name}, ptr %px
-  %minus = fneg {name} %x
-  %low = fcmp ole {name} %x, {reach}
-  %high = fcmp ole {name} %minus, {reach}
-  %near = and i1 %low, %high
-  br i1 %near, label %latch, label %far
-far:
-  %wide = {widen.format("%x")}
-  %c = call double @dualpin_cos(double %wide)
-  %s = call double @dualpin_sin(double %wide)
-  %cn = {narrow.format("%c")}
-  %sn = {narrow.format("%s")}
-  %pc = getelementptr {name}, ptr %result, i64 %lane
-  %ps = getelementptr {name}, ptr %sine, i64 %lane
-  store {name} %cn, ptr %pc
-  store {name} %sn, ptr %ps
-  br label %latch
-latch:
-  %next = add i64 %lane, 1
-  %more = icmp slt i64 %next, {lanes}
-  br i1 %more, label %loop, label %done
-done:
-  ret void
-}}
-"""
-
     # from rows to slots and back
-
-    def tables(self) -> str:
-        plan, text = self.plan, self.rows.tables()
-        for k, stage in enumerate(plan.stages):
-            if stage.angles and plan.together == 1:
-                pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
-                entries = ", ".join(f"i32 {s}" for s in pairs)
-                text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
-        return text
 
     def constant_table(self) -> str:
         """The numbers of the straight lines, once they are written."""
@@ -306,7 +168,12 @@ done:
             self.rows.load(e, k, arrays[k], "%b", "%last")
         if self.rows.overlaps:
             e.do("%first.time = icmp eq i64 %b, 0")
-            e.do("br i1 %first.time, label %compute, label %finished")
+            e.do("br i1 %first.time, label %begin, label %finished")
+            e.label("begin")
+            if self.rows.ahead:
+                self.angles.some(e, 0, 0)
+                calls = calls[1:]
+            e.do("br label %compute")
             e.label("finished")
             e.do(f"%b.before = sub i64 %b, {self.width}")
             self.rows.store(e, arrays[-1], "%b.before", "%last")

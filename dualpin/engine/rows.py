@@ -34,6 +34,7 @@ class Rows:
         self.columns = len(plan.outputs)
         # results may leave after the next rows are loaded: by then they have reached their slots
         self.overlaps = host.width == 64 and width > 1 and self.columns > 0
+        self.ahead = 0  # angles of the first stage whose sines and cosines are made while results leave
 
     @property
     def lead(self) -> int:
@@ -139,8 +140,10 @@ class Rows:
         e.label(f"{tag}.before")
         e.do(f"br label %{tag}")
         e.label(tag)
-        e.do(f"%{tag}.j = phi i64 [{start}, %{tag}.before], [%{tag}.next, %{tag}]")
+        e.do(f"%{tag}.j = phi i64 [{start}, %{tag}.before], [%{tag}.next, %{tag}.again]")
         body(f"%{tag}.j")
+        e.do(f"br label %{tag}.again")
+        e.label(f"{tag}.again")
         e.do(f"%{tag}.next = add i64 %{tag}.j, {step}")
         e.do(f"%{tag}.more = icmp slt i64 %{tag}.next, {stop}")
         e.do(f"br i1 %{tag}.more, label %{tag}, label %{tag}.after")

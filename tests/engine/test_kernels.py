@@ -227,6 +227,19 @@ def test_large_results_past_the_caches_are_the_same(term, width, dtype):
             assert np.array_equal(out[first : first + 1000], kernel.rows([q[first : first + 1000]]))
 
 
+@pytest.mark.parametrize(
+    ("name", "term"), [("panda", "fk"), ("talos", "jacobian")]
+)  # more vectors than angles, and fewer
+def test_angles_made_while_results_leave_may_be_anything(name, term):
+    robot = dp.load(name)
+    options = {"frame": robot.frame(robot.link_names[-1]), "reference": "local"} if term == "jacobian" else {}
+    q = robot.sample(70, seed=0)[0]
+    q[20, 3], q[33], q[34, -4], q[35, 0], q[69, 2] = 1e12, np.nan, np.inf, -1e9, 3e8
+    batch, single = (kernels.build(robot, TERMS[term], options, single=x).rows([q]) for x in (False, True))
+    assert np.array_equal(batch, single, equal_nan=True)
+    assert np.isnan(batch[33]).any() and not np.isnan(batch[20]).any()
+
+
 def test_single_precision():
     robot = dp.load("panda")
     q, v, a = (x.astype(np.float32) for x in robot.sample(33, seed=6))

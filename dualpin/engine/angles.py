@@ -1,0 +1,173 @@
+"""Sines and cosines of the angles of a stage: a loop over them, or several side by side in a vector."""
+
+from __future__ import annotations
+
+from .host import Host
+from .lanes import Lanes, Number
+from .schedule import Schedule
+
+
+class Angles:
+    """IR that takes angles from their slots to the slots of their cosines and sines."""
+
+    def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
+        self.plan, self.number, self.width, self.host = plan, number, width, host
+
+    @property
+    def ahead(self) -> int:
+        """How many angles can be seen to while the results of the tile before leave: if all are inputs."""
+        first = self.plan.stages[0] if self.plan.stages else None
+        return len(first.angles) if first and not first.chunks and not self.plan.tape and self.width > 1 else 0
+
+    def tables(self) -> str:
+        """Of each stage, where its angles are and where their cosines go."""
+        plan, text = self.plan, ""
+        for k, stage in enumerate(plan.stages):
+            if stage.angles and plan.together == 1:
+                pairs = [x for a in stage.angles for x in (plan.slot[a], plan.cosine[a])]
+                entries = ", ".join(f"i32 {s}" for s in pairs)
+                text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
+        return text
+
+    def some(self, e: Lanes, k: int, first: int) -> None:
+        """Of stage k, from the first given on."""
+        count = len(self.plan.stages[k].angles) - first
+        if count > 0:
+            table = e.value(f"getelementptr {{i32, i32}}, ptr @angles{k}, i64 {first}")
+            e.do(f"call void @cos_sin(ptr %scratch, ptr {table}, i64 {count})")
+
+    def one(self, e: Lanes, tile: str, table: str, k: str) -> tuple[str, str, str]:
+        """Angle k of a table: its slot, that of its cosine, before that of the sine, and whether it is within reach."""
+        where = e.value(f"getelementptr {{i32, i32}}, ptr {table}, i64 {k}")
+        source, target = (
+            e.slot(tile, e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64"))
+            for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
+        )
+        c, s, near = e.cos_sin(e.load(source, 0))
+        e.store(target, 0, c)
+        e.store(target, 1, s)
+        bits = e.value(f"bitcast {e.mask} {near} to i{e.width}")
+        return source, target, e.value(f"icmp eq i{e.width} {bits}, -1")
+
+    def calls(self, k: int) -> list[str]:
+        """What fills the slots of a stage's cosines and sines."""
+        plan, n, angles = self.plan, self.plan.together, self.plan.stages[k].angles
+        if not angles:
+            return []
+        if n == 1:
+            return [f"call void @cos_sin(ptr %scratch, ptr @angles{k}, i64 {len(angles)})"]
+        lines = []
+        for g in range(0, len(angles), n):
+            group = angles[g : g + n]
+            slots = [plan.slot[a] for a in group]
+            at, tag = slots[0], f"{k}.{g}"
+            if slots != list(range(at, at + len(group))):
+                # copied to where their sines will be: that is read before it is written
+                at = plan.sine[group[0]]
+                for lane, slot in enumerate(slots):
+                    one = f"{tag}.{lane}"
+                    lines += [
+                        f"%from.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {slot}",
+                        f"%copy.{one} = load {self.number.name}, ptr %from.{one}",
+                        f"%to.{one} = getelementptr {self.number.name}, ptr %scratch, i64 {at + lane}",
+                        f"store {self.number.name} %copy.{one}, ptr %to.{one}",
+                    ]
+            lines += [
+                f"%angle.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {at}",
+                f"%cosine.{tag} = getelementptr {self.number.name}, ptr %scratch, i64 {plan.cosine[group[0]]}",
+                f"call void @cos_sin_of(ptr %angle.{tag}, ptr %cosine.{tag}, i{n} {(1 << len(group)) - 1})",
+            ]
+        return lines
+
+    def functions(self) -> list[str]:
+        if not self.plan.sine:
+            return []
+        return [self._cos_sin_of() if self.plan.together > 1 else self._cos_sin(), self._cos_sin_far()]
+
+    def _cos_sin_of(self) -> str:
+        """Of angles side by side: their cosines, then their sines.  Bits of `valid` say which lanes count."""
+        n, size = self.plan.together, self.number.size
+        e = Lanes(self.number, n, self.host)
+        x = e.value(f"load {e.vector}, ptr %angle, align {size}")
+        c, s, near = e.cos_sin(x)
+        bits = e.value(f"and i{n} {e.value(f'bitcast {e.mask} {near} to i{n}')}, %valid")
+        ok = e.value(f"icmp eq i{n} {bits}, %valid")
+        sines = e.slot("%result", 1)
+        e.do(f"br i1 {ok}, label %near, label %far")
+        e.label("near")
+        for value, p in ((c, "%result"), (s, sines)):
+            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
+        e.do("ret void")
+        e.label("far")
+        e.do(f"%aside = alloca {e.vector}, align {e.align}")  # the angles may lie where the results go
+        e.do(f"store {e.vector} {x}, ptr %aside, align {e.align}")
+        for value, p in ((c, "%result"), (s, sines)):
+            e.do(f"store {e.vector} {value}, ptr {p}, align {size}")
+        e.do("call void @cos_sin_far(ptr %aside, ptr %result)")
+        body = "\n".join(e.lines)
+        return (
+            f"define internal void @cos_sin_of(ptr %angle, ptr %result, i{n} %valid) noinline #0 {{\n"
+            f"{body}\n  ret void\n}}\n"
+        )
+
+    def _cos_sin(self) -> str:
+        """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
+        e = Lanes(self.number, self.width, self.host)
+        e.do("br label %loop")
+        e.label("loop")
+        e.do("%k = phi i64 [0, %entry], [%next, %latch]")
+        source, target, near = self.one(e, "%tile", "%table", "%k")
+        e.do(f"br i1 {near}, label %latch, label %far")
+        e.label("far")
+        e.do(f"call void @cos_sin_far(ptr {source}, ptr {target})")
+        e.do("br label %latch")
+        e.label("latch")
+        e.do("%next = add i64 %k, 1")
+        e.do("%more = icmp slt i64 %next, %count")
+        e.do("br i1 %more, label %loop, label %done")
+        e.label("done")
+        body = "\n".join(e.lines)
+        return (
+            "define internal void @cos_sin(ptr %tile, ptr %table, i64 %count) noinline #0 {\nentry:\n"
+            f"{body}\n  ret void\n}}\n"
+        )
+
+    def _cos_sin_far(self) -> str:
+        """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
+        name, reach = self.number.name, Lanes(self.number, self.width, self.host).number_text(self.number.reach)
+        lanes = self.width * self.plan.together
+        widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
+        if self.number.size == 8:
+            widen = narrow = "bitcast double {} to double"
+        return f"""define internal void @cos_sin_far(ptr %angle, ptr %result) noinline #0 {{
+entry:
+  %sine = getelementptr {name}, ptr %result, i64 {lanes}
+  br label %loop
+loop:
+  %lane = phi i64 [0, %entry], [%next, %latch]
+  %px = getelementptr {name}, ptr %angle, i64 %lane
+  %x = load {name}, ptr %px
+  %minus = fneg {name} %x
+  %low = fcmp ole {name} %x, {reach}
+  %high = fcmp ole {name} %minus, {reach}
+  %near = and i1 %low, %high
+  br i1 %near, label %latch, label %far
+far:
+  %wide = {widen.format("%x")}
+  %c = call double @dualpin_cos(double %wide)
+  %s = call double @dualpin_sin(double %wide)
+  %cn = {narrow.format("%c")}
+  %sn = {narrow.format("%s")}
+  %pc = getelementptr {name}, ptr %result, i64 %lane
+  %ps = getelementptr {name}, ptr %sine, i64 %lane
+  store {name} %cn, ptr %pc
+  store {name} %sn, ptr %ps
+  br label %latch
+latch:
+  %next = add i64 %lane, 1
+  %more = icmp slt i64 %next, {lanes}
+  br i1 %more, label %loop, label %done
+done:
+  ret void
+}}
+"""
