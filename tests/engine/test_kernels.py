@@ -192,8 +192,8 @@ def test_smaller_machines_compute_the_same(width, fma):
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize(
-    "term", ["kinetic_energy", "com", "rnea", "crba", "fk", "rnea_derivatives"]
-)  # rows of 1, 3, 9, 81, 144, 243
+    "term", ["kinetic_energy", "com", "rnea", "crba", "coriolis", "fk", "rnea_derivatives"]
+)  # rows of 1, 3, 9, 81, 81, 144, 243
 def test_results_fill_their_rows_and_nothing_else(dtype, term):
     robot = dp.load("panda")
     kernel = kernels.build(robot, TERMS[term], {}, dtype)
@@ -214,14 +214,16 @@ def test_results_fill_their_rows_and_nothing_else(dtype, term):
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize(("term", "width"), [("crba", 81), ("fk", 144)])  # whole lines, and not
+@pytest.mark.parametrize(("term", "width"), [("crba", 81), ("fk", 144)])  # rows that end within a line, and with one
 def test_large_results_past_the_caches_are_the_same(term, width, dtype):
     robot = dp.load("panda")
     n = lines.STREAMED // (width * np.dtype(dtype).itemsize) + 5
     q = robot.sample(n, seed=0)[0].astype(dtype)
     kernel = kernels.build(robot, TERMS[term], {}, dtype)
-    for shift in range(3):
-        out = np.empty(n * width + 3, dtype)[shift : shift + n * width].reshape(n, width)
+    item = np.dtype(dtype).itemsize
+    for shift in (0, item, 2 * item, 1):  # bytes; past the caches, but for numbers between those of an array
+        memory = np.empty((n * width + 3) * item, np.uint8)
+        out = memory[shift : shift + n * width * item].view(dtype).reshape(n, width)
         kernel.rows([q], out)
         for first in range(0, n, 1000):  # few enough to stay in the caches
             assert np.array_equal(out[first : first + 1000], kernel.rows([q[first : first + 1000]]))
