@@ -14,7 +14,7 @@ __version__ = "0.1.0"
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
     "dualpin.dual": ("Dual",),
-    "dualpin.engine.threads": ("get_num_threads", "set_num_threads"),
+    "dualpin.engine.jit.threads": ("get_num_threads", "set_num_threads"),
     "dualpin.errors": (
         "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
         "UrdfError",

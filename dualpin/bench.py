@@ -17,7 +17,7 @@ import numpy as np
 
 from . import functions
 from .crosscheck.oracles.pinocchio import Pinocchio
-from .engine.threads import get_num_threads, set_num_threads
+from .engine.jit.threads import get_num_threads, set_num_threads
 from .errors import ArgumentError, DualpinError, DualpinWarning, nearest
 from .io import load
 from .model.robot import Robot
@@ -250,7 +250,7 @@ def machine() -> dict[str, Any]:
     """What the figures depend on, for the head of a report."""
     from importlib import metadata
 
-    from .engine.host import this_host
+    from .engine.jit.host import this_host
 
     def version(package: str) -> str:
         try:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .boundary import check_robot, settle
-from .engine.trace import Sym, Trace, trace
+from .engine.graph.trace import Sym, Trace, trace
 from .errors import ArgumentError, nearest
 from .model.robot import Robot
 from .terms import TERMS, Term, flat, input_shape

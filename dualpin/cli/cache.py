@@ -13,7 +13,7 @@ app.add_typer(cache, name="cache")
 @cache.command()
 def info(json: Json = False) -> None:
     """Print where compiled kernels are kept, how many, and how large."""
-    from ..engine import cache as disk
+    from ..engine.jit import cache as disk
 
     _show(disk.info(), json)
 
@@ -21,7 +21,7 @@ def info(json: Json = False) -> None:
 @cache.command()
 def clear(json: Json = False) -> None:
     """Remove every compiled kernel."""
-    from ..engine import cache as disk
+    from ..engine.jit import cache as disk
 
     _show(disk.clear(), json)
 

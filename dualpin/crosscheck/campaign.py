@@ -12,7 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..engine.threads import available, set_num_threads
+from ..engine.jit.threads import available, set_num_threads
 from ..errors import ArgumentError, DualpinError, DualpinWarning
 from ..io.catalogue import catalogue, find
 from ..io.urdf import load

@@ -20,7 +20,7 @@ from ..terms import Options, Term
 from . import reference
 
 if TYPE_CHECKING:
-    from .kernel import Kernel
+    from .jit.kernel import Kernel
 
 ENGINES = ("auto", "compiled", "numpy")
 
@@ -67,9 +67,9 @@ def find(
     kernels, key = robot.__dict__.setdefault("_kernels", {}), _key(term, options, dtype, single)
     found = kernels.get(key)
     if found is None:
-        from .host import CompilerError
-        from .kernel import build
-        from .trace import UntraceableError
+        from .graph.trace import UntraceableError
+        from .jit.host import CompilerError
+        from .jit.kernel import build
 
         try:
             found = kernels[key] = build(robot, term, options, dtype, single)

@@ -17,9 +17,10 @@ import numpy as np
 from ..errors import ArgumentError, DualpinError, nearest
 from ..model.robot import Robot
 from ..terms import TERMS, Options, Term, input_shape
-from . import entry, find, known
-from .host import CompilerError
-from .threads import spread
+from . import find, known
+from .jit import fast_call as entry
+from .jit.host import CompilerError
+from .jit.threads import spread
 
 Function = Callable[..., np.ndarray]
 

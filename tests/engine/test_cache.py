@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import cache, find
-from dualpin.engine import kernel as kernels
+from dualpin.engine import find
+from dualpin.engine.jit import cache
+from dualpin.engine.jit import kernel as kernels
 from dualpin.terms import TERMS
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import compiler
-from dualpin.engine import kernel as kernels
-from dualpin.engine.host import CompilerError, this_host
+from dualpin.engine.jit import compiler
+from dualpin.engine.jit import kernel as kernels
+from dualpin.engine.jit.host import CompilerError, this_host
 from dualpin.terms import TERMS
 
 

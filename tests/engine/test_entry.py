@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import entry
+from dualpin.engine.jit import fast_call as entry
 
 pytestmark = pytest.mark.skipif(not entry.supported(), reason="needs CPython 3.11 or later on 64 bits")
 

@@ -11,14 +11,15 @@ import pytest
 
 import dualpin as dp
 from dualpin.boundary import call
-from dualpin.engine import find, lines
-from dualpin.engine import kernel as kernels
-from dualpin.engine import llvm as ir
-from dualpin.engine.compiler import object_code
-from dualpin.engine.host import CompilerError, this_host
-from dualpin.engine.lanes import DOUBLE, SINGLE
-from dualpin.engine.schedule import schedule
-from dualpin.engine.trace import LIBRARY, Graph, Trace, UntraceableError
+from dualpin.engine import find
+from dualpin.engine.codegen import cacheline as lines
+from dualpin.engine.codegen import module as ir
+from dualpin.engine.codegen.vector import DOUBLE, SINGLE
+from dualpin.engine.graph.schedule import schedule
+from dualpin.engine.graph.trace import LIBRARY, Graph, Trace, UntraceableError
+from dualpin.engine.jit import kernel as kernels
+from dualpin.engine.jit.compiler import object_code
+from dualpin.engine.jit.host import CompilerError, this_host
 from dualpin.io import catalogue
 from dualpin.terms import TERMS
 
@@ -345,7 +346,7 @@ def test_robots_over_other_numbers_stay_with_numpy():
 
 
 def test_a_term_that_is_too_long_stays_with_numpy(monkeypatch):
-    from dualpin.engine import trace
+    from dualpin.engine.graph import trace
 
     monkeypatch.setattr(trace, "LARGEST", 100)
     robot = dp.load("ur5").with_gravity((0.1, 0, -9.81))  # not kept by any other test

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import kernel as kernels
-from dualpin.engine import schedule as schedules
-from dualpin.engine.host import this_host
-from dualpin.engine.trace import LIBRARY, Graph, Trace, select
+from dualpin.engine.graph import schedule as schedules
+from dualpin.engine.graph.trace import LIBRARY, Graph, Trace, select
+from dualpin.engine.jit import kernel as kernels
+from dualpin.engine.jit.host import this_host
 from dualpin.terms import TERMS
 
 from .test_kernels import narrower, options, states

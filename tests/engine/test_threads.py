@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import threads
+from dualpin.engine.jit import threads
 
 
 @pytest.fixture(autouse=True)

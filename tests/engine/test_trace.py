@@ -9,8 +9,8 @@ import pytest
 
 import dualpin as dp
 from dualpin.boundary import call
-from dualpin.engine.schedule import schedule
-from dualpin.engine.trace import Graph, Sym, Trace, UntraceableError, evaluate, select, trace
+from dualpin.engine.graph.schedule import schedule
+from dualpin.engine.graph.trace import Graph, Sym, Trace, UntraceableError, evaluate, select, trace
 from dualpin.terms import TERMS
 
 

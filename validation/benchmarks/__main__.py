@@ -150,8 +150,8 @@ def cold_start() -> list[dict[str, Any]]:
 
 
 def compile_times() -> list[dict[str, Any]]:
-    from dualpin.engine import kernel as kernels
-    from dualpin.engine.host import this_host
+    from dualpin.engine.jit import kernel as kernels
+    from dualpin.engine.jit.host import this_host
 
     rows = []
     for name in ("panda", "talos", "tiago_dual"):

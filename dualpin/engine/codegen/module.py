@@ -11,13 +11,13 @@ are rolled loops; only the robot's own arithmetic is a straight line.
 
 from __future__ import annotations
 
-from .angles import Angles
-from .host import Host
-from .lanes import Lanes, Number
-from .lines import rows_of
-from .rows import Array
-from .schedule import Schedule, Step, exactly
-from .tape import tape, teller, walker
+from ..graph.schedule import Schedule, Step, exactly
+from ..jit.host import Host
+from .bytecode import tape, teller, walker
+from .cacheline import rows_of
+from .sincos import Angles
+from .transpose import Array
+from .vector import Lanes, Number
 
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from .angles import Angles
-from .host import Host
-from .lanes import Lanes, Number
-from .rows import Array, Rows
-from .schedule import Schedule
+from ..graph.schedule import Schedule
+from ..jit.host import Host
+from .sincos import Angles
+from .transpose import Array, Rows
+from .vector import Lanes, Number
 
 STREAMED = 8 << 20  # bytes of results from which they go past the caches
 FEW = 4  # vectors in a row from which lines pay

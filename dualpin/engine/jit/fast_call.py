@@ -21,7 +21,8 @@ from typing import Any
 
 import numpy as np
 
-from . import entry_ir, threads
+from . import fast_call_ir as entry_ir
+from . import threads
 from .compiler import loaded, object_code
 from .host import this_host
 from .kernel import Kernel

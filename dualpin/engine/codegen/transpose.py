@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from .host import Host
-from .lanes import Lanes, Number
-from .schedule import Schedule
+from ..graph.schedule import Schedule
+from ..jit.host import Host
+from .vector import Lanes, Number
 
 UNROLLED = 64  # columns that are written out instead of looped over
 

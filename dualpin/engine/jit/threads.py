@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
-from ..errors import ArgumentError
+from ...errors import ArgumentError
 
 WORTH = 300e-6
 """Seconds of work that more than one thread is worth: waking another takes some 20 to 50 microseconds."""

@@ -13,10 +13,10 @@ from collections.abc import Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any
 
-from ..errors import DualpinError
-from ..model.robot import Robot
-from ..scalars import Exact, _stumpff_closed, _stumpff_series, register
-from ..terms import Options, Term, flat
+from ...errors import DualpinError
+from ...model.robot import Robot
+from ...scalars import Exact, _stumpff_closed, _stumpff_series, register
+from ...terms import Options, Term, flat
 
 Node = tuple
 """(operation, *operands): operands are indices of nodes, except those of "in" and "const"."""

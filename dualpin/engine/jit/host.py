@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from ..errors import DualpinError
+from ...errors import DualpinError
 
 
 class CompilerError(DualpinError):

@@ -8,7 +8,7 @@ import math
 import struct
 from dataclasses import dataclass
 
-from .host import Host, binding
+from ..jit.host import Host, binding
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..errors import DualpinWarning
+from ...errors import DualpinWarning
 
 SUFFIX = ".kernel"
 _MAGIC = b"dualpin kernel 1\n"

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..model.robot import Frame, Robot
-from ..scalars import Exact
-from ..spatial.pose import Pose
-from ..terms import Options, Term
+from ...model.robot import Frame, Robot
+from ...scalars import Exact
+from ...spatial.pose import Pose
+from ...terms import Options, Term
 from .host import Host, binding
 
 # what decides the numbers a kernel computes, or how it wants to be called
@@ -22,14 +22,15 @@ _SOURCES = (
 )  # fmt: skip
 # what only calls it
 _CALLERS = {
-    "engine/" + name for name in ("bind.py", "cache.py", "entry.py", "entry_ir.py", "reference.py", "threads.py")
+    f"engine/{name}.py"
+    for name in ("bind", "reference", "jit/cache", "jit/fast_call", "jit/fast_call_ir", "jit/threads")
 }
 
 
 @cache
 def sources() -> str:
     """A hash of the source files that kernels are made from."""
-    root = Path(__file__).parent.parent
+    root = Path(__file__).parents[2]
     total = hashlib.sha256()
     for name in _SOURCES:
         place = root / name
@@ -84,7 +85,7 @@ def _model_part(value: Any) -> str:
 
 def key(robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int) -> str | None:
     """Everything a kernel depends on, as text, or None for a kernel that must not be kept."""
-    from .. import __version__
+    from ... import __version__
 
     mine = robot_key(robot)
     if mine is None:

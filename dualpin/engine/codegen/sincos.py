@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .host import Host
-from .lanes import Lanes, Number
-from .schedule import Schedule
+from ..graph.schedule import Schedule
+from ..jit.host import Host
+from .vector import Lanes, Number
 
 
 class Angles:

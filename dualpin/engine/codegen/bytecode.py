@@ -14,8 +14,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-from .lanes import Lanes
-from .schedule import Schedule, Stage, Step, exactly
+from ..graph.schedule import Schedule, Stage, Step, exactly
+from .vector import Lanes
 
 MULTIPLY, INVERT, ROOT, SELECT, END = range(5)
 _MINUS = 1 << 31  # with the number of a slot: the negative of what is there

@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from ..model.robot import Robot
-from ..terms import Options, Term
+from ...model.robot import Robot
+from ...terms import Options, Term
+from ..codegen import module as ir
+from ..codegen.vector import DOUBLE, SINGLE
+from ..graph.schedule import schedule
+from ..graph.trace import trace
 from . import cache as disk
-from . import llvm as ir
 from .compiler import Compilers, loaded, split
 from .fingerprint import key as kernel_key
 from .host import Host, this_host
-from .lanes import DOUBLE, SINGLE
-from .schedule import schedule
 from .threads import spread
-from .trace import trace
 
 log = logging.getLogger("dualpin.engine")
 
