@@ -74,6 +74,16 @@ class Joint:
     def kind(self) -> str:
         return self.model.kind
 
+    @property
+    def damping(self) -> float:
+        """Viscous friction of the description [N m s/rad or N s/m]; no term takes it by itself."""
+        return self.limits.damping
+
+    @property
+    def friction(self) -> float:
+        """Dry friction of the description [N m or N]; no term takes it by itself."""
+        return self.limits.friction
+
     @cached_property
     def dofs(self) -> list[tuple[int, Vector3]]:
         """(index in v, screw) of each degree of freedom."""

@@ -30,6 +30,7 @@ def test_limits_and_dynamics_are_read():
     j = loads(joint("revolute", LIMIT + '<dynamics damping="0.1" friction="0.2"/>')).joint("j")
     assert (j.limits.lower, j.limits.upper) == ((-0.5,), (0.75,))
     assert (j.limits.velocity, j.limits.effort, j.limits.damping, j.limits.friction) == (2.0, 3.0, 0.1, 0.2)
+    assert (j.damping, j.friction) == (0.1, 0.2)
 
 
 def test_continuous_joints_have_no_position_limits():
