@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .algorithms import regressor
 from .boundary import call, check_out, check_robot, choice, prepared
 from .model.robot import Frame, Robot
 
@@ -516,10 +517,11 @@ def centroidal_momentum_matrix(
 def joint_torque_regressor(
     robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
-    """Y with rnea = Y p, shape (..., nv, 10 njoints).
+    """Y with rnea = Y p, shape (..., nv, 10 njoints), with armature as many columns more as it has entries.
 
     The parameters p of each body: m; m cx, m cy, m cz; Jxx Jxy Jyy Jxz Jyz Jzz about the joint
-    frame's origin, as `inertial_parameters` returns them.
+    frame's origin, as `inertial_parameters` returns them; then, if any joint has armature, the
+    entries of all joints', in the joints' order.
 
     References
     ----------
@@ -538,7 +540,7 @@ def joint_torque_regressor(
 
 
 def inertial_parameters(robot: Robot) -> np.ndarray:
-    """The ten inertial parameters of each moving body, in the order of `joint_torque_regressor`.
+    """The ten inertial parameters of each moving body and the armature, in the order of `joint_torque_regressor`.
 
     Examples
     --------
@@ -547,7 +549,7 @@ def inertial_parameters(robot: Robot) -> np.ndarray:
     (60,)
     """
     check_robot(robot, "inertial_parameters")
-    return np.array([float(x) for b in robot for x in b.inertia.parameters])
+    return np.array([float(x) for x in regressor.inertial_parameters(robot)])
 
 
 @dataclass(frozen=True)

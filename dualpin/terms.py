@@ -201,7 +201,7 @@ TERMS: dict[str, Term] = {
         Term("com_jacobian", ("q",), _com_jacobian, lambda r: (3, r.nv)),
         Term("centroidal_momentum_matrix", ("q",), _cmm, lambda r: (6, r.nv)),
         Term("joint_torque_regressor", ("q", "v", "a"), regressor.joint_torque_regressor,
-             lambda r: (r.nv, 10 * len(r))),
+             lambda r: (r.nv, len(regressor.inertial_parameters(r)))),
         Term("link_terms", ("q", "v"), _link_terms, lambda r: (len(r), r.nv, 2 * r.nv + 1)),
         Term("rnea_derivatives", ("q", "v", "a"), derivatives.rnea_derivatives, lambda r: (3, r.nv, r.nv)),
         Term("aba_derivatives", ("q", "v", "tau"), derivatives.aba_derivatives, lambda r: (3, r.nv, r.nv)),

@@ -68,17 +68,25 @@ def tree(
     massless: float = 0.0,
     armature: bool = False,
     mimics: int = 0,
+    depth_first: bool = False,
 ) -> Robot:
     """A random tree with these joint kinds in this order.
 
     branching: the chance that a joint hangs on an earlier joint than the last; massless: the chance
     of a link with children to have no inertia (leaves always have one: M stays invertible);
-    mimics: how many of the joints with one coordinate follow the one before it.
+    mimics: how many of the joints with one coordinate follow the one before it; depth_first: joints
+    hang on the last one's ancestors only, the order in which Pinocchio wants them.
     """
     rng = np.random.default_rng(seed)
     on: list[int | None] = []
     for i in range(len(kinds)):
-        on.append(None if i == 0 else int(rng.integers(i)) if rng.random() < branching else i - 1)
+        branches = bool(i) and rng.random() < branching
+        earlier: Sequence[int] = range(i)
+        if depth_first and branches:
+            earlier = [i - 1]
+            while (parent := on[earlier[-1]]) is not None:
+                earlier.append(parent)
+        on.append(None if i == 0 else earlier[int(rng.integers(len(earlier)))] if branches else i - 1)
     b = Builder(f"tree{seed}", gravity=(0.3, -0.2, -9.81))
     b.base("ground", random_inertia(rng))
     single = [i for i, k in enumerate(kinds) if k in ("revolute", "prismatic", "helical", "continuous")]
@@ -91,7 +99,7 @@ def tree(
             f"joint{i}", model, None if on[i] is None else f"link{on[i]}", random_pose(rng),
             None if weightless else random_inertia(rng), link=f"link{i}",
             mimic=None if leader is None else Mimic(f"joint{leader}", *rng.uniform(-2, 2, 2).tolist()),
-            armature=rng.uniform(0.01, 0.1, model.nv).tolist() if armature and leader is None else (),
+            armature=rng.uniform(0.01, 0.1, model.nv).tolist() if armature else (),
             limits=Limits((-2.0,) * model.nq, (2.0,) * model.nq) if kind == "prismatic" else None,
         )  # fmt: skip
         if rng.random() < 0.3:
@@ -108,6 +116,7 @@ SPECS: dict[str, tuple[Sequence[str], dict]] = {
     "massless": (("revolute",) * 4 + ("prismatic",) * 2 + ("revolute",) * 2, {"massless": 0.9, "branching": 0.2}),
     "screws": (("cylindrical", "helical", "revolute", "cylindrical", "prismatic", "helical"), {}),
     "rotors": (("revolute", "cylindrical", "prismatic", "revolute", "planar"), {"armature": True}),
+    "mimic_rotors": (("revolute", "prismatic", "revolute", "revolute"), {"mimics": 2, "armature": True}),
     "planar": (("planar", "revolute", "revolute", "planar", "prismatic"), {}),
     "floating": (("floating", "revolute", "prismatic", "revolute", "revolute", "helical"), {"branching": 0.6}),
     "mixed": (("revolute", "floating", "planar", "cylindrical", "helical", "prismatic"), {}),

@@ -46,7 +46,7 @@ def aba(
             P[b] = P[b] - f_ext[b.index]
     released: dict[int, tuple[Vector3, Scalar, Scalar]] = {}
     for b in reversed(robot):
-        for (k, s), rotor in reversed(list(zip(b.dofs, b.armature, strict=True))):
+        for k, s, rotor in reversed(b.driven):
             U = I[b](s)
             d, u = exact(power(s, U) + rotor), tau[k] - power(s, P[b])  # a known zero: not finite, no exception
             I[b], P[b] = I[b].released(U, d), P[b] + U * (u / d)

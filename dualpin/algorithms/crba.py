@@ -36,7 +36,7 @@ def crba(robot: Robot, q: Sequence[Scalar]) -> Matrix:
     X = joint_poses(robot, q)
     I, M = composites(robot, X), square(robot)
     for b in robot:
-        for (k, s), rotor in zip(b.dofs, b.armature, strict=True):
+        for k, s, rotor in b.driven:
             F = I[b](s)
             for c in b.chain:
                 for j, r in c.dofs:

@@ -55,7 +55,7 @@ def rnea_derivatives(
             P[b.index] += [p, Ap.cross(s) + Vp.cross(p), p + V[b].cross(s)]
     dq, dv, da = square(robot), square(robot), square(robot)
     for b in reversed(robot):
-        for i, ((k, s), rotor) in enumerate(zip(b.dofs, b.armature, strict=True)):
+        for i, (k, s, rotor) in enumerate(b.driven):
             p, r, Q = P[b.index][3 * i : 3 * i + 3]
             H = I[b](s)
             G = B[b].transposed(s) * 2

@@ -19,6 +19,7 @@ def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[l
         M_i = J^T I J,   C_i = J^T (I dJ/dt + B J),   g_i = -J^T I (gravity)
 
     with J the body Jacobian of i, dJ_k = V_k x s_k, and B the connection of body i's own inertia.
+    The rotors of the joint that moves body i are counted with it: they add to the diagonal of M_i.
     """
     X = joint_poses(robot, q)
     V: dict[Joint | None, Vector3] = {None: REST}
@@ -39,5 +40,7 @@ def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[l
                 M[j][k] = M[j][k] + power(r, H)
                 C[j][k] = C[j][k] + power(r, F)
             g[k] = g[k] + power(s, weight)
+        for k, _, rotor in b.driven:
+            M[k][k] = M[k][k] + rotor
         terms.append([M, C, g])
     return terms

@@ -51,15 +51,15 @@ def com_jacobian(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
 
 
 def kinetic_energy(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
-    """T = sum (V . I V + armature v^2) / 2"""
+    """T = sum (V . I V + rotor v^2) / 2"""
     X = joint_poses(robot, q)
     V: dict[Joint | None, Vector3] = {None: REST}
     twice: Scalar = ZERO
     for b in robot:
         V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
         twice = twice + power(V[b], b.inertia(V[b]))
-        for rotor, x in zip(b.armature, v[b.v], strict=True):
-            twice = twice + rotor * x * x
+        for k, _, rotor in b.driven:
+            twice = twice + rotor * v[k] * v[k]
     return twice / 2
 
 

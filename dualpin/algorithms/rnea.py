@@ -56,7 +56,7 @@ def rnea(
     """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
 
         F = I A + V x I V - F_ext + sum X F_children
-        tau = S . F
+        tau = S . F + rotor a
 
     f_ext: a wrench for each body, in its own frame.
     """
@@ -69,7 +69,7 @@ def rnea(
             F[b] = F[b] - f_ext[b.index]
     tau: list[Scalar] = [ZERO] * robot.nv
     for b in reversed(robot):
-        for (k, s), rotor in zip(b.dofs, b.armature, strict=True):
+        for k, s, rotor in b.driven:
             tau[k] = tau[k] + power(s, F[b]) + a[k] * rotor
         F[b.parent] = F[b.parent] + X[b] @ F[b]
     return tau

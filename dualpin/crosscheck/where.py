@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..algorithms import regressor
 from ..model.robot import Frame, Robot
 from ..terms import TERMS
 
@@ -72,6 +73,9 @@ def _label(robot: Robot, term: str, axis: int, size: int, i: int) -> str:
     if term.endswith("_derivatives") and axis == 0:
         return ("by q", "by v", "by the last argument")[i]
     if term == "joint_torque_regressor" and last:
+        if i >= 10 * len(robot):
+            joint, n = regressor.rotors(robot)[i - 10 * len(robot)]
+            return f"armature of {joint.name}" + (f", entry {n}" if joint.model.nv > 1 else "")
         body, parameter = divmod(i, 10)
         return f"{PARAMETERS[parameter]} of the body of {robot.joint_names[body]}"
     if term in ("com", "com_jacobian") and not last:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
-from ..scalars import ZERO, Scalar
+from ..scalars import ZERO, Scalar, exact
 from ..spatial.inertia import NOTHING, Inertia
 from ..spatial.pose import GROUND, Pose
 from .joints import Axial, JointModel
+from .limits import remarks
 from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, gravity_vector
 
 
@@ -106,7 +107,7 @@ class Builder:
         X = at.placement @ placement
         self._parts[name] = _Part(
             name, model, at.joint, X, NOTHING, limits or Limits(), mimic,
-            tuple(armature) or (ZERO,) * model.nv,
+            tuple(map(exact, armature)) or (ZERO,) * model.nv,
         )  # fmt: skip
         self._frames.append((name, "joint", name, GROUND, at.frame))
         place = _Place(name, GROUND, len(self._frames) - 1)
@@ -190,7 +191,7 @@ class Builder:
                 part.name, model, joints[part.parent], part.placement, part.inertia, q, v, index,
                 part.limits, part.mimic, part.armature,
             )  # fmt: skip
-        return Robot(
+        robot = Robot(
             self.name,
             tuple(j for j in joints.values() if j is not None),
             tuple(Frame(n, kind, joints[j], X, parent) for n, kind, j, X, parent in self._frames),
@@ -199,6 +200,8 @@ class Builder:
             tuple(self.notes),
             self.source,
         )
+        # a robot built upon another has its notes already
+        return replace(robot, notes=tuple(dict.fromkeys([*self.notes, *remarks(robot)])))
 
     def _followed(self, part: _Part) -> tuple[str, float, float]:
         """The joint that leads in the end, and the multiplier and offset through all that follow."""

@@ -31,6 +31,8 @@ class JointModel:
     neutral: tuple[float, ...]
     coordinates: tuple[str, ...]
     """What each coordinate is: "angle" [rad], "length" [m] or "quaternion"."""
+    coupling: tuple[Scalar, Scalar] = (ONE, ZERO)
+    """(multiplier, offset) of a joint that follows another, see `following`."""
 
     @property
     def nv(self) -> int:
@@ -105,7 +107,7 @@ class Axial(JointModel):
             return super().following(multiplier, offset)
         (unit,) = self.units
         other = Axial(self.axis, unit * multiplier, kind=self.kind, coordinates=self.coordinates, offset=unit * offset)
-        other._leader = self
+        other._leader, other.coupling = self, (multiplier, offset)
         return other
 
 

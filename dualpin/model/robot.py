@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from math import inf, isfinite, pi
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -66,6 +66,7 @@ class Joint:
     limits: Limits = field(default_factory=Limits)
     mimic: Mimic | None = None
     armature: tuple[Scalar, ...] = ()
+    """Inertia of its rotors, each felt at the joint's own coordinate [kg m^2, or kg of a slide]."""
 
     def __repr__(self) -> str:
         return f"<Joint {self.name!r}: {self.kind}, q{_span(self.q)}, v{_span(self.v)}>"
@@ -88,6 +89,21 @@ class Joint:
     def dofs(self) -> list[tuple[int, Vector3]]:
         """(index in v, screw) of each degree of freedom."""
         return list(zip(range(self.v.start, self.v.stop), self.model.screws, strict=True))
+
+    @property
+    def coupling(self) -> tuple[Scalar, Scalar]:
+        """(multiplier, offset): its own coordinate is  multiplier * q + offset  of the q it may share with others."""
+        return self.model.coupling
+
+    @cached_property
+    def driven(self) -> list[tuple[int, Vector3, Scalar]]:
+        """(index in v, screw, rotor inertia felt there) of each degree of freedom.
+
+        A rotor turns `multiplier` times as fast as the shared coordinate, so its energy grows with
+        the square of the multiplier.
+        """
+        multiplier, _ = self.coupling
+        return [(k, s, r * multiplier * multiplier) for (k, s), r in zip(self.dofs, self.armature, strict=True)]
 
     @property
     def chain(self) -> Iterator[Joint]:
@@ -232,75 +248,43 @@ class Robot:
 
     # limits and configurations
 
-    def _per_q(self, value: Callable[[Joint], Sequence[float]]) -> np.ndarray:
-        out = np.zeros(self.nq)
-        for j in self.joints:
-            if j.mimic is None:
-                out[j.q] = value(j)
-        return out
-
     @cached_property
     def neutral(self) -> np.ndarray:
         """The configuration with every joint at its zero, shape (nq,)."""
-        return self._per_q(lambda j: j.model.neutral)
+        out = np.zeros(self.nq)
+        for j in self.joints:
+            if j.mimic is None:
+                out[j.q] = j.model.neutral
+        return out
 
     @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        from .limits import position_limits
+
+        return position_limits(self)
+
+    @property
     def lower(self) -> np.ndarray:
-        """Lower position limits, shape (nq,); -inf where there is none."""
-        return self._per_q(lambda j: j.limits.lower or (-inf,) * j.model.nq)
+        """Lower position limits, those of followers (mimic) included, shape (nq,); -inf where there is none."""
+        return self._bounds[0]
 
-    @cached_property
+    @property
     def upper(self) -> np.ndarray:
         """Upper position limits, shape (nq,); inf where there is none."""
-        return self._per_q(lambda j: j.limits.upper or (inf,) * j.model.nq)
+        return self._bounds[1]
 
     @cached_property
     def velocity_limit(self) -> np.ndarray:
         """Shape (nv,); inf where there is none."""
-        out = np.full(self.nv, inf)
-        for j in self.joints:
-            if j.mimic is None:
-                out[j.v] = j.limits.velocity
-        return out
+        from .limits import velocity_limits
+
+        return velocity_limits(self)
 
     def sample(self, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Random states within the limits.
+        """Random states (q, v, a) within the limits: see `dualpin.model.sampling.sample`."""
+        from .sampling import sample
 
-        Parameters
-        ----------
-        n : int, optional
-            How many; None gives one state without a batch axis.
-        seed : int, optional
-            Of `numpy.random.default_rng`.
-
-        Returns
-        -------
-        q, v, a : ndarray, shapes (n, nq), (n, nv), (n, nv)
-            Coordinates uniform within the limits (angles without limit in [-pi, pi], lengths in
-            [-1, 1], unit quaternions uniform), velocities uniform within theirs (at most 2 pi
-            either way), accelerations uniform in [-2 pi, 2 pi].
-
-        Examples
-        --------
-        >>> import dualpin as dp
-        >>> q, v, a = dp.load("panda").sample(5, seed=0)
-        >>> q.shape, v.shape
-        ((5, 9), (5, 9))
-        """
-        if n is not None and (not isinstance(n, (int, np.integer)) or n < 0):
-            raise ArgumentError(f"sample: n = {n!r}, a number of states (0, 1, 2, ...) or None expected")
-        if seed is not None and (not isinstance(seed, (int, np.integer)) or seed < 0):
-            raise ArgumentError(f"sample: seed = {seed!r}, a number (0, 1, 2, ...) or None expected")
-        rng = np.random.default_rng(seed)
-        shape = (1 if n is None else int(n),)
-        q = np.empty((*shape, self.nq))
-        for j in self.joints:
-            if j.mimic is None:
-                q[:, j.q] = _sample_joint(j, rng, shape[0])
-        reach = np.where(self.velocity_limit > 0, np.minimum(self.velocity_limit, 2 * pi), 1.0)
-        v = rng.uniform(-1, 1, (*shape, self.nv)) * reach
-        a = rng.uniform(-1, 1, (*shape, self.nv)) * 2 * pi
-        return (q[0], v[0], a[0]) if n is None else (q, v, a)
+        return sample(self, n, seed)
 
     # variants
 
@@ -472,20 +456,3 @@ def gravity_vector(gravity: Sequence[float]) -> Vector3:
 
 def _span(s: slice) -> str:
     return f"[{s.start}]" if s.stop == s.start + 1 else f"[{s.start}:{s.stop}]"
-
-
-def _sample_joint(j: Joint, rng: np.random.Generator, n: int) -> np.ndarray:
-    out = np.empty((n, j.model.nq))
-    for i, what in enumerate(j.model.coordinates):
-        free = {"angle": pi, "length": 1.0}.get(what, 1.0)
-        lower = j.limits.lower[i] if j.limits.lower else -inf
-        upper = j.limits.upper[i] if j.limits.upper else inf
-        lower = lower if isfinite(lower) else min(-free, upper - free)
-        upper = upper if isfinite(upper) else max(free, lower + free)
-        upper, share = max(lower, upper), rng.uniform(0, 1, n)
-        out[:, i] = lower * (1 - share) + upper * share  # not upper - lower, which can overflow
-    quaternion = [i for i, what in enumerate(j.model.coordinates) if what == "quaternion"]
-    if quaternion:
-        r = rng.standard_normal((n, 4))
-        out[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
-    return out

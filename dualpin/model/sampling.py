@@ -1,0 +1,66 @@
+"""Random states of a robot."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import ArgumentError
+from .limits import ranges
+
+if TYPE_CHECKING:
+    from .robot import Robot
+
+
+def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Random states within the limits.
+
+    Parameters
+    ----------
+    n : int, optional
+        How many; None gives one state without a batch axis.
+    seed : int, optional
+        Of `numpy.random.default_rng`.
+
+    Returns
+    -------
+    q, v, a : ndarray, shapes (n, nq), (n, nv), (n, nv)
+        Coordinates uniform within the limits, those of followers (mimic) included; unit quaternions
+        uniform; velocities uniform within theirs (at most 2 pi either way), accelerations uniform in
+        [-2 pi, 2 pi].  Angles without limit are in [-pi, pi], lengths in [-1, 1]; limits beyond
+        200 rad or 100 m count as none.
+
+    Raises
+    ------
+    ArgumentError
+        If `n` or `seed` is no number.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> q, v, a = dp.load("panda").sample(5, seed=0)
+    >>> q.shape, v.shape
+    ((5, 9), (5, 9))
+    """
+    if n is not None and (not isinstance(n, (int, np.integer)) or n < 0):
+        raise ArgumentError(f"sample: n = {n!r}, a number of states (0, 1, 2, ...) or None expected")
+    if seed is not None and (not isinstance(seed, (int, np.integer)) or seed < 0):
+        raise ArgumentError(f"sample: seed = {seed!r}, a number (0, 1, 2, ...) or None expected")
+    rng, count = np.random.default_rng(seed), 1 if n is None else int(n)
+    q, (lower, upper) = np.empty((count, robot.nq)), ranges(robot)
+    for j in robot:
+        if j.mimic is not None:
+            continue
+        for i in range(j.q.start, j.q.stop):
+            share = rng.uniform(0, 1, count)
+            q[:, i] = lower[i] * (1 - share) + upper[i] * share
+        quaternion = [i for i, what in enumerate(j.model.coordinates, j.q.start) if what == "quaternion"]
+        if quaternion:
+            r = rng.standard_normal((count, 4))
+            q[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
+    most = robot.velocity_limit
+    v = rng.uniform(-1, 1, (count, robot.nv)) * np.where(most > 0, np.minimum(most, 2 * pi), 1.0)
+    a = rng.uniform(-1, 1, (count, robot.nv)) * 2 * pi
+    return (q[0], v[0], a[0]) if n is None else (q, v, a)
