@@ -9,9 +9,10 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from ..crosscheck.results import Report, RobotResult
+    from ..crosscheck.results import Report, RobotResult, TermResult
     from ..report import Comparison
 
+STYLES = {"agrees": "green", "passed": "bold green", "FAILED": "bold red"}
 PIPE = 160  # columns where nobody looks
 
 
@@ -47,34 +48,37 @@ def show(report: Report) -> None:
     single = len(report.robots) == 1 and report.robots[0].terms
     if report.robots:
         out.print(_terms(report.robots[0]) if single else _robots(report.robots))
+        if single and report.robots[0].reason:
+            out.print(report.robots[0].reason, markup=False)
     for refusal in report.refused:
         who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"
         out.print(f"refused by {who}: {refusal.name}: {refusal.reason}", markup=False)
-    verdict = "partial" if report.partial else "passed" if report.passed else "FAILED"
-    style = {"passed": "bold green", "partial": "bold yellow", "FAILED": "bold red"}[verdict]
+    verdict = report.verdict.replace("failed", "FAILED")
     against = report.versions.get("pinocchio", "?")
-    out.print(f"[{style}]{verdict}[/]: {len(report.robots)} robots against Pinocchio {against}")
+    counts = f": {report.summary}" if report.robots else ""
+    out.print(
+        f"[{STYLES.get(verdict, 'bold yellow')}]{verdict}[/]: {len(report.robots)} robots "
+        f"against Pinocchio {against}{counts}"
+    )
 
 
 def _terms(r: RobotResult) -> Table:
     title = f"{r.label}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
-    found = table("term", "max scaled error>", "tolerance>", "", "oracle", "", title=title)
+    found = table("term", "max scaled error>", "tolerance>", "verdict", "oracle", "", title=title)
     for name, t in r.terms.items():
         figures = (f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}") if t.compared else ("-", "-")
-        remark = t.remark if t.passed else "; ".join(x for x in (f"at {t.worst.get('where', '?')}", t.remark) if x)
-        found.add_row(name, *figures, mark(t.passed), t.oracle, _plain(remark))
+        at = f"at {t.worst.get('where', '?')}" if t.status == "differs" else ""
+        found.add_row(name, *figures, mark(t), t.oracle, _plain("; ".join(x for x in (at, t.remark) if x)))
     return found
 
 
 def _robots(robots: list[RobotResult]) -> Table:
-    found = table("robot", "nv>", "worst scaled error>", "in", "", "remark")
+    found = table("robot", "nv>", "worst scaled error>", "in", "verdict", "remark")
     for r in robots:
         compared = {k: t.max_scaled_error for k, t in r.terms.items() if t.compared}
         worst = max(compared, key=lambda k: compared[k], default="-")
-        failed = [k for k, t in r.terms.items() if not t.passed]
-        remark = r.error or ("out of tolerance: " + ", ".join(failed) if failed else "")
         error = f"{compared[worst]:.1e}" if compared else "-"
-        found.add_row(_plain(r.label), str(r.nv), error, worst, mark(r.passed), _plain(remark))
+        found.add_row(_plain(r.label), str(r.nv), error, worst, mark(r), _plain(r.remark))
     return found
 
 
@@ -105,8 +109,10 @@ def show_rows(name: str, rows: list[dict[str, Any]], most: int = 40) -> None:
     console().print(listing)
 
 
-def mark(passed: bool) -> str:
-    return "[green]ok[/]" if passed else "[bold red]FAILED[/]"
+def mark(of: TermResult | RobotResult) -> str:
+    """The verdict in its colour."""
+    style = "bold red" if not of.passed else STYLES.get(of.status, "yellow")
+    return f"[{style}]{of.verdict}[/]"
 
 
 def _plain(text: str) -> str:

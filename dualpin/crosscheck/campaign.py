@@ -16,8 +16,9 @@ from ..engine.jit.threads import available, set_num_threads
 from ..errors import ArgumentError, DualpinError, DualpinWarning
 from ..io.catalogue import catalogue, find
 from ..io.urdf import load
-from .results import Refusal, Report, RobotResult, TermResult, versions
-from .run import Case, Check, attempt, chosen, pinocchio_version
+from .checks import Case, Check, chosen
+from .results import Refusal, Report, RobotResult
+from .run import attempt, provenance
 
 PARTIAL = "partial.jsonl"
 Result = RobotResult | Refusal
@@ -71,7 +72,7 @@ def campaign(
         "engine": engine,
         "arbitrate": arbitrate,
     }
-    settings["versions"] = versions(pinocchio=pinocchio_version())
+    settings["versions"] = provenance(engine)
     done = _kept(folder, settings) if folder else {}
     waiting = [c for c in cases if _key(c) not in done]
     log = _open(folder, settings, done) if folder else None
@@ -144,7 +145,7 @@ def _unpacked(entry: dict[str, Any]) -> Result:
     data = entry["data"]
     if entry["kind"] == "Refusal":
         return Refusal(**data)
-    return RobotResult(**{**data, "terms": {k: TermResult(**t) for k, t in data["terms"].items()}})
+    return RobotResult.from_dict(data)
 
 
 def _kept(folder: Path, settings: dict[str, Any]) -> dict[str, Result]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from .results import Report, RobotResult
+from .results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 
 
 def markdown(report: Report) -> str:
-    verdict = "PASSED" if report.passed else "PARTIAL" if report.partial else "FAILED"
+    verdict = report.verdict.upper()
     settings = sorted({(r.samples, r.seed) for r in report.robots})
     lines = [
         f"# Validation: {verdict}",
         "",
-        f"{len(report.robots)} robots, "
+        f"{len(report.robots)} robots ({report.summary}), "
         + ", ".join(f"{n} samples from seed {s}" for n, s in settings)
         + f"; {len(report.refused)} files refused.",
         "",
@@ -24,16 +24,14 @@ def markdown(report: Report) -> str:
         lines += _one(report.robots[0])
     else:
         lines += [*_terms(report), "", *_robots(report)]
-    failed = [r for r in report.robots if not r.passed]
-    if failed:
-        lines += ["", "## Out of tolerance", ""]
-        for r in failed:
-            lines += [f"- **{r.label}**: {r.error or ', '.join(k for k, t in r.terms.items() if not t.passed)}"]
+    for title, status in (("Differs", DIFFERS), ("Not compared", NOT_COMPARED)):
+        found = [r for r in report.robots if r.status == status]
+        if found:
+            lines += ["", f"## {title}", "", *(f"- **{r.label}**: {r.remark}" for r in found)]
     if report.refused:
         lines += ["", "## Refused files", "", "| file | by | reason |", "|---|---|---|"]
         lines += [
-            f"| {r.name} | {'both' if r.by_pinocchio else 'dualpin only'} | {r.reason.replace('|', '/')} |"
-            for r in report.refused
+            f"| {r.name} | {'both' if r.by_pinocchio else 'dualpin only'} | {_cell(r.reason)} |" for r in report.refused
         ]
     remarks = [
         (r.label, note) for r in report.robots for note in r.notes if "mimic:" in note or len(report.robots) == 1
@@ -44,12 +42,8 @@ def markdown(report: Report) -> str:
 
 
 def _one(r: RobotResult) -> list[str]:
-    rows = [
-        f"| {name} | {t.max_scaled_error:.1e} | {t.tolerance:.1e} | {'yes' if t.passed else '**NO**'} "
-        f"| {t.oracle} | {t.remark} |"
-        for name, t in r.terms.items()
-    ]
-    head = ["| term | max scaled error | tolerance | passed | oracle | note |", "|---|---|---|---|---|---|"]
+    rows = [f"| {name} | {figures(t)} | {_bold(t)} | {t.oracle} | {_cell(t.remark)} |" for name, t in r.terms.items()]
+    head = ["| term | max scaled error | tolerance | verdict | oracle | remark |", "|---|---|---|---|---|---|"]
     return [f"## {r.label} (nv = {r.nv})", "", *head, *rows]
 
 
@@ -69,13 +63,29 @@ def _robots(report: Report) -> list[str]:
     rows = [
         "## Robots",
         "",
-        "| robot | nv | worst scaled error | in | passed | not compared |",
+        "| robot | nv | worst scaled error | in | verdict | remark |",
         "|---|---|---|---|---|---|",
     ]
     for r in report.robots:
         compared = {k: t for k, t in r.terms.items() if t.compared}
         worst = max(compared, key=lambda k: compared[k].max_scaled_error, default="-")
         error = f"{compared[worst].max_scaled_error:.1e}" if compared else "-"
-        missing = ", ".join(f"{k} ({t.note.split(' not')[0]})" for k, t in r.terms.items() if t.note)
-        rows.append(f"| {r.label} | {r.nv} | {error} | {worst} | {'yes' if r.passed else '**NO**'} | {missing} |")
+        partly = ", ".join(f"{k} ({t.note.split(' not')[0]})" for k, t in r.terms.items() if t.note)
+        remark = "; ".join(x for x in (r.remark, partly and f"samples not compared: {partly}") if x)
+        rows.append(f"| {r.label} | {r.nv} | {error} | {worst} | {_bold(r)} | {_cell(remark)} |")
     return rows
+
+
+def figures(t: TermResult) -> str:
+    """Error and tolerance of a term, or dashes where nothing was compared."""
+    return f"{t.max_scaled_error:.1e} | {t.tolerance:.1e}" if t.compared else "- | -"
+
+
+def _bold(of: TermResult | RobotResult) -> str:
+    """The verdict, in bold where it fails."""
+    return of.verdict if of.passed else f"**{of.verdict}**"
+
+
+def _cell(text: str) -> str:
+    """Text that stays in its cell."""
+    return text.replace("|", "/").replace("\n", " ")

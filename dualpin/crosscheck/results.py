@@ -3,50 +3,130 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
-from datetime import datetime, timezone
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from ..errors import ArgumentError, nearest
+
+AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
+DUALPIN, ORACLE, NEITHER, UNDECIDED = "dualpin", "oracle", "neither", "undecided"
+VERDICTS = {
+    DUALPIN: "differs, dualpin nearer",
+    ORACLE: "differs, oracle nearer",
+    NEITHER: "differs, both far",
+    UNDECIDED: "differs, undecided",
+}
+"""How a difference is named, by who is nearer to the value with 50 digits."""
 
 
 @dataclass
 class TermResult:
     """One term of one robot.
 
-    ``max_scaled_error`` is the largest of max|x - ref| / max(1, max|ref|) over the samples;
-    ``tolerance`` the bound at the sample that comes nearest to its own; ``worst`` that sample, with the
-    place of the worst entry in words. ``quantiles`` are scaled errors that 5, 25, 50, 75 and 95 % of
-    the samples stay below, and the largest.
+    Attributes
+    ----------
+    max_scaled_error : float
+        The largest of max|x - ref| / max(1, max|ref|) over the samples; 0 where none was compared.
+    tolerance : float
+        The bound at the sample that comes nearest to its own.
+    passed : bool
+        True unless something differs and dualpin is not known to be nearer the truth.
+    reason : str
+        Where nothing was compared, why; where the two differ, what is known about it.
+    oracle : str
+        What it was compared with.
+    compared : int
+        How many samples were compared.
+    note : str
+        What else is to be known, such as samples that were left out.
+    worst : dict
+        The sample that comes nearest to its bound (or exceeds it most): ``sample``, ``variant``, ``ratio``,
+        ``entry``, ``where`` (the place of the worst entry in words), ``q``, ``v``, ``a``; and, where
+        the two differ, ``against_50_digits``: the scaled errors of both against 50 digits.
+    quantiles : list of float
+        Scaled errors that 5, 25, 50, 75 and 95 % of the samples stay below, and the largest.
+    status : str
+        "agrees", "differs" or "not compared".
+    nearer : str
+        Where it differs: "dualpin", "oracle", "neither" or "undecided"; empty elsewhere.
+    tolerance_reason : str
+        Why the tolerance is what it is.
+    findings : list of dict
+        What a diagnosis says about a difference.
     """
 
-    max_scaled_error: float
-    tolerance: float
-    passed: bool
+    max_scaled_error: float = 0.0
+    tolerance: float = 0.0
+    passed: bool = True
     reason: str = ""
     oracle: str = "Pinocchio"
     compared: int = 0
     note: str = ""
     worst: dict[str, Any] = field(default_factory=dict)
     quantiles: list[float] = field(default_factory=list)
+    status: str = ""
+    nearer: str = ""
+    tolerance_reason: str = ""
+    findings: list[dict[str, Any]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        if self.status:
+            self.settle(self.status, self.nearer, self.reason)
+        else:
+            self._of_version_0_1()
+
+    def _of_version_0_1(self) -> None:
+        """Records of version 0.1 had two outcomes, and the reason of the tolerance in `reason`."""
+        if not (self.compared or self.tolerance):
+            self.settle(NOT_COMPARED, reason=self.note or self.reason)
+            return
+        self.tolerance_reason = self.tolerance_reason or self.reason
+        if self.passed:
+            self.settle(AGREES)
+        else:
+            self.settle(DIFFERS, UNDECIDED, "recorded without a decision")
+
+    def settle(self, status: str, nearer: str = "", reason: str = "") -> None:
+        """Give the verdict."""
+        self.status, self.reason = status, reason
+        self.nearer = (nearer or UNDECIDED) if status == DIFFERS else ""
+        self.passed = status != DIFFERS or nearer == DUALPIN
+
+    @property
+    def verdict(self) -> str:
+        """The status in words, with who is nearer."""
+        return VERDICTS[self.nearer] if self.status == DIFFERS else self.status
 
     @property
     def remark(self) -> str:
-        """What could not be compared, and who is nearer the truth where that was asked."""
+        """Why nothing was compared, what could not be, and how far each is from 50 digits where that was asked."""
         exact = self.worst.get("against_50_digits")
         nearer = (
             f"off 50 digits by: dualpin {exact['dualpin']:.1e}, {self.oracle} {exact['oracle']:.1e}" if exact else ""
         )
-        return "; ".join(x for x in (self.note, nearer) if x)
+        return "; ".join(dict.fromkeys(x for x in (self.reason, self.note, nearer) if x))
 
 
 @dataclass
 class RobotResult:
-    """All terms of one robot, or why there are none."""
+    """All terms of one robot, or why there are none.
+
+    Attributes
+    ----------
+    passed : bool
+        Whether every term passed, and nothing failed before.
+    status : str
+        "differs" if a term does, "agrees" if a term does and none differs, "not compared" if none was
+        compared, or, for a robot without moving mass, nothing but its kinematics.
+    reason : str
+        Why it was not compared.
+    error : str
+        What went wrong in dualpin itself, so that nothing could be compared; the robot fails.
+    engine : str
+        What computed dualpin's side: "compiled" or "numpy".
+    """
 
     name: str
     floating: bool
@@ -59,14 +139,51 @@ class RobotResult:
     notes: list[str] = field(default_factory=list)
     error: str = ""
     seconds: float = 0.0
+    status: str = ""
+    reason: str = ""
+    engine: str = ""
+
+    def __post_init__(self) -> None:
+        self.passed = self.passed and not self.error and all(t.passed for t in self.terms.values())
+        self.status = self.status or overall(t.status for t in self.terms.values())
 
     @property
     def label(self) -> str:
-        return self.name + (" floating" if self.floating else "") + (" mimic" if self.mimic else "")
+        return " ".join(
+            [self.name] + ["floating"] * self.floating + ["mimic"] * self.mimic + ["numpy"] * (self.engine == "numpy")
+        )
+
+    @property
+    def verdict(self) -> str:
+        """The status in words; where terms differ, the worst of their verdicts."""
+        if self.status != DIFFERS:
+            return self.status
+        order = [VERDICTS[k] for k in (ORACLE, NEITHER, UNDECIDED, DUALPIN)]
+        found = [t.verdict for t in self.terms.values() if t.status == DIFFERS]
+        return min(found, key=order.index, default=DIFFERS)
+
+    @property
+    def remark(self) -> str:
+        """Why it failed or was not compared, and which terms differ or were not compared."""
+        lists: dict[str, list[str]] = {}
+        for name, t in self.terms.items():
+            if t.status != AGREES and not (t.status == self.status == NOT_COMPARED):
+                lists.setdefault(t.verdict, []).append(name)
+        return "; ".join(x for x in (self.error, self.reason, *(f"{v}: {', '.join(k)}" for v, k in lists.items())) if x)
 
     @property
     def worst_error(self) -> float:
         return max((t.max_scaled_error for t in self.terms.values()), default=float("nan"))
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> RobotResult:
+        return cls(**{**data, "terms": {k: TermResult(**t) for k, t in data["terms"].items()}})
+
+
+def overall(statuses: Iterable[str]) -> str:
+    """Of several: "differs" if one does, else "agrees" if one does, else "not compared"."""
+    found = set(statuses)
+    return next((s for s in (DIFFERS, AGREES) if s in found), NOT_COMPARED)
 
 
 @dataclass
@@ -86,8 +203,8 @@ class Report:
     --------
     >>> import dualpin as dp
     >>> report = dp.validate("ur5", samples=5, seed=0)
-    >>> report.passed, report.terms["rnea"].max_scaled_error < 1e-13
-    (True, True)
+    >>> report.passed, report.status, report.terms["rnea"].max_scaled_error < 1e-13
+    (True, 'agrees', True)
     """
 
     robots: list[RobotResult] = field(default_factory=list)
@@ -106,6 +223,54 @@ class Report:
         )
 
     @property
+    def status(self) -> str:
+        """ "differs" if a robot does, else "agrees" if one does, else "not compared"."""
+        return overall(r.status for r in self.robots)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every term of every robot was compared, and every file read."""
+        everything = [r.status for r in self.robots] + [t.status for r in self.robots for t in r.terms.values()]
+        return NOT_COMPARED not in everything and not self.refused and not self.partial
+
+    @property
+    def verdict(self) -> str:
+        """One word for a headline: "passed" only where something was compared."""
+        if self.partial:
+            return "partial"
+        if not self.passed:
+            return "failed"
+        return NOT_COMPARED if self.status == NOT_COMPARED else "passed"
+
+    @property
+    def summary(self) -> str:
+        """How many robots have which verdict, and how many terms of those that agree were not compared."""
+        counts: dict[str, int] = {}
+        for r in self.robots:
+            counts[r.verdict] = counts.get(r.verdict, 0) + 1
+        said = ", ".join(f"{n} {'agree' if v == AGREES and n != 1 else v}" for v, n in counts.items())
+        left = sum(t.status == NOT_COMPARED for r in self.robots if r.status == AGREES for t in r.terms.values())
+        return said + (f" ({left} {'term' if left == 1 else 'terms'} of them not compared)" if left else "")
+
+    @property
+    def engine(self) -> str:
+        """What computed dualpin's side."""
+        return ", ".join(dict.fromkeys(r.engine for r in self.robots if r.engine))
+
+    @property
+    def processor(self) -> str:
+        return self.versions.get("machine", "")
+
+    @property
+    def findings(self) -> list[dict[str, Any]]:
+        """What a diagnosis said about any term, each finding once."""
+        found: list[dict[str, Any]] = []
+        for r in self.robots:
+            for t in r.terms.values():
+                found += [f for f in t.findings if f not in found]
+        return found
+
+    @property
     def terms(self) -> dict[str, TermResult]:
         """The terms of the only robot; see `robots` where there are several."""
         if len(self.robots) != 1:
@@ -119,6 +284,9 @@ class Report:
     def to_dict(self) -> dict[str, Any]:
         return {
             "passed": self.passed,
+            "status": self.status,
+            "engine": self.engine,
+            "processor": self.processor,
             "partial": self.partial,
             "robots": [asdict(r) for r in self.robots],
             "refused": [asdict(r) for r in self.refused],
@@ -131,10 +299,8 @@ class Report:
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Report:
-        robots = []
-        for r in data["robots"]:
-            terms = {k: TermResult(**t) for k, t in r["terms"].items()}
-            robots.append(RobotResult(**{**r, "terms": terms}))
+        """A report from what `to_dict` wrote, in this version or an earlier one."""
+        robots = [RobotResult.from_dict(r) for r in data["robots"]]
         refused = [Refusal(**r) for r in data["refused"]]
         return cls(robots, refused, data["versions"], data.get("partial", False))
 
@@ -183,27 +349,3 @@ def _finite(x: Any) -> Any:
     if isinstance(x, float) and abs(x) == float("inf"):
         return 1.7976931348623157e308 if x > 0 else -1.7976931348623157e308
     return x
-
-
-def versions(**more: str) -> dict[str, str]:
-    """Versions of everything that matters to a figure, the machine, and the date."""
-    from .. import __version__
-
-    found = {"dualpin": __version__, "python": platform.python_version()}
-    for package in ("numpy", "yourdfpy", "lxml", "llvmlite", "example-robot-data"):
-        try:
-            found[package] = metadata.version(package)
-        except metadata.PackageNotFoundError:
-            found[package] = "absent"
-    found["machine"] = f"{platform.machine()}, {_cpu()}"
-    found["date"] = datetime.now(timezone.utc).strftime("%Y-%m-%d")
-    return {**found, **more}
-
-
-def _cpu() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-    except OSError:
-        return platform.processor() or "unknown processor"
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or "unknown processor"

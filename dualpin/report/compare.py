@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..crosscheck.results import Report, RobotResult
+from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from ..errors import ArgumentError
 from .read import Row, Study
 
@@ -126,7 +126,7 @@ def _validations(found: Comparison, old: Report, new: Report) -> Iterable[Change
     for label in sorted(before.keys() - after.keys()):
         yield Change("missing", label, "validated", "absent", True)
     for label in sorted(after.keys() - before.keys()):
-        yield Change("new", label, "absent", _verdict(after[label].passed), not after[label].passed)
+        yield Change("new", label, "absent", after[label].verdict, not after[label].passed)
     was, now = ({r.name: r for r in report.refused} for report in (old, new))
     for name in sorted(now.keys() - was.keys()):
         yield Change("verdict", name, "read", f"refused: {now[name].reason}", True)
@@ -136,13 +136,18 @@ def _validations(found: Comparison, old: Report, new: Report) -> Iterable[Change
 
 
 def _robots(found: Comparison, old: RobotResult, new: RobotResult) -> Iterable[Change]:
-    if old.passed != new.passed:
-        yield Change("verdict", new.label, _verdict(old.passed), _verdict(new.passed), not new.passed)
+    if old.verdict != new.verdict:
+        yield Change("verdict", new.label, old.verdict, new.verdict, _rank(new) > _rank(old))
     for name in sorted(old.terms.keys() - new.terms.keys()):
         yield Change("missing", f"{new.label} {name}", "compared", new.error or "absent", True)
     for name, t in new.terms.items():
         before = old.terms.get(name)
         if before is None:
+            continue
+        if before.verdict != t.verdict and {before.status, t.status} != {AGREES, DIFFERS}:
+            # between agreeing and differing the robot's verdict and the error say it
+            yield Change("verdict", f"{new.label} {name}", before.verdict, t.verdict, _rank(t) > _rank(before))
+        if not (before.compared and t.compared):
             continue
         found.compared += 1
         x, y = before.max_scaled_error or 0.0, t.max_scaled_error or 0.0
@@ -179,5 +184,8 @@ def _setting(row: Row) -> str:
     return ", ".join(parts)
 
 
-def _verdict(passed: bool) -> str:
-    return "passed" if passed else "failed"
+def _rank(of: RobotResult | TermResult) -> int:
+    """How bad a verdict is: agreeing, dualpin nearer, not compared, failed."""
+    if not of.passed:
+        return 3
+    return [AGREES, DIFFERS, NOT_COMPARED].index(of.status)

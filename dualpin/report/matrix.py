@@ -8,7 +8,7 @@ from functools import cached_property
 from math import isfinite, log10
 from typing import Any
 
-from ..crosscheck.results import Report, RobotResult, TermResult
+from ..crosscheck.results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from .chart import Strips
 
 SHADES = 5
@@ -50,7 +50,9 @@ class Cell:
         """The class of its colour."""
         if self.result is None or not self.result.compared:
             return "none"
-        return "bad" if not self.result.passed else f"k{shade(self.ratio)}"
+        if not self.result.passed:
+            return "bad"
+        return "other" if self.result.status == DIFFERS else f"k{shade(self.ratio)}"
 
     @property
     def text(self) -> str:
@@ -62,10 +64,12 @@ class Cell:
     def hover(self) -> str:
         t = self.result
         if t is None or not t.compared:
-            return f"{self.term}: {(t.note if t else '') or 'not compared'}"
+            why = t.remark if t else ""
+            return f"{self.term}: not compared" + (f": {why}" if why else "")
         part = f"{self.ratio:.2g} of the tolerance {t.tolerance:.1e}" if self.ratio is not None else ""
         where = t.worst.get("where", "")
-        return f"{self.term}: {number(t.max_scaled_error)}, {part}" + (f"\nat {where}" if where else "")
+        verdict = f"{t.verdict}: {t.remark}\n" if t.status == DIFFERS else ""
+        return f"{self.term}: {verdict}{number(t.max_scaled_error)}, {part}" + (f"\nat {where}" if where else "")
 
     @property
     def box(self) -> dict[str, float] | None:
@@ -109,6 +113,13 @@ class RobotView:
     def base(self) -> str:
         return "mimic" if self.result.mimic else "floating" if self.result.floating else "fixed"
 
+    @property
+    def mark(self) -> str:
+        """A sign for the verdict: a tick only where everything that was compared agrees."""
+        if not self.result.passed:
+            return "✗"
+        return {NOT_COMPARED: "–", DIFFERS: "≠"}.get(self.result.status, "✓")
+
     @cached_property
     def cells(self) -> list[Cell]:
         return [Cell(t, self.result.terms.get(t), f"#{self.id}") for t in self.terms]
@@ -125,7 +136,7 @@ class RobotView:
 
     @property
     def reasons(self) -> list[str]:
-        return list(dict.fromkeys(t.reason for t in self.result.terms.values() if t.reason))
+        return list(dict.fromkeys(t.tolerance_reason for t in self.result.terms.values() if t.tolerance_reason))
 
     @property
     def states(self) -> list[State]:
@@ -161,11 +172,16 @@ class Matrix:
 
     @property
     def verdict(self) -> str:
-        return "partial" if self.report.partial else "passed" if self.report.passed else "failed"
+        return self.report.verdict
 
     @property
     def failed(self) -> list[RobotView]:
         return [r for r in self.robots if not r.result.passed]
+
+    @property
+    def incomplete(self) -> list[RobotView]:
+        """Robots that passed and yet do not agree in every term."""
+        return [r for r in self.robots if r.result.passed and r.result.remark]
 
     @property
     def names(self) -> int:

@@ -80,23 +80,24 @@ def report_html(report: Report) -> str:
     True
     """
     view = Matrix(report)
-    caption = f"{view.verdict}: {len(view.robots)} robots, {'; '.join(view.settings)}, against Pinocchio"
+    caption = f"{view.verdict}: {report.summary}; {'; '.join(view.settings)}, against Pinocchio"
     notes = [f"refused: {f.name}: {f.reason}" for f in report.refused]
     if len(view.robots) == 1:
+        notes += [report.robots[0].remark] * bool(report.robots[0].reason)
         rows = [
-            (c.term, c.text, short(c.result.tolerance), "yes" if c.result.passed else "NO", c.result.remark)
+            (c.term, c.text, short(c.result.tolerance) if c.result.compared else "–", c.result.verdict, c.result.remark)
             for c in view.robots[0].cells
             if c.result
         ]
         return table_html(
-            ["term", "max scaled error", "tolerance", "passed", "remark"],
+            ["term", "max scaled error", "tolerance", "verdict", "remark"],
             rows,
             f"{view.robots[0].result.label}, {caption}",
             notes,
         )
     summary = [
-        (r.result.label, r.result.nv, r.worst.text if r.worst else "–", r.worst.term if r.worst else r.result.error,
-         "yes" if r.result.passed else "NO")
+        (r.result.label, r.result.nv, r.worst.text if r.worst else "–", r.worst.term if r.worst else "–",
+         r.result.verdict, r.result.remark)
         for r in sorted(view.robots, key=lambda r: r.result.passed)
     ]  # fmt: skip
-    return table_html(["robot", "nv", "worst scaled error", "in", "passed"], summary, caption, notes)
+    return table_html(["robot", "nv", "worst scaled error", "in", "verdict", "remark"], summary, caption, notes)

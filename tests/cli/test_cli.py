@@ -62,6 +62,30 @@ def test_a_failed_report_has_exit_code_1(tmp_path):
     assert run("report", path).returncode == 1
 
 
+MASSLESS = """<robot name="m"><link name="a"/><link name="b"/><joint name="j" type="continuous">
+<parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_what_was_not_compared_is_never_called_passed_and_fails_only_where_strict(tmp_path):
+    path = tmp_path / "massless.urdf"
+    path.write_text(MASSLESS)
+    done = run("validate", path, "--samples", 2, "--engine", "numpy")
+    assert done.returncode == 0, done.stderr
+    assert "passed" not in done.stdout
+    assert "no moving body has mass" in done.stdout
+    done = run("validate", path, "--samples", 2, "--engine", "numpy", "--strict", "--json")
+    assert done.returncode == 1
+    data = json.loads(done.stdout)
+    assert (data["status"], data["passed"]) == ("not compared", True)
+    assert data["engine"] == "numpy"
+    assert data["processor"]
+    terms = data["robots"][0]["terms"]
+    assert terms["fk"]["status"] == "agrees"
+    assert terms["rnea"]["status"] == "not compared"
+    assert "no moving body has mass" in terms["rnea"]["reason"]
+    assert terms["rnea"]["max_scaled_error"] == 0.0
+
+
 @pytest.mark.parametrize(("arguments", "message"), [
     (("info", "pandda"), "did you mean 'panda'"),
     (("validate", "nowhere.urdf"), "no such file"),

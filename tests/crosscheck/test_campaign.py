@@ -94,3 +94,28 @@ def test_where_nothing_could_be_read_nothing_passed():
     report = campaign([Case("ur3")], **FEW)
     assert report.refused
     assert not report.passed
+
+
+def test_a_file_that_only_pinocchio_refuses_is_not_compared(tmp_path, monkeypatch):
+    from dualpin.crosscheck import compare
+    from dualpin.crosscheck.oracles.pinocchio import OracleError
+
+    def refuse(*_):
+        raise OracleError("Pinocchio refuses ur5.urdf: it has had enough")
+
+    monkeypatch.setattr(compare, "Pinocchio", refuse)
+    (robot,) = campaign([Case("ur5")], **FEW).robots
+    assert (robot.status, robot.passed) == ("not compared", True)
+    assert "had enough" in robot.remark
+
+
+def test_what_fails_in_dualpin_alone_fails(monkeypatch):
+    from dualpin.crosscheck import compare
+
+    def broken(*_):
+        raise dp.ArgumentError("out of order")
+
+    monkeypatch.setattr(compare, "states", broken)
+    report = campaign([Case("ur5")], **FEW)
+    assert report.robots[0].error == "out of order"
+    assert not report.passed

@@ -9,8 +9,11 @@ def term(error=1e-15, tolerance=1e-13, nv=3):
     state = {"q": [0.125] * nv, "v": [0.25] * nv, "a": [0.5] * nv}
     worst = {"sample": 7, "variant": 0, "ratio": error / tolerance, "entry": 1, "where": "row elbow", **state}
     quantiles = [error * x for x in (0.01, 0.1, 0.2, 0.4, 0.8, 1.0)]
-    passed = error <= tolerance
-    return TermResult(error, tolerance, passed, "eps x 32 roundings", "Pinocchio", 10, worst=worst, quantiles=quantiles)
+    status = "agrees" if error <= tolerance else "differs"
+    return TermResult(
+        error, tolerance, compared=10, worst=worst, quantiles=quantiles, status=status,
+        tolerance_reason="eps x 32 roundings",
+    )  # fmt: skip
 
 
 def robot(name, floating=False, mimic=False, **errors):

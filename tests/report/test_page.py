@@ -74,8 +74,8 @@ def test_remarks_refusals_and_limitations_are_there():
         assert words in text
 
 
-NOTHING_MOVES = TermResult(0.0, 0.0, True, note="nothing moves")
-INFINITE = TermResult(float("inf"), 1e-9, False, compared=3)
+NOTHING_MOVES = TermResult(status="not compared", reason="nothing moves")
+INFINITE = TermResult(float("inf"), 1e-9, compared=3, status="differs")
 
 
 @pytest.mark.parametrize("report", [

@@ -14,11 +14,11 @@
   all("form.filters").forEach(form => {
     const section = form.closest("section"), items = all("[data-n]", section), count = form.querySelector(".count");
     const apply = () => {
-      const text = form.text.value.trim().toLowerCase(), base = form.base.value, level = +form.level.value;
+      const text = form.text.value.trim().toLowerCase(), base = form.base.value, status = form.status.value, level = +form.level.value;
       let shown = 0, rows = 0;
       items.forEach(e => {
         const x = +e.dataset.x;
-        const on = e.dataset.n.includes(text) && (!base || e.dataset.b === base) && (level >= 1 ? x > 1 : x >= level);
+        const on = e.dataset.n.includes(text) && (!base || e.dataset.b === base) && (!status || e.dataset.s === status) && (level >= 1 ? x > 1 : x >= level);
         e.classList.toggle("out", !on);
         if (e.tagName === "TR") { rows += 1; shown += on; }
       });
@@ -47,7 +47,7 @@
 
   // sorting
   const value = cell => {
-    const text = cell.textContent.replace(/[✗,]/g, "").trim(), n = parseFloat(text);
+    const text = cell.textContent.replace(/[✗≠,]/g, "").trim(), n = parseFloat(text);
     return text === "–" ? -Infinity : text === "inf" ? Infinity : Number.isNaN(n) || /^[a-z]/i.test(text) ? text.toLowerCase() : n;
   };
   all("table.sortable").forEach(table => all("thead th", table).forEach((th, k) => {
