@@ -82,7 +82,7 @@ def used_engine(asked: str) -> str:
     """What computes where this engine is asked for."""
     if asked != "auto":
         return asked
-    from ..engine.host import CompilerError, this_host
+    from ..engine.jit.host import CompilerError, this_host
 
     try:
         this_host()

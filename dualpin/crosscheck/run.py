@@ -81,7 +81,7 @@ def provenance(engine: str) -> dict[str, str]:
     """Versions, the machine, and what computes on it."""
     found = versions(pinocchio=str(import_pinocchio().__version__), engine=used_engine(engine))
     if found["engine"] == "compiled":
-        from ..engine.host import this_host
+        from ..engine.jit.host import this_host
 
         bits = 8 * this_host().width
         found["engine"] += f", vectors of {bits} bits ({bits // 64} doubles)"
