@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from .algorithms.kinematics import References
 from .errors import ArgumentError, ShapeError, nearest
+from .model.memory import MEMORY, memory
 from .model.robot import Robot
 from .terms import TERMS, Options, Term, input_shape
 
@@ -32,9 +33,11 @@ def prepared(
     """
     if engine == "auto":
         try:
-            return robot._ready[key]
+            found: Callable[..., np.ndarray] = MEMORY[robot.serial][key]
         except (AttributeError, KeyError, TypeError):
             pass
+        else:
+            return found
     name, *values = (key,) if isinstance(key, str) else key
     check_robot(robot, name)
     settled = settle(robot, dict(zip(names, values, strict=True)))
@@ -45,7 +48,7 @@ def prepared(
 
     found = bind(robot, name, **settled)
     with contextlib.suppress(TypeError):  # options that are no keys: settled every time
-        robot._ready[key] = found
+        memory(robot)[key] = found
     return found
 
 

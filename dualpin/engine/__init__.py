@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import ArgumentError, DualpinError, DualpinWarning, nearest
+from ..model.memory import memory
 from ..model.robot import Robot
 from ..terms import Options, Term
 from . import reference
@@ -64,7 +65,7 @@ def find(
 
     With `required` the reason is raised instead; `single` asks for the one made for one configuration.
     """
-    kernels, key = robot.__dict__.setdefault("_kernels", {}), _key(term, options, dtype, single)
+    kernels, key = memory(robot).setdefault("kernels", {}), _key(term, options, dtype, single)
     found = kernels.get(key)
     if found is None:
         from .graph.trace import UntraceableError
@@ -86,7 +87,7 @@ def find(
 
 def known(robot: Robot, term: Term, options: Options, dtype: Any, *, single: bool) -> Kernel | None:
     """The kernel, if there was reason to compile it yet."""
-    found = robot.__dict__.get("_kernels", {}).get(_key(term, options, dtype, single))
+    found = memory(robot).get("kernels", {}).get(_key(term, options, dtype, single))
     return None if isinstance(found, DualpinError) else found
 
 

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ArgumentError, DualpinError, nearest
+from ..model.memory import memory
 from ..model.robot import Robot
 from ..terms import TERMS, Options, Term, input_shape
 from . import find, known
@@ -25,19 +26,60 @@ from .jit.threads import spread
 Function = Callable[..., np.ndarray]
 
 
+def kernel(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> Function:
+    """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
+
+    Parameters
+    ----------
+    name : str
+        A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
+    dtype : float64 or float32
+        What it computes in and returns; other arrays are converted.
+    **options
+        What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``.
+
+    Returns
+    -------
+    callable
+        Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
+        an array for the result.  Contiguous arrays of `dtype`, of one configuration or a batch with
+        ``out``, take the shortest way; whatever else comes out the same, some microseconds later.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such term.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> inverse_dynamics, tau = robot.kernel("rnea"), np.empty(6)
+    >>> q, v, a = robot.sample(seed=0)
+    >>> inverse_dynamics(q, v, a, out=tau) is tau
+    True
+    >>> bool(np.array_equal(tau, dp.rnea(robot, q, v, a)))
+    True
+    """
+    if "frame" in options:
+        options["frame"] = robot.frame(options["frame"])
+    return bind(robot, name, dtype, ready=True, **options)
+
+
 def bind(robot: Robot, name: str, dtype: Any = np.float64, *, ready: bool = False, **options: Any) -> Function:
-    """What `Robot.kernel` returns.  With `ready`, the kernel for one sample is compiled now, not when it is needed."""
+    """The callable of a term.  With `ready`, the kernel for one sample is compiled now, not when it is needed."""
     if name not in TERMS:
         raise ArgumentError(f"kernel {name!r} is not known; {nearest(name, TERMS, 'terms')}")
     kind = np.dtype(dtype)
     if kind not in (np.dtype(np.float64), np.dtype(np.float32)):
         raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
-    bound = robot.__dict__.setdefault("_bound", {})
+    bound = memory(robot).setdefault("bound", {})
     key = (name, kind.char, *sorted(options.items()))
-    if key not in bound:
+    found = bound.get(key)
+    if found is None:
         careful = Careful(robot, TERMS[name], options, kind)
-        bound[key] = quick(careful), careful
-    function, careful = bound[key]
+        found = bound.setdefault(key, (quick(careful), careful))
+    function, careful = found
     if ready and function is not careful:
         find(careful.robot, careful.term, options, kind, single=True)
         careful.adopt()
@@ -67,7 +109,7 @@ class Careful:
 
     def __init__(self, robot: Robot, term: Term, options: Options, dtype: np.dtype) -> None:
         self.robot = replace(robot)
-        self.robot.__dict__["_kernels"] = robot.__dict__.setdefault("_kernels", {})
+        memory(self.robot)["kernels"] = memory(robot).setdefault("kernels", {})
         self.term, self.options, self.dtype = term, options, dtype
         self.shape, self.code = term.shape(robot, **options), entry.Code()
         self.__name__ = term.name
@@ -150,4 +192,4 @@ class Spreading:
         return n
 
 
-__all__ = ["bind"]
+__all__ = ["bind", "kernel"]

@@ -18,7 +18,16 @@ from .robot import Frame, Joint, Link, Robot
 
 
 def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
-    """Every constant x of the robot replaced by scalar(x); exact -1, 0, 1 stay what they are."""
+    """The robot with every constant x replaced by scalar(x); exact -1, 0, 1 stay what they are.
+
+    Rotations and axes are made orthonormal again in those numbers (in double precision they are so
+    to 1e-16 only), so that identities hold to the digits of the new type.
+
+    Examples
+    --------
+    >>> import mpmath, dualpin as dp
+    >>> robot = dp.load("panda").lift(mpmath.mpf)
+    """
 
     def number(x: Scalar) -> Scalar:
         return x if type(x) is Exact else scalar(x)

@@ -9,14 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf, isfinite, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..scalars import Scalar
-
-if TYPE_CHECKING:
-    from .robot import Joint, Robot
+from .robot import Joint, Robot
 
 HUGE = {"angle": 200.0, "length": 100.0}
 """Bounds farther out [rad, m] are placeholders, not stops: half of 32 turns; ten times a large gantry."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Sequence
+import importlib
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from math import inf
@@ -18,6 +20,26 @@ from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import JointModel
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+_serials = itertools.count()
+
+# what a robot offers besides its data is written elsewhere: method -> module, function
+_HOMES = {
+    "_bounds": ("dualpin.model.limits", "position_limits"),
+    "_repr_html_": ("dualpin.report.notebook", "robot_html"),
+    "attach": ("dualpin.model.attach", "attached"),
+    "kernel": ("dualpin.engine.bind", "kernel"),
+    "lift": ("dualpin.model.lift", "lifted"),
+    "sample": ("dualpin.model.sampling", "sample"),
+    "summary": ("dualpin.model.describe", "summary"),
+    "to_urdf": ("dualpin.io.write", "to_urdf"),
+    "velocity_limit": ("dualpin.model.limits", "velocity_limits"),
+}
+
+
+def _home(method: str) -> Callable[..., Any]:
+    module, function = _HOMES[method]
+    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
+    return found
 
 
 @dataclass(frozen=True)
@@ -150,13 +172,14 @@ class Robot:
     """What the reader assumed or found odd."""
     source: str | None = None
     """The file it was read from."""
+    serial: int = field(init=False, repr=False, default_factory=_serials.__next__)
+    """No other robot of the process has it: by this number things computed for it are found (`model.memory`)."""
 
     def __getstate__(self) -> dict[str, Any]:
-        # what it is, without what was computed or compiled for it since
-        return {f.name: getattr(self, f.name) for f in fields(self)}
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        self.__dict__.update(state, serial=next(_serials))  # another robot, though equal
 
     # the tree, as the algorithms walk it
 
@@ -259,9 +282,8 @@ class Robot:
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        from .limits import position_limits
-
-        return position_limits(self)
+        found: tuple[np.ndarray, np.ndarray] = _home("_bounds")(self)
+        return found
 
     @property
     def lower(self) -> np.ndarray:
@@ -276,15 +298,12 @@ class Robot:
     @cached_property
     def velocity_limit(self) -> np.ndarray:
         """Shape (nv,); inf where there is none."""
-        from .limits import velocity_limits
-
-        return velocity_limits(self)
+        found: np.ndarray = _home("velocity_limit")(self)
+        return found
 
     def sample(self, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Random states (q, v, a) within the limits: see `dualpin.model.sampling.sample`."""
-        from .sampling import sample
-
-        return sample(self, n, seed)
+        """Random states q, v, a within the limits, shapes (n, nq), (n, nv), (n, nv); see `dualpin.model.sampling`."""
+        return _home("sample")(self, n, seed)
 
     # variants
 
@@ -302,109 +321,29 @@ class Robot:
         joint: JointModel | None = None,
         name: str = "payload",
     ) -> Robot:
-        """A new robot that carries a payload; the terms of the old links stay what they were.
-
-        Parameters
-        ----------
-        payload : Inertia
-            In the frame it is attached at, or, on a joint, in the joint's moving frame.
-        on : str, optional
-            The frame that carries it, by default the last.
-        placement : Pose, optional
-            Of the payload (or of its joint's fixed side) in that frame.
-        passive : bool
-            Hang it on a joint without a motor (effort limit 0), by default about the z-axis of `placement`.
-        joint : JointModel, optional
-            Put it on this joint.
-
-        References
-        ----------
-        Laus, Simoni & Martins, progressive dynamics of a manipulator and its payload.
-
-        Examples
-        --------
-        >>> import dualpin as dp
-        >>> arm = dp.load("ur5")
-        >>> held = arm.attach(dp.mechanisms.body(2.0, [0, 0, 0.1], [[0.01, 0, 0], [0, 0.01, 0], [0, 0, 0.01]]))
-        >>> held.nv, round(held.mass - arm.mass, 12)
-        (6, 2.0)
-        """
-        from .attach import attached
-
-        where = GROUND if placement is None else placement
-        return attached(self, payload, on, where, passive=passive, joint=joint, name=name)
+        """A new robot that carries a payload on the frame `on`; see `dualpin.model.attach`."""
+        return _home("attach")(self, payload, on, placement or GROUND, passive=passive, joint=joint, name=name)
 
     def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
-        """The same robot with every constant as another kind of number.
+        """The same robot with every constant x replaced by scalar(x); see `dualpin.model.lift`."""
+        return _home("lift")(self, scalar)
 
-        Rotations and axes are made orthonormal again in those numbers (in double precision they
-        are so to 1e-16 only), so that identities hold to the digits of the new type.
-
-        Examples
-        --------
-        >>> import mpmath, dualpin as dp
-        >>> robot = dp.load("panda").lift(mpmath.mpf)
-        """
-        from .lift import lifted
-
-        return lifted(self, scalar)
-
-    # compiled terms
-
-    @cached_property
-    def _ready(self) -> dict[Hashable, Callable[..., np.ndarray]]:
-        """Callables of terms already used, by name and options as they were given."""
-        return {}
+    # what other rooms make of it
 
     def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
-        """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
-
-        Parameters
-        ----------
-        name : str
-            A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
-        dtype : float64 or float32
-            What it computes in and returns; other arrays are converted.
-        **options
-            What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``.
-
-        Returns
-        -------
-        callable
-            Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
-            an array for the result.  Contiguous arrays of `dtype`, of one configuration or a batch with
-            ``out``, take the shortest way; whatever else comes out the same, some microseconds later.
-
-        Raises
-        ------
-        ArgumentError
-            If there is no such term.
-
-        Examples
-        --------
-        >>> import numpy as np, dualpin as dp
-        >>> robot = dp.load("ur5")
-        >>> inverse_dynamics, tau = robot.kernel("rnea"), np.empty(6)
-        >>> q, v, a = robot.sample(seed=0)
-        >>> inverse_dynamics(q, v, a, out=tau) is tau
-        True
-        >>> bool(np.array_equal(tau, dp.rnea(robot, q, v, a)))
-        True
-        """
-        from ..engine.bind import bind
-
-        if "frame" in options:
-            options["frame"] = self.frame(options["frame"])
-        return bind(self, name, dtype, ready=True, **options)
+        """One term as a callable for loops, (*arrays, out=None) -> array; see `dualpin.engine.bind.kernel`."""
+        return _home("kernel")(self, name, dtype, **options)
 
     def to_urdf(self, path: Any = None) -> str:
-        """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`.
+        """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`."""
+        return _home("to_urdf")(self, path)
 
-        Cylindrical joints are split into two with a warning, helical ones refused.
-        """
-        from ..io.write import to_urdf
+    def summary(self) -> str:
+        """The tree, the order of q and v, limits, and what was assumed, as text."""
+        return _home("summary")(self)
 
-        return to_urdf(self, path)
+    def _repr_html_(self) -> str:
+        return _home("_repr_html_")(self)
 
     # description
 
@@ -414,17 +353,6 @@ class Robot:
         if self.numbers == "symbolic":
             raise ArgumentError(f"{self.name}: its constants are symbols, so its mass is no number")
         return float(sum(float(j.inertia.mass) for j in self.joints))
-
-    def _repr_html_(self) -> str:
-        from ..report.notebook import robot_html
-
-        return robot_html(self)
-
-    def summary(self) -> str:
-        """The tree, the order of q and v, limits, and what was assumed, as text."""
-        from .describe import summary
-
-        return summary(self)
 
     def __repr__(self) -> str:
         weight = "" if self.numbers == "symbolic" else f", {self.mass:.6g} kg"

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import ArgumentError
 from .limits import ranges
-
-if TYPE_CHECKING:
-    from .robot import Robot
+from .robot import Robot
 
 
 def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

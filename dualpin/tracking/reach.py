@@ -14,6 +14,7 @@ from math import isfinite
 import numpy as np
 
 from ..model.joints import Axial
+from ..model.memory import memory
 from ..model.robot import Frame, Joint, Robot
 from ..spatial.pose import Pose
 
@@ -68,7 +69,7 @@ def reach(robot: Robot, frame: Frame) -> Reach | None:
     >>> bound.first, bound.last, round(bound.farthest, 3)
     ('shoulder_pan_joint', 'wrist_3_joint', 0.919)
     """
-    known = robot.__dict__.setdefault("_reach", {})
+    known = memory(robot).setdefault("reach", {})
     if frame not in known:
         known[frame] = _reach(frame)
     found: Reach | None = known[frame]

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ...model.memory import memory
 from ...model.robot import Frame, Robot
 from ...scalars import Exact
 from ...spatial.pose import Pose
@@ -43,14 +44,14 @@ def sources() -> str:
 
 def robot_key(robot: Robot) -> str | None:
     """A hash of every constant of the robot; None if code from outside the package takes part."""
-    known = robot.__dict__.get("_fingerprint")
+    known: str | None = memory(robot).get("fingerprint")
     if known is None:
         total = hashlib.sha256()
         for text in _description(robot):
             if text is None:
                 return None
             total.update(text.encode() + b";")
-        known = robot.__dict__["_fingerprint"] = total.hexdigest()
+        known = memory(robot)["fingerprint"] = total.hexdigest()
     return known
 
 
