@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
+import gc
+import importlib
 import pickle
 
 import mpmath
@@ -12,8 +15,11 @@ import sympy
 
 import dualpin as dp
 from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
+from dualpin.model.memory import MEMORY
+from dualpin.model.robot import _HOMES
 from dualpin.scalars import ONE, ZERO
 from dualpin.spatial import Pose, Vector3
+from dualpin.tracking import reach
 from tests.random_robots import SPECS, random_inertia, random_pose, robot
 
 names = pytest.mark.parametrize("name", SPECS)
@@ -379,3 +385,35 @@ def test_symbolic_robots_say_that_they_are():
     ):
         with pytest.raises(dp.ArgumentError, match=r"letters.*symbols|constants of letters are symbols"):
             use()
+
+
+def test_what_is_computed_for_a_robot_is_kept_beside_it_and_goes_with_it():
+    robot = dp.load("ur5")
+    before = set(vars(robot))
+    dp.rnea(robot, *robot.sample(seed=0))
+    robot.kernel("fk")
+    reach(robot, robot.frame("tool0"))
+    lookups = {f.name for f in dataclasses.fields(robot)} | {"nq", "nv", "velocity_limit", "lower", "upper", "numbers"}
+    assert set(vars(robot)) - before <= lookups | {"_frame_index", "frame_names", "joint_names", "neutral"}
+    serial = robot.serial
+    assert MEMORY[serial]
+    del robot
+    gc.collect()
+    assert serial not in MEMORY
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))])
+def test_copies_are_robots_of_their_own(again):
+    robot = dp.load("ur5")
+    q, v, a = robot.sample(seed=0)
+    tau = dp.rnea(robot, q, v, a)
+    other = again(robot)
+    assert other.serial != robot.serial
+    assert np.array_equal(dp.rnea(other, q, v, a), tau)
+    heavier = dataclasses.replace(robot, gravity=robot.gravity * 2)
+    assert not np.array_equal(dp.gravity(heavier, q), dp.gravity(robot, q))
+
+
+def test_every_delegate_finds_its_function():
+    for module, function in _HOMES.values():
+        assert callable(getattr(importlib.import_module(module), function))
