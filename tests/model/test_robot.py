@@ -394,7 +394,7 @@ def test_what_is_computed_for_a_robot_is_kept_beside_it_and_goes_with_it():
     robot.kernel("fk")
     reach(robot, robot.frame("tool0"))
     lookups = {f.name for f in dataclasses.fields(robot)} | {"nq", "nv", "velocity_limit", "lower", "upper", "numbers"}
-    assert set(vars(robot)) - before <= lookups | {"_frame_index", "frame_names", "joint_names", "neutral"}
+    assert set(vars(robot)) - before <= lookups | {"_frame_index", "_bounds", "frame_names", "joint_names", "neutral"}
     serial = robot.serial
     assert MEMORY[serial]
     del robot
