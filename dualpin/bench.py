@@ -91,7 +91,7 @@ def run(
                         pair = Pair(robot, term, batch, count)
                         row = {
                             "robot": name,
-                            "floating": robot.joints[0].kind == "floating",
+                            "floating": robot.floating,
                             **pair.measured(repetitions),
                         }
                         rows.append(row)
@@ -117,8 +117,7 @@ class Pair:
         if robot.source is None:
             raise ArgumentError(f"bench: {robot.name} was not read from a file, and Pinocchio needs one")
         self.robot, self.term, self.batch, self.threads = robot, TERMS[term], batch, threads
-        floating = robot.joints[0].kind == "floating"
-        self.oracle = Pinocchio(robot, robot.source, floating, mimic=False)
+        self.oracle = Pinocchio(robot, robot.source, robot.floating, mimic=False)
         q, v, a = robot.sample(batch, seed=0)
         self.states = {"q": q, "v": v, "a": a, "tau": a}
         self.options: dict[str, Any] = {}

@@ -181,13 +181,13 @@ def check_robot(robot: Robot, term: str) -> None:
 def check_quaternions(robot: Robot, term: str, q: np.ndarray) -> None:
     """Orientations must be unit quaternions: silently normalising would hide a wrong order of q."""
     for j in robot:
-        if j.kind == "floating":
-            norm = np.linalg.norm(q[..., j.q.start + 3 : j.q.stop], axis=-1)
+        for at_q in j.quaternions:
+            norm = np.linalg.norm(q[..., at_q], axis=-1)
             wrong = np.abs(norm - 1) > _UNIT
             if np.any(wrong):
                 at = tuple(int(i) for i in np.argwhere(wrong)[0])
                 raise ArgumentError(
-                    f"{term}: q[{j.q.start + 3}:{j.q.stop}] of joint {j.name!r} must be a unit quaternion "
+                    f"{term}: q[{at_q.start}:{at_q.stop}] of joint {j.name!r} must be a unit quaternion "
                     f"(w, x, y, z); its norm is {float(norm[at]):.9g}" + (f" at sample {at}" if at else "")
                 )
 

@@ -19,6 +19,7 @@ from dualpin.model import (
     helical,
     prismatic,
     revolute,
+    spherical,
 )
 from dualpin.spatial import AXES, Inertia, Matrix3, Pose, Rotation, Vector3
 
@@ -51,8 +52,9 @@ def random_inertia(rng: np.random.Generator, points: int = 6) -> Inertia:
 
 
 def random_model(kind: str, rng: np.random.Generator) -> JointModel:
-    if kind in ("floating", "planar"):
-        return Floating() if kind == "floating" else Planar()
+    whole = {"floating": Floating, "planar": Planar, "spherical": spherical}
+    if kind in whole:
+        return whole[kind]()
     axis = random_axis(rng)
     if kind == "helical":
         return helical(axis, float(rng.uniform(-0.3, 0.3)))
@@ -119,6 +121,9 @@ SPECS: dict[str, tuple[Sequence[str], dict]] = {
     "mimic_rotors": (("revolute", "prismatic", "revolute", "revolute"), {"mimics": 2, "armature": True}),
     "planar": (("planar", "revolute", "revolute", "planar", "prismatic"), {}),
     "floating": (("floating", "revolute", "prismatic", "revolute", "revolute", "helical"), {"branching": 0.6}),
+    "ball": (("spherical",), {}),
+    "spherical": (("spherical", "revolute", "prismatic", "spherical", "revolute"), {"armature": True}),
+    "floating_spherical": (("floating", "spherical", "revolute", "spherical", "planar"), {"branching": 0.6}),
     "mixed": (("revolute", "floating", "planar", "cylindrical", "helical", "prismatic"), {}),
     "mimic": (("revolute", "revolute", "prismatic", "revolute", "cylindrical", "revolute"), {"mimics": 3}),
     "floating_mimic": (("floating", "revolute", "revolute", "revolute", "planar"), {"mimics": 1}),

@@ -33,8 +33,7 @@ def arbitrate(
         lifted = robot.lift(mpmath.mpf)
         inputs = {key: [mpmath.mpf(float(x)) for x in np.ravel(value)] for key, value in state.items()}
         for j in robot:
-            if j.kind == "floating" and "q" in inputs:
-                r = slice(j.q.start + 3, j.q.stop)
+            for r in j.quaternions if "q" in inputs else ():
                 norm = mpmath.sqrt(sum(x * x for x in inputs["q"][r]))
                 inputs["q"][r] = [x / norm for x in inputs["q"][r]]
         truth = [

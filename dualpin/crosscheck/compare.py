@@ -39,7 +39,7 @@ def compare(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result
         robot = case.robot if isinstance(case.robot, Robot) else load(case.robot, case.floating, case.mimic)
-    floating = bool(robot.joints) and robot.joints[0].name == "root_joint" and robot.joints[0].kind == "floating"
+    floating = robot.floating
     coupled = case.mimic or robot.coupled
     with tempfile.TemporaryDirectory() as folder:
         oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)

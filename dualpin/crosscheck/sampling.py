@@ -35,8 +35,13 @@ def states(robot: Robot, n: int, seed: int, engine: str = "numpy") -> dict[str, 
 
 
 def planar_angles(robot: Robot) -> list[int]:
-    """Where in v the turning rates of planar joints stand."""
-    return [j.v.stop - 1 for j in robot if j.kind == "planar"]
+    """Where in v the turning rates stand of joints that turn by an angle, and whose coordinates do not add (planar)."""
+    return [
+        j.v.start + i
+        for j in robot
+        for i, what in enumerate(j.model.coordinates)
+        if what == "angle" and not j.model.additive
+    ]
 
 
 def frames(robot: Robot, seed: int, most: int = 3) -> list[Frame]:

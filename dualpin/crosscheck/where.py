@@ -13,7 +13,6 @@ from ..terms import TERMS
 
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 MOMENTUM = ("lx", "ly", "lz", "px", "py", "pz")
-_PARTS = {"floating": TWIST, "planar": ("vx", "vy", "w"), "cylindrical": ("angle", "slide")}
 PARAMETERS = ("mass", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 
 
@@ -93,7 +92,7 @@ def velocity_names(robot: Robot) -> list[str]:
     for j in robot:
         if j.mimic:
             continue
-        parts = _PARTS.get(j.kind) or [str(k) for k in range(j.v.stop - j.v.start)]
+        parts = j.model.velocity_names
         for i, part in zip(range(j.v.start, j.v.stop), parts, strict=True):
             names[i] = j.name if len(parts) == 1 else f"{j.name} {part}"
     return names

@@ -93,7 +93,7 @@ def quick(careful: Careful) -> Function:
     one_q = term.inputs[0] == "q" and "q1" not in term.inputs
     if not (one_q and 0 not in careful.shape and entry.supported(shapes)):
         return careful
-    quaternions = [j.q.start + 3 for j in robot if j.kind == "floating"]
+    quaternions = [at.start for j in robot for at in j.quaternions]
     entrance = partial(entry.bound, careful.code, term.name, shapes, careful.dtype, quaternions, str(careful.__doc__))
     try:
         return entrance(slow=Spreading(careful, entrance(slow=careful, alone=True)), alone=False)

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..model.robot import Joint, Robot
+from ..model.robot import Robot
 from ..scalars import Exact, Scalar
-from ..spatial.vector import Vector3
 from .column import Column
 
 _BERNOULLI = (1 / 2, 1 / 12, 0.0, -1 / 720)  # B_n / n! for n = 1 ... 4, the sign of B_1 that of u -> -u
@@ -31,7 +30,7 @@ class Space:
 
 
 class ConfigurationSpace(Space):
-    """Configurations of a robot: axial joints add, planar and floating ones compose with an exponential.
+    """Configurations of a robot: axial joints add, planar, spherical and floating ones compose with an exponential.
 
         q exp(u):  a floating base moves along the screw of its twist;
         u' = dexp^-1(-u) k = k + [u, k] / 2 + [u, [u, k]] / 12 - [u, [u, [u, [u, k]]]] / 720 + ...
@@ -42,7 +41,7 @@ class ConfigurationSpace(Space):
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.joints = sorted((j for j in robot if j.mimic is None), key=lambda j: j.q.start)
-        self.additive = all(j.kind not in _ENTRIES for j in self.joints)
+        self.additive = all(j.model.additive for j in self.joints)
 
     @cached_property
     def size(self) -> int:
@@ -69,7 +68,7 @@ class ConfigurationSpace(Space):
 
     def bracket(self, u: Sequence[Scalar], k: Sequence[Scalar]) -> Column:
         """[u, k] in the Lie algebra, joint by joint."""
-        return Column(x for j in self.joints for x in _bracket(j, u[j.v], k[j.v]))
+        return Column(x for j in self.joints for x in j.model.bracket(u[j.v], k[j.v]))
 
 
 class StateSpace(ConfigurationSpace):
@@ -86,20 +85,6 @@ class StateSpace(ConfigurationSpace):
     def bracket(self, u: Sequence[Scalar], k: Sequence[Scalar]) -> Column:
         nv = self.robot.nv
         return Column((*super().bracket(u[:nv], k[:nv]), *(0.0,) * nv))
-
-
-# the joints whose motions do not commute, and how a twist in their algebra reads as velocities
-_ENTRIES: dict[str, Callable[[Vector3], list[Scalar]]] = {
-    "floating": lambda m: [*m.real, *m.dual],
-    "planar": lambda m: [m.x.dual, m.y.dual, m.z.real],
-}
-
-
-def _bracket(j: Joint, u: Sequence[Scalar], k: Sequence[Scalar]) -> list[Scalar]:
-    entries = _ENTRIES.get(j.kind)
-    if entries is None:
-        return [0.0] * len(u)
-    return entries(j.model.twist(u).cross(j.model.twist(k)))
 
 
 def _on_columns(f: Callable[..., Column], *values: Any) -> Any:

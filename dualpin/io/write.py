@@ -14,7 +14,7 @@ import numpy as np
 from lxml import etree
 
 from ..errors import ArgumentError, DualpinWarning, UrdfError
-from ..model.joints import Axial, Floating, Planar
+from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
@@ -39,7 +39,7 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     Raises
     ------
     ArgumentError
-        For what URDF cannot hold: helical joints, names with control characters.
+        For what URDF cannot hold: helical and spherical joints, names with control characters.
 
     Warns
     -----
@@ -158,7 +158,7 @@ class _Writer:
         if frame.kind == "link":
             return
         joint = frame.joint if frame.kind == "joint" else None
-        if joint is not None and joint.name == "root_joint" and isinstance(joint.model, Floating):
+        if joint is not None and self.robot.floating and joint is self.robot.joints[0]:
             self.notes.append("the floating base is not in the file: read it with floating=True")
             return
         parent = self._parent(frame, link_of)
@@ -205,38 +205,26 @@ class _Writer:
         self._element(name, "fixed", parent, child, origin)
 
     def _moving(self, joint: Joint, parent: str, child: str, origin: Pose) -> None:
-        model = joint.model.free
-        if isinstance(model, Planar):
-            e = self._element(joint.name, "planar", parent, child, origin)
-            etree.SubElement(e, "axis", xyz="0 0 1")
-            return
-        if isinstance(model, Floating):
-            self._element(joint.name, "floating", parent, child, origin)
-            return
-        assert isinstance(model, Axial)  # there are no other models
-        if model.kind == "helical":
-            raise ArgumentError(
-                f"to_urdf: joint {joint.name!r} is helical, and URDF has no such joint; write it as a "
-                "revolute or prismatic one, or split it into both and couple them outside the file"
+        try:
+            parts = joint.model.free.written()
+        except ArgumentError as e:
+            raise ArgumentError(f"to_urdf: joint {joint.name!r} {e}") from None
+        names = [joint.name, *(self._free(f"{joint.name}{part.suffix}", self.names) for part in parts[1:])]
+        if len(parts) > 1:
+            into = " and ".join(
+                f"{name!r} ({what})" for name, what in zip(names, joint.model.velocity_names, strict=True)
             )
-        if model.kind == "cylindrical":
-            between = self._link(self._free(f"{child}_turned", self.link_names), None)
-            slide = self._free(f"{joint.name}_slide", self.names)
-            self.notes.append(
-                f"cylindrical joint {joint.name!r} is split into {joint.name!r} (angle) and {slide!r} (slide)"
-            )
-            lower, upper = joint.limits.lower or (-inf, -inf), joint.limits.upper or (inf, inf)
-            self._axial(joint, joint.name, "revolute", parent, between, origin, (lower[0], upper[0]), model)
-            self._axial(joint, slide, "prismatic", between, child, GROUND, (lower[1], upper[1]), model)
-            return
-        bounds = (joint.limits.lower or (-inf,))[0], (joint.limits.upper or (inf,))[0]
-        kind = "prismatic" if model.kind == "prismatic" else "revolute"
-        self._axial(joint, joint.name, kind, parent, child, origin, bounds, model)
+            self.notes.append(f"{joint.kind} joint {joint.name!r} is split into {into}")
+        for name, part in zip(names, parts, strict=True):
+            below = child if part is parts[-1] else self._link(self._free(f"{child}_turned", self.link_names), None)
+            self._part(joint, name, part, parent, below, origin)
+            parent, origin = below, GROUND
 
-    def _axial(
-        self, joint: Joint, name: str, kind: str, parent: str, child: str, origin: Pose,
-        bounds: tuple[float, float], model: Axial,
-    ) -> None:  # fmt: skip
+    def _part(self, joint: Joint, name: str, part: Written, parent: str, child: str, origin: Pose) -> None:
+        kind, at, bounds = part.type, part.coordinate, (-inf, inf)
+        if at is not None:
+            free, limits = (inf,) * joint.model.nq, joint.limits
+            bounds = (limits.lower or tuple(-x for x in free))[at], (limits.upper or free)[at]
         bounded = all(abs(b) < inf for b in bounds)
         if kind == "prismatic" and not bounded:
             self.notes.append(
@@ -246,14 +234,10 @@ class _Writer:
         if kind == "revolute" and not bounded:
             kind = "continuous"
         e = self._element(name, kind, parent, child, origin)
-        factor = (
-            sum(abs(float(p)) for p in (model.units[0].real, model.units[0].dual)) if len(model.units) == 1 else 1.0
-        )
-        if abs(factor - 1) > 1e-12:
-            raise ArgumentError(
-                f"to_urdf: the coordinate of joint {name!r} is scaled by {factor:g}; URDF joints are in rad and m"
-            )
-        etree.SubElement(e, "axis", xyz=_numbers(float(x) * _sign(model) for x in model.axis))
+        if part.axis is not None:
+            etree.SubElement(e, "axis", xyz=_numbers(part.axis))
+        if at is None:
+            return
         limits = joint.limits
         if bounded or limits.velocity < inf or limits.effort < inf:
             span = {"lower": _numbers([bounds[0]]), "upper": _numbers([bounds[1]])} if bounded else {}
@@ -294,12 +278,6 @@ class _Writer:
             below = children.get(e.find("child").get("link"), ())
             stack += sorted(below, key=lambda e: e.get("name").encode(), reverse=True)
         return out
-
-
-def _sign(model: Axial) -> float:
-    """-1 where the unit is negative: the axis is reversed instead."""
-    unit = model.units[0]
-    return -1.0 if float(unit.real) + float(unit.dual) < 0 else 1.0
 
 
 def _checked(name: str) -> str:

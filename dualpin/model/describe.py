@@ -21,8 +21,8 @@ def summary(robot: Robot) -> str:
         "",
         *_table(robot),
     ]
-    if any(j.kind == "floating" for j in robot):
-        lines += ["", "floating: q = x y z, qw qx qy qz (unit quaternion, scalar first); v = body twist [w; v]"]
+    layouts = dict.fromkeys(f"{j.kind}: {j.model.layout}" for j in robot if j.model.layout)
+    lines += ["", *layouts] if layouts else []
     if robot.notes:
         lines += ["", "remarks:", *(f"  - {note}" for note in robot.notes)]
     return "\n".join(lines)

@@ -5,12 +5,14 @@ to the dual angle t + eps d and the screw u axis to the motion subspace.
 
     revolute 1     prismatic eps     helical 1 + eps h     cylindrical 1, eps
 
-The algorithms know nothing else of a joint, so there is no branch on its kind anywhere.
+The algorithms know nothing else of a joint, so there is no branch on its kind anywhere.  What the
+rest of the package asks (do coordinates add? how is it written?) a model declares too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import hypot
 
 from ..dual import EPS, Dual, cos_sin, stumpff
@@ -19,7 +21,19 @@ from ..scalars import ONE, ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.quaternion import Quaternion, displaced
 from ..spatial.rotation import Rotation
-from ..spatial.vector import AXES, NOUGHT, REST, UX, UY, UZ, Vector3, motor
+from ..spatial.vector import AXES, NOUGHT, REST, UX, UY, UZ, Vector3, motor, power
+
+
+@dataclass(frozen=True)
+class Written:
+    """A URDF joint that stands for a joint model, or for one freedom of it."""
+
+    type: str
+    axis: Vector3 | None = None
+    coordinate: int | None = None
+    """The coordinate whose limits it takes."""
+    suffix: str = ""
+    """Appended to its name, where one joint becomes several."""
 
 
 class JointModel:
@@ -33,15 +47,41 @@ class JointModel:
     """What each coordinate is: "angle" [rad], "length" [m] or "quaternion"."""
     coupling: tuple[Scalar, Scalar] = (ONE, ZERO)
     """(multiplier, offset) of a joint that follows another, see `following`."""
+    additive = True
+    """Whether q + v is where the velocity v leads in one unit of time; else `integrate` says where."""
+    velocity_names: tuple[str, ...] = ("",)
+    """What to call its velocities, one each."""
+    layout = ""
+    """How its coordinates and velocities read, where that is not plain from their names."""
 
     @property
     def nv(self) -> int:
         return len(self.screws)
 
     @property
+    def quaternions(self) -> tuple[int, ...]:
+        """Where unit quaternions (four coordinates each, scalar first) start in its coordinates."""
+        return tuple(i for i, what in enumerate(self.coordinates) if what == "quaternion")[::4]
+
+    @property
+    def drawn(self) -> tuple[Vector3, ...]:
+        """The screws worth a line in a drawing, in the moving frame."""
+        return self.screws
+
+    @property
     def free(self) -> JointModel:
         """The joint as it is without following another."""
         return self
+
+    def written(self) -> tuple[Written, ...]:
+        """The URDF joints, one after the other, that move as this one does.
+
+        Raises
+        ------
+        ArgumentError
+            If there are none: what it is, and what can be done instead.
+        """
+        raise ArgumentError(f"is {self.kind}, and URDF has no such joint")
 
     def following(self, multiplier: Scalar, offset: Scalar) -> JointModel:
         """This joint when its one coordinate is multiplier * x + offset of another joint's x."""
@@ -70,6 +110,17 @@ class JointModel:
             total = total + s * x
         return total
 
+    def bracket(self, u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+        """The velocities of [S u, S v], by how much two motions fail to commute; zeros where coordinates add.
+
+        The screws of such joints are unit twists along and about coordinate axes, so the power of a
+        twist on the unit wrench with the same entries is its component along each.
+        """
+        if self.additive:
+            return [0.0] * self.nv
+        twist = self.twist(u).cross(self.twist(v))
+        return [power(twist, motor(s.dual, s.real)) for s in self.screws]
+
 
 class Axial(JointModel):
     """A joint about one axis: q contributes sum(unit * q) + offset to its dual angle."""
@@ -81,6 +132,7 @@ class Axial(JointModel):
         self.axis, self.units, self.kind, self.coordinates = axis, units, kind, coordinates
         self.offset = Dual(ZERO, ZERO) if offset is None else offset
         self.screws = tuple(motor(axis, NOUGHT) * u for u in units)
+        self.velocity_names = ("",) if len(units) == 1 else ("angle", "slide")
         self._leader: Axial | None = None
         self.nq = len(units)
         self.neutral = (0.0,) * self.nq
@@ -97,6 +149,21 @@ class Axial(JointModel):
         for u, x in zip(self.units, q, strict=True):
             angle = angle + u * x
         return angle
+
+    def written(self) -> tuple[Written, ...]:
+        found = []
+        for i, u in enumerate(self.units):
+            turn, slide = float(u.real), float(u.dual)
+            if turn and slide:
+                raise ArgumentError(
+                    f"is {self.kind}, and URDF has no such joint; write it as a revolute or prismatic one, or split "
+                    "it into both and couple them outside the file"
+                )
+            if abs(abs(turn + slide) - 1) > 1e-12:
+                raise ArgumentError(f"has a coordinate scaled by {abs(turn + slide):g}; URDF joints are in rad and m")
+            axis = self.axis if turn + slide > 0 else -self.axis
+            found.append(Written("prismatic" if slide else "revolute", axis, i, "_slide" if i else ""))
+        return tuple(found)
 
     @property
     def free(self) -> JointModel:
@@ -142,6 +209,8 @@ class Planar(JointModel):
 
     kind, nq, neutral = "planar", 3, (0.0, 0.0, 0.0)
     coordinates = ("length", "length", "angle")
+    additive, velocity_names = False, ("vx", "vy", "w")
+    layout = "q = x y angle; v = the body's own velocity vx vy w"
     screws = motor(NOUGHT, UX), motor(NOUGHT, UY), motor(UZ, NOUGHT)
 
     def motion(self, q: Sequence[Scalar]) -> Pose:
@@ -151,6 +220,9 @@ class Planar(JointModel):
     def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
         x, y, angle = q
         return displaced(Quaternion.about(UZ, angle), Vector3(x, y, ZERO))
+
+    def written(self) -> tuple[Written, ...]:
+        return (Written("planar", UZ),)
 
     def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
         """p + R(angle) [c_1, -w c_2; w c_2, c_1] (vx, vy), with c_k = c_k(w^2) of Stumpff."""
@@ -176,6 +248,9 @@ class Floating(JointModel):
 
     kind, nq, neutral = "floating", 7, (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     coordinates = ("length",) * 3 + ("quaternion",) * 4
+    additive, velocity_names = False, ("wx", "wy", "wz", "vx", "vy", "vz")
+    layout = "q = x y z, qw qx qy qz (unit quaternion, scalar first); v = body twist [w; v]"
+    drawn = ()  # a body that goes anywhere has no axis of its own
     screws = tuple(motor(a, NOUGHT) for a in AXES) + tuple(motor(NOUGHT, a) for a in AXES)
 
     def motion(self, q: Sequence[Scalar]) -> Pose:
@@ -183,6 +258,9 @@ class Floating(JointModel):
 
     def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
         return displaced(Quaternion(*q[3:]), Vector3(*q[:3]))
+
+    def written(self) -> tuple[Written, ...]:
+        return (Written("floating"),)
 
     def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
         """The dual quaternion of q times exp(twist / 2)."""
@@ -195,3 +273,37 @@ class Floating(JointModel):
         r = Quaternion(*q0[3:]).conjugate * Quaternion(*q1[3:])
         twist = displaced(r, X0.rotation.T @ (X1.position - X0.position)).log * 2
         return [*twist.real, *twist.dual]
+
+
+class Spherical(JointModel):
+    """Turns about a point.  q = (w, x, y, z), a unit quaternion; v = the body's angular velocity in its own axes."""
+
+    kind, nq, neutral = "spherical", 4, (1.0, 0.0, 0.0, 0.0)
+    coordinates = ("quaternion",) * 4
+    screws = tuple(motor(a, NOUGHT) for a in AXES)
+    additive, velocity_names = False, ("wx", "wy", "wz")
+    layout = "q = qw qx qy qz (unit quaternion, scalar first); v = body rate [w]"
+
+    def motion(self, q: Sequence[Scalar]) -> Pose:
+        return Pose(Quaternion(*q).rotation)
+
+    def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
+        return displaced(Quaternion(*q), NOUGHT)
+
+    def written(self) -> tuple[Written, ...]:
+        raise ArgumentError(
+            "is spherical, and URDF has no such joint; three revolute joints at one point move alike, but have other "
+            "coordinates, and a singular position"
+        )
+
+    def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+        """q times exp(w / 2)."""
+        return [*(Quaternion(*q) * Quaternion.exp(Vector3(*v) / 2)).normalized]
+
+    def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
+        return [*(Quaternion(*q0).conjugate * Quaternion(*q1)).log * 2]
+
+
+def spherical() -> Spherical:
+    """A ball joint."""
+    return Spherical()

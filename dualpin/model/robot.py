@@ -20,6 +20,8 @@ from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import JointModel
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+BASE = "root_joint"
+"""The joint of a base that floats, as Pinocchio calls it."""
 _serials = itertools.count()
 
 # what a robot offers besides its data is written elsewhere: method -> module, function
@@ -128,6 +130,11 @@ class Joint:
         return [(k, s, r * multiplier * multiplier) for (k, s), r in zip(self.dofs, self.armature, strict=True)]
 
     @property
+    def quaternions(self) -> list[slice]:
+        """Where its unit quaternions, scalar first, lie in q."""
+        return [slice(self.q.start + i, self.q.start + i + 4) for i in self.model.quaternions]
+
+    @property
     def chain(self) -> Iterator[Joint]:
         """This joint, its parent, ... up to the root."""
         joint: Joint | None = self
@@ -199,6 +206,11 @@ class Robot:
     @cached_property
     def nv(self) -> int:
         return max((j.v.stop for j in self.joints), default=0)
+
+    @property
+    def floating(self) -> bool:
+        """Whether its base was made floating: ``load(..., floating=True)``."""
+        return bool(self.joints) and self.joints[0].name == BASE and self.joints[0].kind == "floating"
 
     @property
     def at_rest(self) -> Vector3:

@@ -53,8 +53,7 @@ def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple
         for i in range(j.q.start, j.q.stop):
             share = rng.uniform(0, 1, count)
             q[:, i] = lower[i] * (1 - share) + upper[i] * share
-        quaternion = [i for i, what in enumerate(j.model.coordinates, j.q.start) if what == "quaternion"]
-        if quaternion:
+        for quaternion in j.quaternions:
             r = rng.standard_normal((count, 4))
             q[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
     most = robot.velocity_limit

@@ -171,7 +171,7 @@ class _Search:
         self.lower: np.ndarray = robot.lower - far
         self.upper: np.ndarray = robot.upper + far
         # coordinates that are their own velocities: only these can be held at a limit
-        pairs = [(j.q, j.v) for j in robot if j.mimic is None and j.kind not in ("floating", "planar")]
+        pairs = [(j.q, j.v) for j in robot if j.mimic is None and j.model.additive]
         self.q_of = np.array([i for q, _ in pairs for i in range(q.start, q.stop)], dtype=int)
         self.v_of = np.array([i for _, v in pairs for i in range(v.start, v.stop)], dtype=int)
 

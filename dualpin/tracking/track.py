@@ -252,7 +252,7 @@ def _after(robot: Robot, loop: Loop, q: np.ndarray, cost: Cost) -> list[str]:
             f"the motion is not finite from t = {k * loop.dt:.6g} s on: the loop is unstable at this gain and step"
         )
     for joint in robot:
-        if joint.mimic is None and joint.kind not in ("floating", "planar"):
+        if joint.mimic is None and joint.model.additive:
             x = q[..., joint.q]
             lower, upper = robot.lower[joint.q], robot.upper[joint.q]
             beyond = ((x < lower - 1e-9) | (x > upper + 1e-9)).any(axis=(1, 2))

@@ -47,9 +47,7 @@ def axes(robot: Robot) -> list[Axis]:
     """
     found = []
     for joint in robot:
-        if joint.kind == "floating":
-            continue
-        for screw in joint.model.free.screws:
+        for screw in joint.model.free.drawn:
             w, v = (np.array([float(x) for x in part]) for part in (screw.real, screw.dual))
             size = float(w @ w)
             if size == 0.0:

@@ -139,7 +139,7 @@ class Viewer:
                 self._checkbox(part)
         with gui.add_folder("q"):
             for j in self.robot:
-                if not j.mimic and j.kind != "floating":
+                if not j.mimic and not j.quaternions:
                     for i in range(j.q.start, j.q.stop):
                         self._slider(j.name if j.q.stop - j.q.start == 1 else f"{j.name} {i - j.q.start}", i)
         if len(self.sequence):

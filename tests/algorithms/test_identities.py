@@ -158,11 +158,12 @@ def test_coriolis_has_no_torsion(case):
     r, q, v, w = case
     bracket = np.zeros(r.nv)
     for j in r:
-        if j.kind in ("floating", "planar"):
+        if not j.model.additive:
             V, W = (j.model.twist(x[j.v].tolist()) for x in (v, w))
             b = V.cross(W)
             b = np.array([float(x) for x in (*b.real, *b.dual)])
-            bracket[j.v] = b if j.kind == "floating" else b[[3, 4, 2]]
+            bracket[j.v] = {"floating": b, "planar": b[[3, 4, 2]], "spherical": b[:3]}[j.kind]
+            assert scaled(np.array(j.model.bracket(v[j.v].tolist(), w[j.v].tolist()), float), bracket[j.v]) < TIGHT
     one, other = call("coriolis", r, q, v) @ w, call("coriolis", r, q, w) @ v
     expected = other + (call("crba", r, q) - rotor_inertia(r)) @ bracket
     assert scaled(one, expected) < TIGHT  # relative to the two, whose difference may be nothing

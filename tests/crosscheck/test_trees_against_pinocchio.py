@@ -17,7 +17,10 @@ from tests.random_robots import tree
 pin = pytest.importorskip("pinocchio")
 
 TIGHT = 1e-12
-KINDS = ("revolute", "prismatic", "continuous", "helical", "planar", "revolute", "floating", "prismatic", "revolute")
+KINDS = (
+    "revolute", "prismatic", "continuous", "helical", "planar", "revolute", "floating", "prismatic", "spherical",
+    "revolute", "spherical",
+)  # fmt: skip
 STATES = {
     "rnea": "qva", "bias": "qv", "gravity": "q", "crba": "q", "coriolis": "qv", "aba": "qvt", "minv": "q",
     "kinetic_energy": "qv", "potential_energy": "q", "com": "q", "com_jacobian": "q",
@@ -43,10 +46,10 @@ def theirs(robot: Robot, term: str, state: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("armature", [False, True], ids=["plain", "armature"])
-@pytest.mark.parametrize("base", ["fixed", "floating"])
+@pytest.mark.parametrize("base", ["fixed", "floating", "spherical"])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_every_term_of_a_random_tree(base, armature, seed):
-    kinds = ("floating", *KINDS) if base == "floating" else KINDS
+    kinds = KINDS if base == "fixed" else (base, *KINDS)
     robot = tree(kinds, seed, armature=armature, depth_first=True)
     q, v, a = robot.sample(seed=seed)
     state = {"q": q, "v": v, "a": a, "t": dp.rnea(robot, q, v, a, engine="numpy")}

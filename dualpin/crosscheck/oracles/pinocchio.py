@@ -27,6 +27,8 @@ from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
 
 ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
+# of Pinocchio's joints: which of our coordinates and velocities come first, second, ... there
+ORDERS = {"FreeFlyer": ([0, 1, 2, 4, 5, 6, 3], ANGULAR_FIRST), "Spherical": ([1, 2, 3, 0], [0, 1, 2])}
 # what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
 NATIVE_WITH_MIMIC = frozenset({"fk", "frame_pose", "jacobian", "rnea", "bias", "gravity", "crba"})
 
@@ -91,9 +93,10 @@ class Layout:
         to_q, to_v = slice(pin_joint.idx_q, pin_joint.idx_q + pin_joint.nq), pin_joint.idx_v
         leader, multiplier, offset = leading(robot, joint)
         q, v = joint.q, joint.v.start
-        if kind == "FreeFlyer":
-            order = [q.start + k for k in (0, 1, 2, 4, 5, 6, 3)]
-            self.G[to_v : to_v + 6, v : v + 6] = np.eye(6)[ANGULAR_FIRST]
+        if kind in ORDERS:
+            order_q, order_v = ORDERS[kind]
+            order, n = [q.start + k for k in order_q], len(order_v)
+            self.G[to_v : to_v + n, v : v + n] = np.eye(n)[order_v]
             self._moves.append(lambda ours, pins: pins.__setitem__((..., to_q), ours[..., order]))
         elif kind == "Planar":
             self.G[to_v : to_v + 3, v : v + 3] = np.eye(3)
