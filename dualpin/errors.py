@@ -40,6 +40,10 @@ class DualDivisionError(DualpinError, ZeroDivisionError):
     """A dual number without the inverse, root or derivative that was asked of it."""
 
 
+class DeviceError(DualpinError):
+    """There is no GPU that can be used, or it refused."""
+
+
 class DualpinWarning(UserWarning):
     """Something that was assumed, ignored or looks wrong, but does not stop the computation."""
 

@@ -253,6 +253,12 @@ class Lanes:
         for part in c.half_pi if self.host.fma else c.split:
             r = self.fma(minus_n, k(part), r)
 
+        near = self.value(f"fcmp ole {V} {self.unary('fabs', x)}, {k(c.reach)}")
+        return *self.turned(r, octant), near
+
+    def turned(self, r: str, octant: str) -> tuple[str, str]:
+        """Cosine and sine of r + octant pi/2, where |r| <= pi/4 and the octant is an integer."""
+        c, V = self.number, self.vector
         z = self.binary("fmul", r, r)
         sin = self.fma(self.binary("fmul", r, z), self.polynomial(c.sin, z), r)
         cos = self.polynomial((1.0, -0.5, *c.cos), z)
@@ -260,8 +266,7 @@ class Lanes:
         odd = self.value(f"trunc {self.integer} {octant} to {self.mask}")
         s = self.value(f"select {self.mask} {odd}, {V} {cos}, {V} {sin}")
         t = self.value(f"select {self.mask} {odd}, {V} {self.negative(sin)}, {V} {cos}")
-        near = self.value(f"fcmp ole {V} {self.unary('fabs', x)}, {k(c.reach)}")
-        return self.signed(t, octant), self.signed(s, octant), near
+        return self.signed(t, octant), self.signed(s, octant)
 
     def polynomial(self, coefficients: tuple[float, ...], z: str) -> str:
         *rest, value = (self.constant(c) for c in coefficients)

@@ -1,0 +1,109 @@
+"""A term of a robot as a GPU kernel: traced, laid out, written as PTX, assembled, and kept on disk."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...model.robot import Robot
+from ...terms import Options, Term
+from ..codegen.vector import DOUBLE, SINGLE, Number
+from ..graph.trace import trace
+from ..jit import cache as disk
+from ..jit.fingerprint import key as kernel_key
+from ..jit.host import Host
+from . import driver, ptx, warp
+from . import layout as layouts
+from .layout import WARP, Layout
+from .program import Program, program
+from .scalar import DEVICE
+
+STAGED_BYTES = 896
+"""Of shared memory for a thread: with 256 threads on a multiprocessor, as many as have all registers, it is full."""
+THREADS = 128
+"""Of a block, at most."""
+RESIDENT = 2
+"""Blocks that have room on a multiprocessor: more would leave each thread too few registers."""
+
+_lock = threading.RLock()  # one compilation at a time, and never the same one twice
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a kernel is made from."""
+
+    program: Program
+    number: Number
+    layout: Layout
+
+    @property
+    def dtype(self) -> np.dtype:
+        return np.dtype(np.float64 if self.number.size == 8 else np.float32)
+
+    def ptx(self, threads: int = THREADS, resident: int = RESIDENT) -> str:
+        """The kernel as PTX."""
+        return ptx.bounded(ptx.assembly(warp.device(self.program, self.number, self.layout)), threads, resident)
+
+    def about(self) -> dict[str, Any]:
+        """What a caller must know, as plain data."""
+        made = self.program
+        return {
+            "sizes": list(self.layout.sizes), "operations": made.operations, "parts": len(made.parts),
+            "warp_bytes": self.layout.room * self.number.size, "threads": THREADS, "strided": self.layout.strided,
+        }  # fmt: skip
+
+
+def plan(robot: Robot, term: Term, options: Options, dtype: Any = np.float64, *, strided: bool = False) -> Plan:
+    """The program of a term and where its arrays go.
+
+    Parameters
+    ----------
+    strided : bool
+        For arrays whose columns are not neighbours, such as structures of arrays.
+
+    Raises
+    ------
+    UntraceableError
+        If the term cannot be a straight line of operations.
+    TooLongError
+        If it is too long for a GPU.
+    """
+    number = DOUBLE if np.dtype(dtype).itemsize == 8 else SINGLE
+    made = program(trace(robot, term, options))
+    sizes = (*made.sizes, made.width)
+    layout = layouts.strided(sizes) if strided else layouts.staged(sizes, STAGED_BYTES // number.size)
+    return Plan(made, number, layout)
+
+
+def built(
+    robot: Robot, term: Term, options: Options, dtype: Any, where: driver.Device, *, strided: bool
+) -> tuple[dict[str, Any], driver.Function]:
+    """The kernel on a device: read from the cache, or made and kept there.
+
+    Raises
+    ------
+    UntraceableError, TooLongError
+        If the term is no program for a GPU.
+    CompilerError, DeviceError
+        If it cannot be compiled or loaded.
+    """
+    machine = Host(DEVICE.triple, f"sm_{where.capability}", f"{DEVICE.cpu},driver {driver.version()}", 8, True)
+    with _lock:
+        key = kernel_key(robot, term, options, np.dtype(dtype), machine, WARP)
+        if key and strided:
+            key += "|strided"
+        found = disk.load(key) if key else None
+        if found is not None:
+            try:
+                return found[0], driver.Function(found[1], where)
+            except Exception:  # whatever is wrong with it, it can be made again
+                pass
+        made = plan(robot, term, options, dtype, strided=strided)
+        code = driver.assembled(made.ptx(), where)
+        function = driver.Function(code, where)
+        if key:
+            disk.store(key, made.about(), code)
+        return made.about(), function

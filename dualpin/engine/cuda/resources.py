@@ -1,0 +1,135 @@
+"""What a kernel takes of a GPU: registers, spills, and how many threads have room, as `ptxas` reports it.
+
+`ptxas` comes with the wheel nvidia-cuda-nvcc; it is asked only for this report, never to run.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ...errors import DeviceError
+from .build import THREADS, Plan
+from .layout import WARP
+
+HINT = "pip install 'dualpin[cuda]' brings it"
+_REGISTERS, _WARPS, _BLOCKS = 65536, 64, 32  # of a multiprocessor
+_UNIT = 256  # registers are given to a warp so many at a time
+_SHARED = {80: 164, 86: 100, 87: 164, 89: 100, 90: 228}  # KiB of a multiprocessor
+_RESERVED = 1024  # bytes of each block's shared memory
+
+
+@dataclass(frozen=True)
+class Resources:
+    """Of one kernel on one architecture.
+
+    Attributes
+    ----------
+    registers : int
+        Of a thread, at most 255.
+    stack : int
+        Bytes of local memory of a thread: spills, and values passed between parts.
+    spill_stores, spill_loads : int
+        Bytes that a thread writes to and reads from local memory for want of registers.
+    shared : int
+        Bytes of a block.
+    blocks : int
+        How many have room on a multiprocessor.
+    occupancy : float
+        Threads that have room, of the most there can be.
+    """
+
+    architecture: str
+    operations: int
+    parts: int
+    registers: int
+    stack: int
+    spill_stores: int
+    spill_loads: int
+    threads: int
+    shared: int
+    blocks: int
+    occupancy: float
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+@cache
+def ptxas() -> str | None:
+    """The assembler of the wheel, or of a CUDA toolkit on the PATH."""
+    for folder in map(Path, sys.path):
+        for name in ("cuda_nvcc", "cu13", "cu14"):
+            for tool in ("ptxas", "ptxas.exe"):
+                found = folder / "nvidia" / name / "bin" / tool
+                if found.is_file():
+                    return str(found)
+    return shutil.which("ptxas")
+
+
+def assembled(ptx: str, architecture: str) -> tuple[bytes, str]:
+    """Machine code, and what the assembler says of it.
+
+    Raises
+    ------
+    DeviceError
+        If there is no assembler, or it refuses.
+    """
+    tool = ptxas()
+    if tool is None:
+        raise DeviceError(f"registers and spills are reported by ptxas, which is not installed; {HINT}")
+    with tempfile.TemporaryDirectory() as place:
+        source, target = Path(place, "kernel.ptx"), Path(place, "kernel.cubin")
+        source.write_text(ptx)
+        done = subprocess.run(
+            [tool, "-v", f"-arch={architecture}", str(source), "-o", str(target)],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            raise DeviceError(f"ptxas -arch={architecture}: {(done.stderr or done.stdout).strip()[:1000]}")
+        return target.read_bytes(), done.stderr
+
+
+def resources(plan: Plan, architecture: str = "sm_90") -> Resources:
+    """What the kernel of a plan takes.
+
+    Raises
+    ------
+    DeviceError
+        If there is no assembler, or it refuses.
+    """
+    said = assembled(plan.ptx(), architecture)[1]
+    registers = _sum(r"Used (\d+) registers", said)
+    shared = plan.layout.room * plan.number.size * (THREADS // WARP)
+    blocks = resident(registers, shared, int(architecture.removeprefix("sm_").rstrip("af")))
+    return Resources(
+        architecture, plan.program.operations, len(plan.program.parts), registers,
+        _sum(r"(\d+) bytes cumulative stack size", said) or _sum(r"(\d+) bytes stack frame", said),
+        _sum(r"(\d+) bytes spill stores", said), _sum(r"(\d+) bytes spill loads", said),
+        THREADS, shared, blocks, blocks * THREADS / (WARP * _WARPS),
+    )  # fmt: skip
+
+
+def _sum(pattern: str, text: str) -> int:
+    return sum(map(int, re.findall(pattern, text)))
+
+
+def resident(registers: int, shared: int, capability: int) -> int:
+    """Blocks that have room on a multiprocessor (CUDA C++ Programming Guide, compute capabilities)."""
+    warps = THREADS // WARP
+    of_warp = -(-registers * WARP // _UNIT) * _UNIT
+    limits = [_BLOCKS, _WARPS // warps, _REGISTERS // max(1, of_warp) // warps]
+    if shared:
+        known = max((c for c in _SHARED if c <= capability), default=80)
+        limits.append(_SHARED[known] * 1024 // (shared + _RESERVED))
+    return min(limits)
+
+
+__all__ = ["Resources", "assembled", "ptxas", "resources"]
