@@ -16,8 +16,8 @@ _HOMES = {
     "dualpin.dual": ("Dual",),
     "dualpin.engine.jit.threads": ("get_num_threads", "set_num_threads"),
     "dualpin.errors": (
-        "ArgumentError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError", "ShapeError",
-        "UrdfError",
+        "ArgumentError", "DeviceError", "DualDivisionError", "DualpinError", "DualpinWarning", "FrameNotFoundError",
+        "ShapeError", "UrdfError",
     ),
     "dualpin.export": ("export_c", "symbolic"),
     "dualpin.forms": ("from_dh", "from_screws", "to_dh", "to_screws"),

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ArgumentError, nearest
+from ...model.memory import memory
 from ...model.robot import Robot
 from ...terms import TERMS
 from .arrays import DeviceArray, to_device
@@ -38,7 +39,7 @@ def kernel(
     if kind not in (np.dtype(np.float64), np.dtype(np.float32)):
         raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
     where = device_ if isinstance(device_, Device) else device(device_)
-    kernels = robot.__dict__.setdefault("_device_kernels", {})
+    kernels = memory(robot).setdefault("device kernels", {})
     key = (name, kind.char, where.ordinal, *sorted(options.items()))
     if key not in kernels:
         kernels[key] = DeviceKernel(robot, TERMS[name], options, kind, where)

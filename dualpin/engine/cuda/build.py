@@ -18,7 +18,7 @@ from ..jit.host import Host
 from . import driver, ptx, warp
 from . import layout as layouts
 from .layout import WARP, Layout
-from .program import Program, program
+from .program import PART, Program, program
 from .scalar import DEVICE
 
 STAGED_BYTES = 896
@@ -56,13 +56,23 @@ class Plan:
         }  # fmt: skip
 
 
-def plan(robot: Robot, term: Term, options: Options, dtype: Any = np.float64, *, strided: bool = False) -> Plan:
+def plan(
+    robot: Robot,
+    term: Term,
+    options: Options,
+    dtype: Any = np.float64,
+    *,
+    strided: bool = False,
+    part: int = PART,
+) -> Plan:
     """The program of a term and where its arrays go.
 
     Parameters
     ----------
     strided : bool
         For arrays whose columns are not neighbours, such as structures of arrays.
+    part : int
+        Operations of one function.
 
     Raises
     ------
@@ -72,7 +82,7 @@ def plan(robot: Robot, term: Term, options: Options, dtype: Any = np.float64, *,
         If it is too long for a GPU.
     """
     number = DOUBLE if np.dtype(dtype).itemsize == 8 else SINGLE
-    made = program(trace(robot, term, options))
+    made = program(trace(robot, term, options), part)
     sizes = (*made.sizes, made.width)
     layout = layouts.strided(sizes) if strided else layouts.staged(sizes, STAGED_BYTES // number.size)
     return Plan(made, number, layout)
