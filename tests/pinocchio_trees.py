@@ -56,9 +56,9 @@ def model_of(robot: Robot, pin: Any) -> Any:
         rotors = np.array([float(x) for x in j.armature])
         armature = np.r_[armature, np.r_[rotors[3:], rotors[:3]] if j.kind == "floating" else rotors]
     for f in robot.frames[1:]:
-        if f.kind in ("frame", "link", "fixed_joint"):
+        if f.role in ("frame", "link", "fixed_joint"):
             i = 0 if f.joint is None else f.joint.index + 1
-            kind = {"link": pin.BODY, "fixed_joint": pin.FIXED_JOINT, "frame": pin.OP_FRAME}[f.kind]
+            kind = {"link": pin.BODY, "fixed_joint": pin.FIXED_JOINT, "frame": pin.OP_FRAME}[f.role]
             m.addFrame(pin.Frame(f.name, i, placed(pin, f.placement), kind), False)
     m.armature = armature
     return m

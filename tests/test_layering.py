@@ -16,7 +16,8 @@ import dualpin
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own layer and from those before it
 LAYERS = (
-    "errors", "machine", "scalars", "parts", "dual", "spatial", "algebra", "model", "io", "algorithms", "terms",
+    "errors", "renamed", "machine", "scalars", "parts", "dual", "spatial", "algebra", "model", "io", "algorithms",
+    "terms",
     "engine", "boundary", "functions", "forms", "derivatives", "export", "integrators", "tracking", "mechanisms",
     "crosscheck", "bench", "bench", "report", "view", "cli",
 )  # fmt: skip

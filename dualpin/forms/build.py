@@ -271,10 +271,10 @@ def assembled(
         Z, X = Pose.about(UZ, row.theta_hat), Pose.about(UX, row.alpha_hat)
         place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), GROUND)
         inertia = None if body is None else far @ body
-        if row.kind == "F":
+        if row.letter == "F":
             b.fixed(f"fixed_{i}", on, place, inertia, link=f"link_{i}")
         else:
-            b.joint(f"joint_{i}", model(row.kind, row.pitch), on, place, inertia, link=f"link_{i}", limits=bound)
+            b.joint(f"joint_{i}", model(row.letter, row.pitch), on, place, inertia, link=f"link_{i}", limits=bound)
         on, start = f"link_{i}", GROUND
         if standard:
             b.fixed(f"frame_{i}_joint", on, far, link=f"frame_{i}")

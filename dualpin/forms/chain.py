@@ -41,7 +41,7 @@ class Axis:
     q: tuple[int, ...]
 
     @property
-    def kind(self) -> str:
+    def letter(self) -> str:
         """R, P, C or H, as the units have it."""
         if len(self.units) == 2:
             return "C"
@@ -61,7 +61,7 @@ class Axis:
     def pitch(self) -> float:
         """Of a helical axis [m/rad]; zero for all others."""
         (unit, *_) = self.units
-        return float(unit.dual) / float(unit.real) if self.kind == "H" else 0.0
+        return float(unit.dual) / float(unit.real) if self.letter == "H" else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,11 +115,11 @@ def leaves(robot: Robot) -> list[Frame]:
     carrying = {f.parent for f in robot.frames[1:]}
     found = []
     for i, f in enumerate(robot.frames):
-        if f.kind not in ("link", "frame") or i in carrying:
+        if f.role not in ("link", "frame") or i in carrying:
             continue
         # things may also be fixed to the joint that moves a link
         siblings = [g for g in robot.frames[1:] if g is not f and g.parent == f.parent]
-        if f.kind == "link" and f.parent and siblings:
+        if f.role == "link" and f.parent and siblings:
             continue
         found.append(f)
     return found

@@ -118,7 +118,7 @@ def _tree(robot: Robot, rules: Rules, snapped: bool) -> KhalilTable:
 def ahead(axis: Axis, X: Pose) -> Vector3:
     """The axis in the frame X; a prismatic one, whose place is free, through X's origin."""
     line = X.inverse @ axis.line
-    return motor(line.real, NOUGHT) if axis.kind == "P" else line
+    return motor(line.real, NOUGHT) if axis.letter == "P" else line
 
 
 def _alternating(links: Chain, rules: Rules, convention: str) -> tuple[list[tuple[Dual, Axis | None]], list[Dual]]:
@@ -159,18 +159,18 @@ def remaining(rest: Pose, rules: Rules) -> Dual:
 def row(theta: Dual, alpha: Dual, axis: Axis | None, convention: str) -> DHRow:
     """A row about an axis, or a fixed one."""
     if axis is None:
-        return DHRow(theta, alpha, convention, kind="F")
-    return DHRow(theta, alpha, convention, axis.kind, axis.joint.name, axis.q, axis.factors, axis.pitch)
+        return DHRow(theta, alpha, convention, letter="F")
+    return DHRow(theta, alpha, convention, axis.letter, axis.joint.name, axis.q, axis.factors, axis.pitch)
 
 
 def _paired(links: Chain, z: list[tuple[Dual, Axis | None]], x: list[Dual], convention: str) -> DHTable:
     """The alternating product cut into steps: standard (Z_i, X_i), modified (X_{i-1}, Z_i)."""
     screws = [*x, NONE] if convention == "standard" else [NONE, *x]
     rows = [row(theta, alpha, axis, convention) for (theta, axis), alpha in zip(z, screws, strict=True)]
-    moving = [i for i, r in enumerate(rows) if r.kind != "F"]
+    moving = [i for i, r in enumerate(rows) if r.letter != "F"]
     first, last = (moving[0], moving[-1] + 1) if moving else (0, 0)
     base, inner, tool = rows[:first], rows[first:last], rows[last:]  # without joints, all is tool
-    fixed = sum(r.kind == "F" for r in inner)
+    fixed = sum(r.letter == "F" for r in inner)
     notes: tuple[str, ...] = (
         (f"{fixed} fixed row{'s' if fixed > 1 else ''} between nearly parallel axes",) if fixed else ()
     )

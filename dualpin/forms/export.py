@@ -58,8 +58,8 @@ def _cells(table: DHTable, degrees: bool, digits: int | None) -> list[list[str]]
 
     cells = [["base", "", "", *values(s), ""] for s in table.base.steps]
     for i, row in enumerate(table.rows, 1):
-        pitch = text.number(row.pitch, digits) if row.kind == "H" else ""
-        cells.append([str(i), row.joint or "", row.kind, *values(row), pitch])
+        pitch = text.number(row.pitch, digits) if row.letter == "H" else ""
+        cells.append([str(i), row.joint or "", row.letter, *values(row), pitch])
     return cells + [["tool", "", "", *values(s), ""] for s in table.tool.steps]
 
 
@@ -71,9 +71,9 @@ def _data(table: DHTable, degrees: bool) -> dict[str, Any]:
         extra: dict[str, Any] = {"q": list(row.q)}
         if row.factors != (1.0,) * len(row.q):
             extra["factors"] = list(row.factors)
-        if row.kind == "H":
+        if row.letter == "H":
             extra["pitch"] = row.pitch
-        return {"joint": row.joint, "kind": KINDS[row.kind], **four(row), **extra}
+        return {"joint": row.joint, "kind": KINDS[row.letter], **four(row), **extra}
 
     return {
         "robot": table.name,
@@ -108,7 +108,7 @@ def _latex(table: DHTable, degrees: bool, digits: int | None) -> str:
         symbol = {
             "R": (f"q_{{{i}}}", ""), "P": ("", f"q_{{{i}}}"), "C": (rf"\vartheta_{{{i}}}", f"s_{{{i}}}"),
             "H": (f"q_{{{i}}}", f"{text.number(row.pitch, digits)}\\,q_{{{i}}}"), "F": ("", ""),
-        }[row.kind]  # fmt: skip
+        }[row.letter]  # fmt: skip
         rows.append([str(i), text.tex(row.joint or "fixed"), *values(row, symbol)])
     rows += [["tool", "", *values(s)] for s in table.tool.steps]
     return text.latex("rlrrrr", header, rows)
@@ -133,28 +133,28 @@ def _toolbox(table: DHTable, language: str, digits: int | None) -> str:
     ]  # fmt: skip
     write = _python_link if language == "python" else _matlab_link
     for row in table.rows:
-        if row.kind == "H":
+        if row.letter == "H":
             raise ArgumentError(f"export: joint {row.joint!r} is helical, which the Robotics Toolbox has not")
         if any(f != 1.0 for f in row.factors):
             notes.append(f"joint {row.joint} follows: its value is {row.factors[0]!r} times its leader's")
         theta, d, a, alpha = row.theta, row.d, row.a, row.alpha
-        if row.kind == "C":
+        if row.letter == "C":
             # standard: turn, then slide and X;   modified: X and turn, then slide
             first, second = ((0.0, 0.0), (a, alpha)) if table.convention == "standard" else ((a, alpha), (0.0, 0.0))
             links.append(write(table, "R", theta, 0.0, *first, f"{row.joint}: angle", False, digits))
             links.append(write(table, "P", 0.0, d, *second, f"{row.joint}: slide", False, digits))
             continue
-        kind = "P" if row.kind == "P" else "R"
-        links.append(write(table, kind, theta, d, a, alpha, row.joint or "fixed", row.kind == "F", digits))
+        kind = "P" if row.letter == "P" else "R"
+        links.append(write(table, kind, theta, d, a, alpha, row.joint or "fixed", row.letter == "F", digits))
     return (_python if language == "python" else _matlab)(table, links, notes, digits)
 
 
 def _still(table: DHTable) -> list[tuple[int, str]]:
     at, found = 0, []
     for row in table.rows:
-        if row.kind == "F":
+        if row.letter == "F":
             found.append((at, "a fixed row between nearly parallel axes"))
-        at += 2 if row.kind == "C" else 1
+        at += 2 if row.letter == "C" else 1
     return found
 
 
@@ -238,7 +238,7 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
             "robot": table.source.name, "convention": "khalil-kleinfinger", "angles": "deg" if degrees else "rad",
             "base": {"theta": turn(float(table.base.real)), "r": float(table.base.dual)}, "tips": table.tips,
             "rows": [
-                {"number": r.number, "antecedent": r.antecedent, "sigma": r.sigma, "kind": KINDS[r.kind],
+                {"number": r.number, "antecedent": r.antecedent, "sigma": r.sigma, "kind": KINDS[r.letter],
                  "name": r.name,
                  **dict(zip(names, (x + 0.0 for x in v), strict=True)), "q": list(r.q), "pitch": r.pitch}
                 for r, v in zip(table.rows, values, strict=True)
@@ -247,7 +247,7 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
         data = text.rounded(data, digits)
         return text.as_json(data) if format == "json" else text.yaml(data)
     cells = [
-        [str(r.number), str(r.antecedent), r.kind, r.name, *(text.number(x, digits) for x in v)]
+        [str(r.number), str(r.antecedent), r.letter, r.name, *(text.number(x, digits) for x in v)]
         for r, v in zip(table.rows, values, strict=True)
     ]
     header = ["j", "a(j)", "kind", "joint", *names]

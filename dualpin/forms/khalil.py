@@ -18,6 +18,7 @@ from ..functions import fk
 from ..model.builder import Builder
 from ..model.joints import Floating
 from ..model.robot import Frame, Robot
+from ..renamed import Renamed
 from ..scalars import Scalar
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, UX, UZ, motor
@@ -36,7 +37,7 @@ class KhalilRow:
     ----------
     number, antecedent : int
         Of this frame and of the one it is described in; 0 is the base.
-    kind : str
+    letter : str
         "R" (sigma 0: theta varies), "P" (sigma 1: r varies), "F" (sigma 2: fixed), "C" and "H".
     name : str
         The joint's, or the link's of a terminal frame.
@@ -46,7 +47,7 @@ class KhalilRow:
 
     number: int
     antecedent: int
-    kind: str
+    letter: str
     name: str
     gamma_hat: Dual
     alpha_hat: Dual
@@ -54,11 +55,12 @@ class KhalilRow:
     q: tuple[int, ...] = ()
     factors: tuple[float, ...] = ()
     pitch: float = 0.0
+    kind = Renamed("letter")
 
     @property
     def sigma(self) -> int | None:
         """Khalil's type: 0 revolute, 1 prismatic, 2 fixed; None for kinds he has not."""
-        return {"R": 0, "P": 1, "F": 2}.get(self.kind)
+        return {"R": 0, "P": 1, "F": 2}.get(self.letter)
 
     @property
     def gamma(self) -> float:
@@ -139,10 +141,10 @@ class KhalilTable:
             on, place = str(row.antecedent), placed(row.pose)
             if row.antecedent == 0:
                 place = placed(Pose.about(UZ, self.base) @ row.pose)
-            if row.kind == "F":
+            if row.letter == "F":
                 b.fixed(f"fixed_{row.number}", on, place, link=str(row.number))
             else:
-                b.joint(f"joint_{row.number}", model(row.kind, row.pitch), on, place, link=str(row.number))
+                b.joint(f"joint_{row.number}", model(row.letter, row.pitch), on, place, link=str(row.number))
         return b.robot()
 
     def _own(self, q: Sequence[Any]) -> list[Any]:
@@ -232,7 +234,7 @@ class _Tree:
             last = i == len(steps) - 1
             of = axis if last else None
             self.rows.append(
-                KhalilRow(number, antecedent, of.kind, name, gamma, alpha, NONE, of.q, of.factors, of.pitch)
+                KhalilRow(number, antecedent, of.letter, name, gamma, alpha, NONE, of.q, of.factors, of.pitch)
                 if of
                 else KhalilRow(number, antecedent, "F", name, gamma, alpha, NONE)
             )
@@ -265,6 +267,6 @@ def khalil_table(robot: Robot, rules: Rules) -> KhalilTable:
         last = tree.add(number, step(rest @ motor(UZ, NOUGHT), rules, rest), leaf.name, None)
         tree._close(last, remaining(tree.poses[last].inverse @ home, rules))
         tree.tips[leaf.name] = last
-    fixed = sum(r.kind == "F" for r in tree.rows) - len(tree.tips)
+    fixed = sum(r.letter == "F" for r in tree.rows) - len(tree.tips)
     notes = (f"{fixed} fixed frame{'s' if fixed > 1 else ''} between nearly parallel axes",) if fixed else ()
     return KhalilTable(tuple(tree.rows), tree.base, robot, tree.tips, notes)

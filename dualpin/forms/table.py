@@ -16,6 +16,7 @@ from ..dual import Dual
 from ..errors import ArgumentError
 from ..functions import fk
 from ..model.robot import Robot
+from ..renamed import Renamed
 from ..scalars import Scalar
 from ..spatial.pose import GROUND, Pose
 from .chain import Chain, whole_q
@@ -161,7 +162,7 @@ class DHRow(DHStep):
 
     Attributes
     ----------
-    kind : str
+    letter : str
         "R" (theta varies), "P" (d), "C" (both), "H" (both, d by pitch times angle), "F" (none).
     joint : str or None
         The joint's name; None in a fixed row.
@@ -173,11 +174,12 @@ class DHRow(DHStep):
         Of a helical joint [m/rad].
     """
 
-    kind: str = "R"
+    letter: str = "R"
     joint: str | None = None
     q: tuple[int, ...] = ()
     factors: tuple[float, ...] = ()
     pitch: float = 0.0
+    kind = Renamed("letter")
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +196,7 @@ class DHTable:
     Attributes
     ----------
     rows : tuple of DHRow
-        Joints and, where two axes are nearly parallel, fixed rows (kind "F").
+        Joints and, where two axes are nearly parallel, fixed rows (letter "F").
     base, tool : DHEnd
     convention : "standard" or "modified"
     notes : tuple of str
@@ -216,7 +218,7 @@ class DHTable:
     notes: tuple[str, ...] = field(default=())
 
     def __repr__(self) -> str:
-        kinds = "".join(row.kind for row in self.rows)
+        kinds = "".join(row.letter for row in self.rows)
         return f"<DHTable {self.name!r}: {self.convention}, {kinds or 'no joints'}>"
 
     def _repr_html_(self) -> str:
@@ -230,7 +232,7 @@ class DHTable:
     @property
     def joints(self) -> list[str | tuple[str, float]]:
         """The kinds of the rows, as `dualpin.from_dh` takes them: a helical one with its pitch."""
-        return [("H", row.pitch) if row.kind == "H" else row.kind for row in self.rows]
+        return [("H", row.pitch) if row.letter == "H" else row.letter for row in self.rows]
 
     @property
     def columns(self) -> np.ndarray:

@@ -95,7 +95,7 @@ class _Writer:
         self.root = etree.Element("robot", name=_checked(robot.name))
         self.joints: list[Any] = []
         self.links: list[Any] = []
-        self.names: set[str] = {j.name for j in robot} | {f.name for f in robot.frames if f.kind == "fixed_joint"}
+        self.names: set[str] = {j.name for j in robot} | {f.name for f in robot.frames if f.role == "fixed_joint"}
         self.link_names: set[str] = {k.name for k in robot.links}
         self.bodies = {k.name: k.inertia for k in robot.links}
 
@@ -103,10 +103,10 @@ class _Writer:
         self._remarks()
         link_of: dict[int, str] = {}
         for i, frame in enumerate(self.robot.frames[1:], 1):
-            if frame.kind == "link":
+            if frame.role == "link":
                 link_of[i] = self._link(frame.name, self.bodies.get(frame.name))
                 # what is described in a joint's frame is fixed to the link that it moves
-                if frame.parent and self.robot.frames[frame.parent].kind != "link":
+                if frame.parent and self.robot.frames[frame.parent].role != "link":
                     link_of[frame.parent] = link_of[i]
                 elif not frame.parent:
                     link_of[0] = link_of[i]
@@ -155,9 +155,9 @@ class _Writer:
     # joints
 
     def _joint_frame(self, i: int, frame: Frame, link_of: dict[int, str]) -> None:
-        if frame.kind == "link":
+        if frame.role == "link":
             return
-        joint = frame.joint if frame.kind == "joint" else None
+        joint = frame.joint if frame.role == "joint" else None
         if joint is not None and self.robot.floating and joint is self.robot.joints[0]:
             self.notes.append("the floating base is not in the file: read it with floating=True")
             return

@@ -79,7 +79,7 @@ class Builder:
             b._parts[j.name] = _Part(
                 j.name, j.model.free, parent, j.placement, j.inertia, j.limits, j.mimic, j.armature
             )
-        b._frames = [(f.name, f.kind, f.joint.name if f.joint else None, f.placement, f.parent) for f in robot.frames]
+        b._frames = [(f.name, f.role, f.joint.name if f.joint else None, f.placement, f.parent) for f in robot.frames]
         for i, (name, kind, joint, placement, _) in enumerate(b._frames):
             places = b._link_places if kind == "link" else b._places
             places[name] = _Place(joint, placement, i)

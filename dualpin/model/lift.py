@@ -68,7 +68,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
             model=joint_model(j.model),
             armature=tuple(map(number, j.armature)),
         )
-    frames = tuple(Frame(f.name, f.kind, new[f.joint], pose(f.placement), f.parent) for f in robot.frames)
+    frames = tuple(Frame(f.name, f.role, new[f.joint], pose(f.placement), f.parent) for f in robot.frames)
     links = tuple(Link(k.name, inertia(k.inertia), new[k.joint], pose(k.placement)) for k in robot.links)
     joints = tuple(j for j in new.values() if j is not None)
     return replace(robot, joints=joints, frames=frames, links=links, gravity=vector(robot.gravity))

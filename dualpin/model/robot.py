@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
+from ..renamed import Renamed
 from ..scalars import Exact, Scalar, exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
@@ -148,12 +149,13 @@ class Frame:
     """A named frame, fixed to the body that `joint` moves (None: the ground)."""
 
     name: str
-    kind: str
+    role: str
     """ "universe", "joint", "fixed_joint", "link" or "frame"."""
     joint: Joint | None
     placement: Pose
     parent: int = 0
     """Index of the frame it was described in."""
+    kind = Renamed("role")
 
 
 @dataclass(frozen=True, eq=False)
@@ -254,14 +256,14 @@ class Robot:
         for j in self.joints:
             if j.name == name:
                 return j
-        fixed = any(f.kind == "fixed_joint" and f.name == name for f in self.frames)
+        fixed = any(f.role == "fixed_joint" and f.name == name for f in self.frames)
         why = "is fixed, it has no coordinates;" if fixed else "is not a joint of"
         raise FrameNotFoundError(f"joint {name!r} {why} {self.name}; {nearest(name, self.joint_names, 'joints')}")
 
     @cached_property
     def _frame_index(self) -> dict[str, Frame]:
         # where a link and a joint share a name, the link's frame is meant
-        order = sorted(self.frames, key=lambda f: f.kind == "link")
+        order = sorted(self.frames, key=lambda f: f.role == "link")
         return {f.name: f for f in order}
 
     def frame(self, name: str | int | Frame) -> Frame:

@@ -74,7 +74,7 @@ class Chart:
         self.x = Axis(*_ends(xs, self.xlog, tight=True), LEFT, WIDTH - RIGHT, self.xlog)
         self.y = Axis(*_ends(ys, self.ylog), HEIGHT - BOTTOM, TOP, self.ylog)
 
-    kind = "lines"
+    shape = "lines"
     width, height = WIDTH, HEIGHT
     left, right, top, bottom = LEFT, WIDTH - RIGHT, TOP, HEIGHT - BOTTOM
 
@@ -100,7 +100,7 @@ class Strips:
     line: float = 1.0
     note: str = ""
 
-    kind = "strips"
+    shape = "strips"
     width = 760.0
     left, right, top = STRIP_LEFT, 760.0 - RIGHT, TOP
 

@@ -108,15 +108,17 @@ def compare(
         If the results are of different kinds, or of a kind that cannot be compared.
     """
     old, new = (Study("validation", "", s, header=dict(s.versions)) if isinstance(s, Report) else s for s in (old, new))
-    if old.kind != new.kind:
-        raise ArgumentError(f"report --compare: {old.name} is a {old.kind} result, {new.name} a {new.kind} result")
+    if old.subject != new.subject:
+        raise ArgumentError(
+            f"report --compare: {old.name} is a {old.subject} result, {new.name} a {new.subject} result"
+        )
     found = Comparison(old.header, new.header, error_factor=error_factor, speed_factor=speed_factor)
     if old.report is not None and new.report is not None:
         found.changes += _validations(found, old.report, new.report)
-    elif old.kind == "speed":
+    elif old.subject == "speed":
         found.changes += _speeds(found, old.rows, new.rows)
     else:
-        raise ArgumentError(f"report --compare: {old.kind} results are not compared; validations and speeds are")
+        raise ArgumentError(f"report --compare: {old.subject} results are not compared; validations and speeds are")
     found.changes.sort(key=lambda c: (not c.worse, -abs(c.factor)))
     return found
 

@@ -64,7 +64,7 @@ def dh_html(table: DHTable) -> str:
     """
     head = ["joint", "kind", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"]
     rows = [
-        (r.joint or "fixed", r.kind, *(f"{x:.10g}" for x in (r.theta, r.d, r.a, r.alpha))) for r in table.rows
+        (r.joint or "fixed", r.letter, *(f"{x:.10g}" for x in (r.theta, r.d, r.a, r.alpha))) for r in table.rows
     ]  # fmt: skip
     caption = f"{table.convention} Denavit-Hartenberg table"
     return table_html(head, rows, caption, table.notes)

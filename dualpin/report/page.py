@@ -74,9 +74,9 @@ def _section(of: Report | Study | Comparison) -> dict[str, Any]:
     common = {"header": of.header, "source": of.name}
     if of.report is not None:
         return common | {"template": "validation.html.j2", "title": "Validation", "view": Matrix(of.report)}
-    if of.kind == "speed":
+    if of.subject == "speed":
         return common | {"template": "speed.html.j2", "title": "Speed", "view": Speed(of)}
-    title = "Integrators" if of.kind == "integrators" else "Records"
+    title = "Integrators" if of.subject == "integrators" else "Records"
     return common | {"template": "methods.html.j2", "title": title, "view": Methods(of)}
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..crosscheck.results import Report
 from ..errors import ArgumentError
+from ..renamed import Renamed
 
 Row = dict[str, Any]
 SPEED = {"robot", "term", "us_per_sample"}
@@ -39,7 +40,7 @@ class Study:
 
     Attributes
     ----------
-    kind : str
+    subject : str
         "validation", "speed", "integrators" or "records" (anything else that has rows).
     name : str
         What to call it: the file's name, or "validation".
@@ -53,12 +54,13 @@ class Study:
         Versions, machine, date, settings.
     """
 
-    kind: str
+    subject: str
     name: str
     report: Report | None = None
     tables: dict[str, list[Row]] = field(default_factory=dict)
     curves: dict[str, list[Curve]] = field(default_factory=dict)
     header: dict[str, str] = field(default_factory=dict)
+    kind = Renamed("subject")
 
     @property
     def rows(self) -> list[Row]:
@@ -90,7 +92,7 @@ def read(path: str | Path) -> Study:
     >>> from dualpin.report import read
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path, = dp.validate("ur5", samples=2, terms=["fk"]).write(folder, ["json"])
-    ...     read(path).kind
+    ...     read(path).subject
     'validation'
     """
     path = Path(path)
@@ -109,7 +111,7 @@ def study(data: Any, name: str = "result") -> Study:
     Examples
     --------
     >>> from dualpin.report import study
-    >>> study([{"robot": "panda", "term": "rnea", "us_per_sample": 0.05}]).kind
+    >>> study([{"robot": "panda", "term": "rnea", "us_per_sample": 0.05}]).subject
     'speed'
     """
     if isinstance(data, Mapping) and isinstance(data.get("robots"), list) and "refused" in data:

@@ -65,7 +65,7 @@ def test_a_chain_may_run_upwards_and_down_again() -> None:
     T = np.linalg.inv(dp.fk(robot, q, "panda_leftfinger")) @ dp.fk(robot, q, "panda_rightfinger")
     for convention in ("standard", "modified"):
         dh = dp.to_dh(robot, "panda_leftfinger", "panda_rightfinger", convention)
-        assert [r.kind for r in dh.rows] == ["P", "P"]
+        assert [r.letter for r in dh.rows] == ["P", "P"]
         assert np.abs(dh.fk(q) - T).max() <= TOLERANCE
     poe = dp.to_screws(robot, "panda_link1", base="panda_hand")
     T = np.linalg.inv(dp.fk(robot, q, "panda_hand")) @ dp.fk(robot, q, "panda_link1")

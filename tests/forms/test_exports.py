@@ -50,7 +50,7 @@ def test_csv_is_in_full_precision_and_degrees_are_named(mixed: dp.Robot) -> None
     rows = list(csv.DictReader(io.StringIO(dh.export("csv"))))
     moving = [r for r in rows if r["row"] not in ("base", "tool")]
     assert np.array_equal([[float(r[k]) for k in ("theta", "d", "a", "alpha")] for r in moving], dh.columns)
-    assert [r["kind"] for r in moving] == [r.kind for r in dh.rows]
+    assert [r["kind"] for r in moving] == [r.letter for r in dh.rows]
     rows = list(csv.DictReader(io.StringIO(dh.export("csv", degrees=True))))
     assert float(rows[1]["theta_deg"]) == np.degrees(dh.rows[0].theta)
 
@@ -119,7 +119,7 @@ def test_python_code_builds_the_same_arm(mixed: dp.Robot, convention: str, monke
     scope: dict = {}
     exec(code, scope)
     still = [int(k) for k in re.findall(r"q\[(\d+)\] = 0 always", code)]
-    assert len(still) == sum(r.kind == "F" for r in dh.rows) == 1
+    assert len(still) == sum(r.letter == "F" for r in dh.rows) == 1
     for q in np.random.default_rng(0).uniform(-1, 1, (4, 4)):
         with_zeros = list(q)
         for k in still:

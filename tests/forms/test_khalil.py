@@ -36,7 +36,7 @@ def test_one_successor_of_each_frame_has_a_plain_modified_row() -> None:
 def test_a_chain_has_the_same_numbers_as_its_modified_table() -> None:
     robot = dp.load("xarm7")
     dh = dp.to_dh(robot, "link_base", "link_eef", "modified")
-    rows = [r for r in dp.to_dh(robot, convention=TREE).rows if r.kind == "R"][:7]
+    rows = [r for r in dp.to_dh(robot, convention=TREE).rows if r.letter == "R"][:7]
     for a, b in zip(rows, dh.rows, strict=True):
         assert (a.name, a.gamma, a.b) == (b.joint, 0, 0)
         assert np.allclose([a.theta, a.r, a.alpha], [b.theta, b.d, b.alpha], rtol=0, atol=TOLERANCE)
@@ -52,7 +52,7 @@ def test_coupled_joints_and_a_floating_base() -> None:
 
 def test_frames_inserted_between_nearly_parallel_axes_are_noted() -> None:
     table = dp.to_dh(dp.load("kinova"), convention=TREE)
-    inserted = sum(r.kind == "F" for r in table.rows) - len(table.tips)
+    inserted = sum(r.letter == "F" for r in table.rows) - len(table.tips)
     assert table.notes == (f"{inserted} fixed frames between nearly parallel axes",)
     assert not dp.to_dh(dp.load("allegro_left"), convention=TREE).notes
 

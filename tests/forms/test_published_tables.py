@@ -44,7 +44,7 @@ XARM7_MODIFIED = [
 
 
 def same(dh: dp.forms.DHTable, table: object, tolerance: float) -> None:
-    assert all(row.kind == "R" for row in dh.rows)
+    assert all(row.letter == "R" for row in dh.rows)
     assert np.abs(dh.columns - np.array(table)).max() <= tolerance, dh.table()
     # nothing hides in base and tool
     assert np.abs(np.asarray(dh.base) - np.eye(4)).max() <= tolerance

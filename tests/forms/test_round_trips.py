@@ -114,7 +114,7 @@ def test_a_helical_joint_keeps_its_pitch_in_every_form(seed: int) -> None:
     T = dp.fk(arm, q, "tool")
     for convention in ("standard", "modified"):
         dh = dp.to_dh(arm, convention=convention)
-        assert [r.kind for r in dh.rows] == ["R", "H", "C"]
+        assert [r.letter for r in dh.rows] == ["R", "H", "C"]
         assert dh.rows[1].pitch == pytest.approx(-0.2, abs=1e-15)
         assert np.abs(dh.fk(q) - T).max() <= TOLERANCE
     poe = dp.to_screws(arm)
@@ -134,7 +134,7 @@ def test_nearly_parallel_axes_cost_neither_digits_nor_long_links(seed: int) -> N
             dh = dp.to_dh(arm, convention=convention)
             assert np.abs(dh.fk(q, engine="numpy") - T).max() <= 1e-13
             assert max(abs(s.d) for s in (*dh.base.steps, *dh.rows, *dh.tool.steps)) <= 5
-            assert all(a == "F" for a in "".join(r.kind for r in dh.rows).replace("R", ""))
+            assert all(a == "F" for a in "".join(r.letter for r in dh.rows).replace("R", ""))
         if tilt == 1e-5:
             pure = dp.to_dh(arm, near_parallel=0.0)
             assert np.abs(pure.columns[:, 1]).max() > 100  # what is avoided

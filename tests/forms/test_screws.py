@@ -101,7 +101,7 @@ def test_a_planar_joint_is_two_slides_and_a_turn() -> None:
     assert np.abs(poe.fk(q) - T).max() <= TOLERANCE
     for convention in ("standard", "modified"):
         dh = dp.to_dh(robot, convention=convention)
-        assert [r.kind for r in dh.rows] == ["P", "P", "R", "R"]
+        assert [r.letter for r in dh.rows] == ["P", "P", "R", "R"]
         assert np.abs(dh.fk(q) - T).max() <= TOLERANCE
     back = dp.to_dh(robot, base="tip", tip="floor")
     assert np.abs(back.fk(q) - np.linalg.inv(T)).max() <= TOLERANCE

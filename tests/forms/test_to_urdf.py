@@ -36,7 +36,7 @@ def assert_same(a: dp.Robot, b: dp.Robot) -> None:
     assert np.array_equal(a.lower, b.lower)
     assert np.array_equal(a.upper, b.upper)
     for x, y in zip(a.frames, b.frames, strict=True):
-        assert (x.kind, x.parent) == (y.kind, y.parent)
+        assert (x.role, x.parent) == (y.role, y.parent)
         assert np.abs(matrix(x.placement) - matrix(y.placement)).max() <= POSE
     p, r = dp.inertial_parameters(a), dp.inertial_parameters(b)
     assert np.abs(p - r).max(initial=0.0) <= 1e-14 * max(1.0, np.abs(p).max(initial=0.0))

@@ -67,7 +67,7 @@ def differences(robot: Robot, model: Any, mimic: bool) -> list[str]:
     theirs = [
         (f.name, kinds[str(f.type).rpartition(".")[2]], int(f.parentJoint), int(f.parentFrame)) for f in model.frames
     ]
-    ours = [(f.name, f.kind, 0 if f.joint is None else f.joint.index + 1, f.parent) for f in robot.frames]
+    ours = [(f.name, f.role, 0 if f.joint is None else f.joint.index + 1, f.parent) for f in robot.frames]
     ours[0] = (ours[0][0], "fixed_joint", 0, 0)  # the universe
     if ours != theirs:
         bad.append(

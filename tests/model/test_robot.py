@@ -188,7 +188,7 @@ def test_a_link_is_meant_where_it_shares_a_joints_name():
     b.joint("a", revolute(), link="b")
     b.joint("b", prismatic(), "b", Pose(position=Vector3(1.0, 0.0, 0.0)), link="c")
     r = b.robot()
-    assert r.frame("b").kind == "link" and r.frame("b").joint is r.joint("a")
+    assert r.frame("b").role == "link" and r.frame("b").joint is r.joint("a")
     assert dp.fk(r, [0, 0], "b", engine="numpy")[0, 3] == 0 and dp.fk(r, [0, 0], "c", engine="numpy")[0, 3] == 1
 
 
@@ -233,7 +233,7 @@ def test_a_builder_of_a_robot_builds_the_same_robot(name):
     other = Builder.of(r).robot()
     assert same_dynamics(r, other)
     assert other.frame_names == r.frame_names and other.link_names == r.link_names
-    assert [f.kind for f in other.frames] == [f.kind for f in r.frames]
+    assert [f.role for f in other.frames] == [f.role for f in r.frames]
     assert np.array_equal(other.lower, r.lower) and np.array_equal(other.velocity_limit, r.velocity_limit)
     assert [j.mimic for j in other] == [j.mimic for j in r]
 
@@ -417,3 +417,11 @@ def test_copies_are_robots_of_their_own(again):
 def test_every_delegate_finds_its_function():
     for module, function in _HOMES.values():
         assert callable(getattr(importlib.import_module(module), function))
+
+
+def test_former_names_still_work():
+    dh = dp.to_dh(dp.load("ur5"), tip="tool0")
+    with pytest.warns(DeprecationWarning, match="Frame.kind is called .role now"):
+        assert dp.load("ur5").frame("tool0").kind == "link"
+    with pytest.warns(DeprecationWarning, match="DHRow.kind is called .letter now"):
+        assert dh.rows[0].kind == "R"

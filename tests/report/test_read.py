@@ -20,7 +20,7 @@ from . import samples
 def test_kinds(tmp_path, data, kind):
     path = tmp_path / "x.json"
     path.write_text(json.dumps(data))
-    assert read(path).kind == kind
+    assert read(path).subject == kind
 
 
 @pytest.mark.parametrize(("text", "message"), [

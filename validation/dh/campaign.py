@@ -52,7 +52,7 @@ def examine(robot: dp.Robot, oracle: Pinocchio, leaf: Any, samples: int, seed: i
         return None
     q = links.sample(samples, seed)
     (truth,) = oracle.compute("frame_pose", {"q": q}, [{"frame": leaf}])
-    out: dict[str, Any] = {"leaf": leaf.name, "joints": "".join(a.kind for a in links.axes)}
+    out: dict[str, Any] = {"leaf": leaf.name, "joints": "".join(a.letter for a in links.axes)}
     for form in FORMS:
         start = time.perf_counter()
         made = dp.to_screws(robot, leaf) if form == "screws" else dp.to_dh(robot, None, leaf, form)
@@ -61,7 +61,7 @@ def examine(robot: dp.Robot, oracle: Pinocchio, leaf: Any, samples: int, seed: i
         if form != "screws":
             steps = (*made.base.steps, *made.rows, *made.tool.steps)
             out[f"{form}_d"] = max(abs(s.d) for s in steps)
-            out[f"{form}_fixed_rows"] = sum(r.kind == "F" for r in made.rows)
+            out[f"{form}_fixed_rows"] = sum(r.letter == "F" for r in made.rows)
     return out
 
 

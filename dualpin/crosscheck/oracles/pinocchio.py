@@ -243,7 +243,7 @@ class Pinocchio:
             raise OracleError(
                 f"Pinocchio has no frame {frame.name!r}; {nearest(frame.name, [f.name for f in m.frames])}"
             )
-        return next((i for i, kind in named if kind == kinds.get(frame.kind)), named[0][0])
+        return next((i for i, kind in named if kind == kinds.get(frame.role)), named[0][0])
 
     def _solved(self, term: str, states: dict[str, np.ndarray]) -> np.ndarray:
         """Forward dynamics of a coupled robot, which Pinocchio does not do: its M and h, and NumPy's solve."""
