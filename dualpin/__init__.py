@@ -28,7 +28,7 @@ _HOMES = {
         "jacobian_dot", "joint_torque_regressor", "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea",
         "rnea_derivatives",
     ),
-    "dualpin.io": ("load",),
+    "dualpin.io": ("load", "loads"),
     "dualpin.model": ("Builder", "Robot"),
     "dualpin.crosscheck": ("validate",),
     "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),

@@ -8,11 +8,11 @@ axes normalised.
 from __future__ import annotations
 
 import os
-import re
 import warnings
+from dataclasses import replace
 from io import BytesIO
 from math import inf
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from lxml import etree
@@ -28,19 +28,19 @@ from ..spatial.pose import GROUND, Pose
 from ..spatial.rotation import Matrix3
 from ..spatial.vector import AXES, NOUGHT, Vector3
 from .catalogue import find
-from .xml import Document, parse, read
+from .remarks import remark
+from .xml import Document, parse, read, read_stream
 
-_ENCODING = re.compile(r"^(\s*<\?xml[^>]*?)\s+encoding\s*=\s*(?:'[^']*'|\"[^\"]*\")")
 _AXIS_TOLERANCE = 1e-12  # Pinocchio's: closer than this to a coordinate axis is that axis
 
 
-def load(name_or_path: str | os.PathLike[str], floating: bool = False, mimic: bool = False) -> Robot:
+def load(name_or_path: str | os.PathLike[str] | IO[Any], floating: bool = False, mimic: bool = False) -> Robot:
     """A robot from a URDF file, or by its name in example-robot-data.
 
     Parameters
     ----------
-    name_or_path : str or path
-        "panda", "ur5", ... (`dualpin list` prints all), or a path to a file.
+    name_or_path : str, path or file object
+        "panda", "ur5", ... (`dualpin list` prints all), a path to a file, or an open file.
     floating : bool
         Give the base six degrees of freedom: joint "root_joint", q = (x y z, qw qx qy qz).
     mimic : bool
@@ -62,22 +62,44 @@ def load(name_or_path: str | os.PathLike[str], floating: bool = False, mimic: bo
     >>> dp.load("panda").joint_names[:2]
     ['panda_joint1', 'panda_joint2']
     """
+    if hasattr(name_or_path, "read"):
+        return _announced(build(read_stream(name_or_path), floating, mimic, None))
     if not isinstance(name_or_path, (str, os.PathLike)):
-        raise ArgumentError(f"load: a name or a path expected, got {type(name_or_path).__name__}")
+        raise ArgumentError(f"load: a name or a path or an open file expected, got {type(name_or_path).__name__}")
     path = find(name_or_path)
     return _announced(build(read(path), floating, mimic, str(path)))
 
 
 def loads(data: bytes | str, floating: bool = False, mimic: bool = False, source: str = "<text>") -> Robot:
-    """A robot from the text of a URDF."""
+    """A robot from the text of a URDF.
+
+    Parameters
+    ----------
+    data : str or bytes
+        What a URDF file holds.
+    floating, mimic : bool
+        As in `load`.
+    source : str
+        Its name in messages; a robot without a name gets the stem of it.
+
+    Returns
+    -------
+    Robot
+        With ``robot.source`` None.
+
+    Raises
+    ------
+    UrdfError
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.loads('<robot name="post"><link name="base"/></robot>').nv
+    0
+    """
     if not isinstance(data, (bytes, str)):
         raise ArgumentError(f"loads: the text of a URDF expected, got {type(data).__name__}")
-    try:
-        # text has been decoded already: what it says of its encoding no longer holds
-        raw = _ENCODING.sub(r"\1", data, count=1).encode() if isinstance(data, str) else data
-    except UnicodeEncodeError as e:
-        raise UrdfError(f"{source}: not text that can be written ({e})") from None
-    return _announced(build(parse(raw, source), floating, mimic, None))
+    return _announced(build(parse(data, source), floating, mimic, None))
 
 
 def _announced(robot: Robot) -> Robot:
@@ -88,13 +110,16 @@ def _announced(robot: Robot) -> Robot:
 
 def build(document: Document, floating: bool, mimic: bool, source: str | None) -> Robot:
     """The robot of a checked document."""
+    taken = document.joints.get("root_joint")
+    if floating and taken is not None and taken.get("type") != "fixed":
+        document.fail(taken, "joint 'root_joint': the name is reserved for the floating base")
     description = _described(document)
     links = {link.name: link for link in description.links}
     children: dict[str, list[Any]] = {}
     for joint in description.joints:
         children.setdefault(joint.parent, []).append(joint)
     b = Builder(description.name)
-    b.source, b.notes = source, list(document.notes)
+    b.source = source
     base = _inertia(links[document.base])
     if floating:
         b.joint("root_joint", Floating(), inertia=base, link=document.base)
@@ -108,10 +133,12 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
         _add(b, joint, links[joint.child], mimic)
         pending += _siblings(children, joint.child)
     try:
-        return b.robot()
+        robot = b.robot()
     except ArgumentError as e:
         where = (joint for name, joint in document.joints.items() if str(e).startswith(f"joint {name!r} "))
         document.fail(next(where, None), str(e))
+    remark(document, robot, mimic)
+    return replace(robot, notes=tuple(document.notes.texts()))
 
 
 def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:

@@ -123,14 +123,18 @@ class Builder:
         *,
         link: str | None = None,
     ) -> None:
-        """A fixed joint: its link's inertia joins the body that carries it."""
-        self._unused(name)
+        """A fixed joint: its link's inertia joins the body that carries it.
+
+        One that is called like the joint of a floating base is told apart by its kind, as in Pinocchio.
+        """
+        if not (name in self._parts and self._parts[name].model.kind == "floating"):
+            self._unused(name)
         _check_types(name, placement, inertia)
         at = self._place(on)
         X = at.placement @ placement
         self._frames.append((name, "fixed_joint", at.joint, X, at.frame))
         place = _Place(at.joint, X, len(self._frames) - 1)
-        self._places[name] = place
+        self._places.setdefault(name, place)
         self._link(link or name, inertia, place)
 
     def base(self, name: str, inertia: Inertia | None = None) -> None:

@@ -262,8 +262,8 @@ class Robot:
 
     @cached_property
     def _frame_index(self) -> dict[str, Frame]:
-        # where a link and a joint share a name, the link's frame is meant
-        order = sorted(self.frames, key=lambda f: f.role == "link")
+        # where a link and a joint share a name, the link's frame is meant; of joints the one that moves
+        order = sorted(self.frames, key=lambda f: (f.role == "link", f.role != "fixed_joint"))
         return {f.name: f for f in order}
 
     def frame(self, name: str | int | Frame) -> Frame:

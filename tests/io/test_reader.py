@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import warnings
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.io import xml
 from dualpin.io.urdf import loads
 from dualpin.scalars import ONE, Exact
 from tests.random_robots import random_urdf
@@ -136,11 +138,11 @@ def test_what_does_not_move_is_not_read():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         r = loads(GOOD.replace("</robot>", junk + "</robot>"))
-    assert r.mass == pytest.approx(2.0) and r.frame_names[-1] == "extra"
+    assert r.mass == pytest.approx(2.5) and r.frame_names[-1] == "extra"
 
 
 def test_remarks_are_announced_where_the_robot_was_loaded():
-    with pytest.warns(dp.DualpinWarning, match="two: joint 'shoulder'") as caught:
+    with pytest.warns(dp.DualpinWarning, match="two: .*normalised: joint 'shoulder'") as caught:
         loads(GOOD.replace('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>'))
     assert caught[0].filename == __file__
 
@@ -165,3 +167,136 @@ def test_random_urdfs_keep_their_identities(seed_):
         return  # a joint that moves no mass
     back = dp.aba(r, q, v, dp.rnea(r, q, v, a, engine="numpy"), engine="numpy")
     assert np.abs(back - a).max() < 1e-14 * np.linalg.cond(M) * np.abs(a).max() + 1e-12
+
+
+# --- other ways in, and what people have -----------------------------------------------------------
+
+
+def notes(text: str, **options: bool) -> tuple[str, ...]:
+    return loads(text, **options).notes
+
+
+def test_text_bytes_and_open_files_give_the_same_robot(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(GOOD.replace(' name="two"', ""), encoding="utf-8")
+    with path.open("rb") as binary, path.open(encoding="utf-8") as text:
+        robots = [dp.load(path), dp.load(binary), dp.load(text), dp.load(io.StringIO(GOOD)), dp.loads(GOOD.encode())]
+    assert [r.name for r in robots] == ["arm", "arm", "arm", "two", "two"]
+    assert {tuple(r.frame_names) for r in robots} == {tuple(robots[0].frame_names)}
+    assert [r.source for r in robots] == [str(path), None, None, None, None]
+
+
+def test_files_that_cannot_be_read_say_so(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(GOOD, encoding="utf-8")
+    with path.open() as closed:
+        pass
+    with pytest.raises(dp.UrdfError, match=r"arm.urdf: cannot be read \(.*closed"):
+        dp.load(closed)
+    for given in (3, None, [1]):
+        with pytest.raises(dp.UrdfError, match=r"<file>: read\(\) gave"):
+            dp.load(type("Odd", (), {"read": lambda self, n, given=given: given})())
+
+
+def test_a_file_object_is_read_up_to_the_cap_only(monkeypatch):
+    monkeypatch.setattr(xml, "MAX_BYTES", 1000)
+    endless = type("Endless", (), {"read": lambda self, n: b" " * n})()
+    with pytest.raises(dp.UrdfError, match="files up to"):
+        dp.load(endless)
+
+
+def test_a_quaternion_of_urdf_1_1_turns_as_its_angles_do():
+    where = '<origin xyz="0 0 0.5" rpy="0 0 0"/>'
+    turned = loads(GOOD.replace('"two"', '"two" version="1.1"').replace(
+        where, '<origin xyz="0 0 0.5" quat_xyzw="0.1 -0.7 0.5 0.5"/>'))  # fmt: skip
+    x, y, z, w = 0.1, -0.7, 0.5, 0.5  # of length 1
+    R = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]  # fmt: skip
+    assert np.abs(dp.fk(turned, [0, 0], "arm", engine="numpy")[:3, :3] - R).max() < 1e-15
+
+
+def test_what_is_missing_is_read_as_pinocchio_reads_it():
+    inertia = '<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/>'
+    for less in ("", "<inertia/>", '<inertia ixx="1" iyy="1" izz="1"/>'):
+        arm = next(k for k in loads(GOOD.replace(inertia, less)).links if k.name == "arm").inertia
+        assert [float(x) for x in arm.parameters] == [1.0] + [0.0] * 9
+
+
+def test_a_joint_without_limits_has_none():
+    for kind in ("revolute", "prismatic"):
+        r = loads(joint(kind))
+        assert r.joint("j").kind == kind and (r.lower[0], r.upper[0]) == (-np.inf, np.inf)
+        r = loads(joint(kind, '<limit lower="-1" upper="1"/>'))
+        assert (r.lower[0], r.upper[0], r.velocity_limit[0], r.joint("j").limits.effort) == (-1, 1, np.inf, np.inf)
+
+
+def test_a_fixed_root_joint_stands_beside_the_floating_base():
+    text = GOOD.replace("</robot>", '<link name="tool"/><joint name="root_joint" type="fixed"><parent link="hand"/>'
+                        '<child link="tool"/></joint></robot>')  # fmt: skip
+    assert loads(text).frame("root_joint").kind == "fixed_joint"
+    flying = loads(text, floating=True)
+    assert flying.frame("root_joint").kind == "joint" and flying.joint("root_joint").kind == "floating"
+    assert [f.kind for f in flying.frames if f.name == "root_joint"] == ["joint", "fixed_joint"]
+    moving = GOOD.replace('"shoulder"', '"root_joint"')
+    assert loads(moving).joint_names == ["root_joint", "wrist"]
+    with pytest.raises(dp.UrdfError, match="<text>:17: joint 'root_joint': the name is reserved for the floating base"):
+        loads(moving, floating=True)
+
+
+def test_nameless_links_get_the_name_of_the_file():
+    r = loads("<robot><link/></robot>", source="cup.urdf")
+    assert (r.name, r.link_names) == ("cup", ["cup"]) and len(r.notes) == 2
+    assert loads('<robot name="r"><link name="text"/></robot>').link_names == ["text"]
+
+
+# --- notes -----------------------------------------------------------------------------------------
+
+
+def test_one_note_a_kind_lists_all_it_concerns():
+    text = random_urdf(3, 21).replace("<axis ", "<dynamics damping='0.1'/><axis ")
+    (said,) = [n for n in notes(text) if "damping" in n]
+    assert said.count("damping 0.1") == text.count("<dynamics") > 10
+    assert len(notes(text)) <= 12
+
+
+def test_a_long_list_is_cut_and_counted():
+    links = "".join(f'<link name="l{i}"/>' for i in range(101))
+    joints = "".join(
+        f'<joint name="j{i}" type="revolute"><parent link="l{i}"/><child link="l{i + 1}"/></joint>' for i in range(100)
+    )
+    (said,) = [n for n in notes(f'<robot name="r">{links}{joints}</robot>') if "without <limit>" in n]
+    assert "'j39', ... (100 in all)" in said and "'j40'" not in said
+
+
+NO_INERTIA = "<inertia ixx='0' ixy='0' ixz='0' iyy='0' iyz='0' izz='0'/>"
+
+
+@pytest.mark.parametrize(
+    ("inertial", "said"),
+    [
+        ("", "without mass"),
+        (f"<inertial><mass value='0'/>{NO_INERTIA}</inertial>", "without mass"),
+        (f"<inertial><mass value='2'/>{NO_INERTIA}</inertial>", "moves no mass"),  # a point on the axis
+    ],
+)
+def test_a_robot_that_cannot_be_accelerated_is_told(inertial, said):
+    text = joint("continuous").replace('<link name="b"/>', f'<link name="b">{inertial}</link>')
+    assert [n for n in notes(text) if said in n], notes(text)
+    off_axis = text.replace("<mass", "<origin xyz='0 1 0'/><mass").replace("value='0'", "value='1'")
+    assert not inertial or not [n for n in notes(off_axis) if said in n]
+
+
+def test_a_leader_moves_the_mass_of_its_followers():
+    body = "<inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"
+    text = (
+        f'<robot name="r"><link name="a"/><link name="b"/><link name="c">{body}</link>'
+        '<joint name="lead" type="continuous"><parent link="a"/><child link="b"/></joint>'
+        '<joint name="follow" type="continuous"><parent link="a"/><child link="c"/><mimic joint="lead"/></joint>'
+        "</robot>"
+    )
+    assert sorted(n.split(":")[0].split(",")[0] for n in notes(text)) == [
+        "<mimic> is not followed",
+        "the joint moves no mass",
+    ]
+    assert notes(text, mimic=True) == ()

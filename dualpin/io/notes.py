@@ -1,0 +1,32 @@
+"""Remarks on a description, gathered by kind: one sentence a kind, with all it concerns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+LISTED = 40  # names in one note; a chain of 20,000 joints has one note, not one of 400 kB
+
+
+@dataclass
+class Notes:
+    """What was assumed or looks odd: kind -> the elements concerned, in the order of the file."""
+
+    _found: dict[tuple[str, str], list[str]] = field(default_factory=dict)
+
+    def add(self, kind: str, tag: str = "", name: str | int = "", detail: str = "") -> None:
+        """Say `kind` of an element ("link", "base"), of a line ("line", 3), or of the file."""
+        said = self._found.setdefault((kind, tag), [])
+        if tag:
+            said.append(f"{name!r} ({detail})" if detail else repr(name))
+
+    def texts(self) -> list[str]:
+        """The notes as sentences."""
+        return [_sentence(kind, tag, said) for (kind, tag), said in self._found.items()]
+
+
+def _sentence(kind: str, tag: str, said: list[str]) -> str:
+    if not tag:
+        return kind
+    plural = f"{tag}es" if tag.endswith("x") else f"{tag}s"
+    more = f", ... ({len(said)} in all)" if len(said) > LISTED else ""
+    return f"{kind}: {tag if len(said) == 1 else plural} {', '.join(said[:LISTED])}{more}"

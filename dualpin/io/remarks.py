@@ -1,0 +1,94 @@
+"""What a user should know of a robot before computing with it: what moves no mass, what is left free, odd units."""
+
+from __future__ import annotations
+
+from math import hypot, inf, pi, sqrt
+
+from lxml import etree
+
+from ..model.robot import Joint, Robot
+from .xml import Document
+
+FAR = 10.0  # m; the parts of robots are closer together, in millimetres all are farther
+TURNS = 8 * pi  # rad; four turns: limits of cables are smaller, 90 degrees are more
+MOST_DEGREES = 720.0
+
+
+def remark(document: Document, robot: Robot, mimic: bool) -> None:
+    """Add notes on the finished robot to those of its document."""
+    _masses(document, robot)
+    if not mimic:
+        _free_mimics(document)
+    _units(document)
+
+
+def _masses(document: Document, robot: Robot) -> None:
+    """The mass matrix is singular where a joint moves no mass."""
+    carried: dict[int, bool] = {j.index: _has_inertia(j) for j in robot}
+    for j in reversed(robot):
+        if j.parent is not None and carried[j.index]:
+            carried[j.parent.index] = True
+    if robot.nv and not any(carried.values()):
+        document.notes.add(
+            "robot without mass: no moving link has <mass> or <inertia>, so inverse dynamics is zero and forward "
+            "dynamics has no answer"
+        )
+        return
+    inner = {j.parent.index for j in robot if j.parent is not None and carried[j.index]}
+    leading = {j.v.start for j in robot if j.mimic is not None}
+    for j in robot:
+        # what shares coordinates with others moves the mass of them all
+        if j.mimic is None and j.v.start not in leading and j.index not in inner and _is_still(j):
+            document.notes.add("the joint moves no mass, so forward dynamics has no answer", "joint", j.name)
+
+
+def _has_inertia(j: Joint) -> bool:
+    return any(float(x) for x in j.inertia.parameters)
+
+
+def _is_still(j: Joint) -> bool:
+    """Whether some velocity of the joint gives its own body no energy."""
+    return any(float(S.dot(j.inertia(S)).dual) == 0 for S in j.model.screws)
+
+
+def _free_mimics(document: Document) -> None:
+    for name, e in document.joints.items():
+        tag = e.find("mimic")
+        if tag is not None and e.get("type") != "fixed" and tag.get("joint") in document.joints:
+            document.notes.add("<mimic> is not followed, the joint is free (mimic=True makes it follow)", "joint", name)
+
+
+# --- units -----------------------------------------------------------------------------------------
+
+
+def _units(document: Document) -> None:
+    for name, link in document.links.items():
+        inertial = link.find("inertial")
+        if inertial is not None and _far(inertial):
+            document.notes.add("lengths look like millimetres (metres are expected)", "link", name)
+    for name, joint in document.joints.items():
+        kind = joint.get("type")
+        origin, limit = joint.find("origin"), joint.find("limit")
+        moves = kind != "fixed"
+        if moves and hypot(*_values(origin, "xyz")) > FAR:
+            document.notes.add("lengths look like millimetres (metres are expected)", "joint", name)
+        if max(map(abs, _values(origin, "rpy"))) > 2 * pi + 0.01:
+            document.notes.add("angles look like degrees (radians are expected)", "joint", name, "rpy")
+        bounds = [x for key in ("lower", "upper") for x in _values(limit, key)]
+        largest = max(map(abs, bounds))
+        if kind == "revolute" and TURNS < largest <= MOST_DEGREES and all(x == round(x) for x in bounds):
+            document.notes.add("angles look like degrees (radians are expected)", "joint", name, "limit")
+
+
+def _far(inertial: etree._Element) -> bool:
+    """Whether the centre or the radius of gyration is farther out than bodies are large."""
+    mass = _values(inertial.find("mass"), "value")[0]
+    moment = max(map(abs, (x for key in ("ixx", "iyy", "izz") for x in _values(inertial.find("inertia"), key))))
+    radius = sqrt(moment / mass) if mass > 0 else 0.0
+    return max(radius, hypot(*_values(inertial.find("origin"), "xyz"))) > FAR
+
+
+def _values(e: etree._Element | None, attribute: str) -> list[float]:
+    """The numbers of a checked attribute; zero where there is none."""
+    text = None if e is None else e.get(attribute)
+    return [0.0] if text is None else [x for x in map(float, text.split()) if abs(x) < inf] or [0.0]
