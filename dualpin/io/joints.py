@@ -13,7 +13,6 @@ from .xml import Document, Owner, short
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 BOUNDED = ("revolute", "prismatic")
-HUGE = {"revolute": 200.0, "prismatic": 100.0}  # rad, m: beyond, a limit stands for none
 
 
 def read_joints(document: Document) -> None:
@@ -105,8 +104,8 @@ def _check_limit(document: Document, joint: etree._Element, kind: str, owner: Ow
         document.note("<limit> without lower or upper, read as 0", owner)
     if lower > upper:
         document.note("lower limit is above the upper one", owner, f"{lower:g} above {upper:g}")
-    elif max(abs(lower), abs(upper)) > HUGE[kind]:
-        document.note("huge limits, which count as none in sampling and searches", owner, f"{lower:g} to {upper:g}")
+    elif math.isinf(lower) or math.isinf(upper):
+        document.note("limits that are infinite or overflow, read as none", owner, f"{lower:g} to {upper:g}")
 
 
 def _check_dynamics(document: Document, joint: etree._Element, kind: str, owner: Owner) -> None:

@@ -33,6 +33,7 @@ def named(document: Document, tag: str, into: dict[str, etree._Element]) -> Iter
 
 def read_links(document: Document) -> None:
     """Check the links, and fill `document.links`."""
+    unnamed = "" if document.root.get("name") else "<robot> has no name, and "
     _name_the_nameless(document)
     for owner, link in named(document, "link", document.links):
         inertial = document.one(link, "inertial", owner)
@@ -45,7 +46,7 @@ def read_links(document: Document) -> None:
         check_origin(document, inertial, owner._replace(part=" <inertial>"))
         _read_inertial(document, inertial, owner)
     if not document.links:
-        raise UrdfError(f"{document.source}: no <link> in the robot")
+        raise UrdfError(f"{document.source}: {unnamed}no <link> in the robot")
 
 
 def _name_the_nameless(document: Document) -> None:

@@ -138,7 +138,7 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
         where = (joint for name, joint in document.joints.items() if str(e).startswith(f"joint {name!r} "))
         document.fail(next(where, None), str(e))
     remark(document, robot, mimic)
-    return replace(robot, notes=tuple(document.notes.texts()))
+    return replace(robot, notes=(*document.notes.texts(), *robot.notes))
 
 
 def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:

@@ -19,7 +19,7 @@ from tests.random_robots import random_urdf
 
 pin = pytest.importorskip("pinocchio")
 
-REFUSED = {"falcon": "'Z_propeller' is not defined", "ur3": "no <link> in the robot"}
+REFUSED = {"falcon": "'Z_propeller' is not defined", "ur3": "has no name, and no <link>"}
 ROBOTS = sorted(dp.io.catalogue())
 
 
