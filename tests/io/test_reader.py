@@ -234,10 +234,10 @@ def test_a_joint_without_limits_has_none():
 def test_a_fixed_root_joint_stands_beside_the_floating_base():
     text = GOOD.replace("</robot>", '<link name="tool"/><joint name="root_joint" type="fixed"><parent link="hand"/>'
                         '<child link="tool"/></joint></robot>')  # fmt: skip
-    assert loads(text).frame("root_joint").kind == "fixed_joint"
+    assert loads(text).frame("root_joint").role == "fixed_joint"
     flying = loads(text, floating=True)
-    assert flying.frame("root_joint").kind == "joint" and flying.joint("root_joint").kind == "floating"
-    assert [f.kind for f in flying.frames if f.name == "root_joint"] == ["joint", "fixed_joint"]
+    assert flying.frame("root_joint").role == "joint" and flying.joint("root_joint").kind == "floating"
+    assert [f.role for f in flying.frames if f.name == "root_joint"] == ["joint", "fixed_joint"]
     moving = GOOD.replace('"shoulder"', '"root_joint"')
     assert loads(moving).joint_names == ["root_joint", "wrist"]
     with pytest.raises(dp.UrdfError, match="<text>:17: joint 'root_joint': the name is reserved for the floating base"):
