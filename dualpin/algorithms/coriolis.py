@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from ..model.robot import Joint, Robot
 from ..scalars import Scalar
 from ..spatial.inertia import Connection, Inertia
-from ..spatial.vector import REST, Vector3, power
+from ..spatial.vector import power
 from .crba import Matrix, square
-from .kinematics import joint_poses
+from .kinematics import body_twists, joint_poses
 
 
 def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
@@ -23,12 +23,9 @@ def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
     matrix of the Levi-Civita connection in those quasi-velocities, as in Echeandia & Wensing.
     """
     X = joint_poses(robot, q)
-    V: dict[Joint | None, Vector3] = {None: REST}
+    V = body_twists(robot, X, v)
     I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
-    B: dict[Joint | None, Connection] = {}
-    for b in robot:
-        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
-        B[b] = Connection.of(b.inertia, V[b])
+    B: dict[Joint | None, Connection] = {b: Connection.of(b.inertia, V[b]) for b in robot}
     C = square(robot)
     for b in reversed(robot):
         for k, s in b.dofs:

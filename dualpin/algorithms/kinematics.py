@@ -61,6 +61,14 @@ def twists(chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[
     return V
 
 
+def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Vector3]:
+    """Twists of the bodies, each in its own frame.   V_b = X^-1 V_parent + S v"""
+    V: dict[Joint | None, Vector3] = {None: REST}
+    for b in robot:
+        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
+    return V
+
+
 def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Vector3:
     """Twist of a frame, seen from its viewpoint."""
     chain = path(frame.joint)

@@ -8,9 +8,9 @@ from ..model.robot import Joint, Robot
 from ..scalars import ZERO, Scalar
 from ..spatial.inertia import Connection
 from ..spatial.pose import GROUND
-from ..spatial.vector import REST, Vector3, power
+from ..spatial.vector import Vector3, power
 from .crba import Matrix, square
-from .kinematics import joint_poses
+from .kinematics import body_twists, joint_poses
 
 
 def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[list[Matrix | list[Scalar]]]:
@@ -22,11 +22,10 @@ def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[l
     The rotors of the joint that moves body i are counted with it: they add to the diagonal of M_i.
     """
     X = joint_poses(robot, q)
-    V: dict[Joint | None, Vector3] = {None: REST}
+    V = body_twists(robot, X, v)
     A: dict[Joint | None, Vector3] = {None: robot.at_rest}
     terms: list[list[Matrix | list[Scalar]]] = []
     for b in robot:
-        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
         A[b] = X[b].pull(A[b.parent])
         B, weight = Connection.of(b.inertia, V[b]), b.inertia(A[b])
         M, C, g = square(robot), square(robot), [ZERO] * robot.nv

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..errors import ArgumentError
-from ..model.robot import Joint, Robot
+from ..model.robot import Robot
 from ..scalars import ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY
 from ..spatial.vector import REST, Vector3, power
 from .crba import composites
-from .kinematics import forward_kinematics, joint_poses
+from .kinematics import body_twists, forward_kinematics, joint_poses
 
 
 def _weight(robot: Robot, mass: Scalar) -> Scalar:
@@ -53,10 +53,9 @@ def com_jacobian(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
 def kinetic_energy(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
     """T = sum (V . I V + rotor v^2) / 2"""
     X = joint_poses(robot, q)
-    V: dict[Joint | None, Vector3] = {None: REST}
+    V = body_twists(robot, X, v)
     twice: Scalar = ZERO
     for b in robot:
-        V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
         twice = twice + power(V[b], b.inertia(V[b]))
         for k, _, rotor in b.driven:
             twice = twice + rotor * v[k] * v[k]

@@ -17,8 +17,7 @@ from ..scalars import exact
 from ..spatial.arrays import from_matrix
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
-from ..spatial.rotation import Matrix3
-from ..spatial.vector import NOUGHT, UX, UZ, Vector3
+from ..spatial.vector import UX, UZ
 from .chain import KINDS
 from .table import CONVENTIONS, DHEnd, DHRow, DHStep, DHTable
 
@@ -213,9 +212,7 @@ def _body(what: str, given: Any) -> Inertia:
         raise ArgumentError(
             f"{what}: inertia is not symmetric, J[i, j] and J[j, i] differ by up to {np.abs(J - J.T).max():.3g}"
         )
-    matrix = Matrix3(*(Vector3(*map(exact, r)) for r in ((J + J.T) / 2).tolist()))
-    centre = Pose(position=Vector3(*map(exact, com.tolist())))
-    return centre @ Inertia(exact(float(mass)), NOUGHT, matrix)
+    return Inertia.of(float(mass), com.tolist(), ((J + J.T) / 2).tolist())
 
 
 def _bounds(limits: Any, kinds: list[tuple[str, float]]) -> list[Limits]:
@@ -247,7 +244,7 @@ def model(kind: str, pitch: float = 0.0) -> JointModel:
 
 def placed(X: Pose) -> Pose:
     """X in numbers, with entries within rounding of -1, 0, 1 exact, so that they cost nothing later."""
-    return Pose.from_matrix([[float(x) for x in row] for row in X.rows])
+    return Pose.from_matrix(X.array)
 
 
 def assembled(

@@ -147,7 +147,7 @@ def _alternating(links: Chain, rules: Rules, convention: str) -> tuple[list[tupl
 
 def numeric(X: Pose) -> Pose:
     """The same pose in plain floats."""
-    return Pose.from_rows([[float(x) for x in row] for row in X.rows])
+    return Pose.from_rows(X.array.tolist())
 
 
 def remaining(rest: Pose, rules: Rules) -> Dual:

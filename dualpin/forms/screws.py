@@ -20,16 +20,11 @@ from ..model.robot import Frame, Joint, Robot
 from ..scalars import Scalar
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
-from ..spatial.vector import NOUGHT, Vector3, motor
+from ..spatial.vector import Vector3, motor
 from .chain import Chain, chain, leaves, whole_q
 from .text import write
 
 FRAMES = ("space", "body")
-
-
-def as_matrix(X: Pose) -> np.ndarray:
-    """The homogeneous matrix in floats."""
-    return np.array([[float(x) for x in row] for row in X.rows])
 
 
 def carried(X: Pose, screws: np.ndarray) -> np.ndarray:
@@ -40,9 +35,8 @@ def carried(X: Pose, screws: np.ndarray) -> np.ndarray:
 
 def at_centre(body: Inertia) -> tuple[np.ndarray, np.ndarray]:
     """Centre of mass, and the inertia matrix about it."""
-    c = body.moment / body.mass if float(body.mass) > 0 else NOUGHT
-    about = (Pose(position=-c) @ body).rotational
-    return np.array([float(x) for x in c]), np.array([[float(x) for x in row] for row in about.rows])
+    c, about = body.central
+    return np.array([float(x) for x in c]), about.array
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +99,10 @@ class Screws:
                 "child to parent; inertias are those of a robot that stands on its base link"
             )
         poses, inertias = [], []
-        base = np.linalg.inv(as_matrix(_home_of(self.chain, self.chain.base.joint) @ self.chain.base.placement))
+        base = np.linalg.inv((_home_of(self.chain, self.chain.base.joint) @ self.chain.base.placement).array)
         axes = self.chain.axes
         for i, axis in enumerate(axes):
-            X = base @ as_matrix(_home_of(self.chain, axis.joint))
+            X = base @ _home_of(self.chain, axis.joint).array
             last = i + 1 == len(axes) or axes[i + 1].joint is not axis.joint
             count = len(axis.units)
             G = np.zeros((6, 6))
@@ -118,7 +112,7 @@ class Screws:
             if last:
                 c, G[:3, :3] = at_centre(body)
                 G[3:, 3:] = m * np.eye(3)
-                X_com = X @ as_matrix(Pose(position=Vector3(*c.tolist())))
+                X_com = X @ Pose(position=Vector3(*c.tolist())).array
             # of the screws of one joint, the last moves the body
             poses += [X] * (count - 1) + [X_com]
             inertias += [np.zeros((6, 6))] * (count - 1) + [G]
@@ -291,4 +285,4 @@ def to_screws(
             names.append(axis.joint.name)
             columns.append(column)
     Slist = np.array(S).reshape(-1, 6).T
-    return Screws(as_matrix(links.home), Slist, frame, tuple(names), tuple(columns), links)
+    return Screws(links.home.array, Slist, frame, tuple(names), tuple(columns), links)

@@ -73,7 +73,7 @@ class DHStep:
     @property
     def matrix(self) -> np.ndarray:
         """The same as a homogeneous matrix, shape (4, 4)."""
-        return np.array([[float(x) for x in row] for row in self.pose.rows])
+        return self.pose.array
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         return self.matrix.astype(dtype or float)
@@ -143,7 +143,7 @@ class DHEnd:
     @property
     def matrix(self) -> np.ndarray:
         """The same as a homogeneous matrix, shape (4, 4)."""
-        return np.array([[float(x) for x in row] for row in self.pose.rows])
+        return self.pose.array
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         return self.matrix.astype(dtype or float)

@@ -18,7 +18,6 @@ from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
 TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
@@ -141,14 +140,12 @@ class _Writer:
         m, h = ten[0], ten[1:4]
         if m == 0 and h.any():
             raise ArgumentError(f"to_urdf: link {name!r} has a first moment {h.tolist()} kg m but no mass")
-        centre = body.moment / body.mass if m else NOUGHT
-        c = [float(x) for x in centre]
-        J = [[float(x) for x in row] for row in (Pose(position=-centre) @ body).rotational.rows]
+        c, J = body.central
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
         etree.SubElement(inertial, "mass", value=_numbers([m]))
         keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        values = (J[0][0], J[0][1], J[0][2], J[1][1], J[1][2], J[2][2])
+        values = J.array[np.triu_indices(3)].tolist()
         etree.SubElement(inertial, "inertia", **{k: _numbers([x]) for k, x in zip(keys, values, strict=True)})
         return name
 
@@ -194,8 +191,8 @@ class _Writer:
     def _element(self, name: str, kind: str, parent: str, child: str, origin: Pose) -> Any:
         joint = etree.Element("joint", name=_checked(name), type=kind)
         xyz = [float(x) for x in origin.position]
-        R = np.array([[float(x) for x in row] for row in origin.rotation.rows])
-        etree.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(roll_pitch_yaw(R)))
+        rpy = roll_pitch_yaw(origin.rotation.array)
+        etree.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(rpy))
         etree.SubElement(joint, "parent", link=parent)
         etree.SubElement(joint, "child", link=child)
         self.joints.append(joint)

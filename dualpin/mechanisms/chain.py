@@ -15,15 +15,12 @@ from ..dual import Dual, stack
 from ..errors import ArgumentError, ShapeError
 from ..model.robot import STANDARD_GRAVITY
 from ..parts import joined
-from ..spatial import NOUGHT, REST, UX, UZ, Inertia, Matrix3, Rotation, Vector3, motor, skew
+from ..spatial import NOUGHT, REST, UX, UZ, Inertia, Matrix3, Rotation, Vector3, motor
 
 
 def body(mass: float, com: ArrayLike, inertia: ArrayLike) -> Inertia:
     """A rigid body by its mass, centre of mass, and inertia (3, 3) about the centre of mass."""
-    c = Vector3(*map(float, np.asarray(com, dtype=float)))
-    J = Matrix3(*(Vector3(*map(float, row)) for row in np.asarray(inertia, dtype=float)))
-    s = skew(c)
-    return Inertia(float(mass), c * float(mass), J + (s @ s.T) * float(mass))
+    return Inertia.of(float(mass), np.asarray(com, dtype=float).tolist(), np.asarray(inertia, dtype=float).tolist())
 
 
 class DualChain:

@@ -117,10 +117,9 @@ def principal_screws(body: Inertia | Robot, link: str | None = None) -> Principa
     m = float(body.mass)
     if not m > 0:
         raise ArgumentError(f"principal_screws: a body with mass is needed, got {m} kg")
-    c = np.array([float(x) for x in body.moment]) / m
-    J = np.array([[float(x) for x in row] for row in body.rotational.rows])
-    central = J - m * (c @ c * np.eye(3) - np.outer(c, c))
-    moments, axes = np.linalg.eigh(central)
+    com, central = body.central
+    c = np.array([float(x) for x in com])
+    moments, axes = np.linalg.eigh(central.array)
     if moments[0] < -1e-12 * moments[-1]:
         raise ArgumentError(f"principal_screws: the inertia about the centre of mass is not positive: {moments}")
     axes[:, 2] *= np.sign(np.linalg.det(axes))

@@ -7,7 +7,9 @@ symmetric for the power pairing, power(U, I(V)) = power(V, I(U)), and that is al
 
 from __future__ import annotations
 
-from ..scalars import ONE, ZERO, Scalar
+from collections.abc import Iterable
+
+from ..scalars import ONE, ZERO, Scalar, exact
 from .pose import Pose
 from .rotation import ZEROS, Matrix3, diagonal, skew
 from .vector import AXES, NOUGHT, Vector3, motor
@@ -23,6 +25,18 @@ class Inertia:
 
     def __init__(self, mass: Scalar, moment: Vector3, rotational: Matrix3) -> None:
         self.mass, self.moment, self.rotational = mass, moment, rotational
+
+    @classmethod
+    def of(cls, mass: Scalar, com: Iterable[Scalar], about_com: Iterable[Iterable[Scalar]]) -> Inertia:
+        """Of a body's mass, centre of mass, and rotational inertia about that, in the axes of the frame."""
+        J = Matrix3(*(Vector3(*map(exact, row)) for row in about_com))
+        return Pose(position=Vector3(*map(exact, com))) @ cls(exact(mass), NOUGHT, J)
+
+    @property
+    def central(self) -> tuple[Vector3, Matrix3]:
+        """Centre of mass, and the rotational inertia about it; of a body without mass, about the origin."""
+        c = NOUGHT if exact(self.mass) is ZERO else self.moment / self.mass
+        return c, (Pose(position=-c) @ self).rotational
 
     def __call__(self, twist: Vector3) -> Vector3:
         """Momentum of the twist w + eps v:   p = m v + w x h,   l = J w + h x v"""

@@ -87,6 +87,11 @@ class Pose:
         top = [[*r, p] for r, p in zip(self.rotation.rows, self.position, strict=True)]
         return [*top, [ZERO, ZERO, ZERO, ONE]]
 
+    @property
+    def array(self) -> np.ndarray:
+        """The homogeneous matrix in floats, (4, 4)."""
+        return np.array([[float(x) for x in row] for row in self.rows])
+
     @classmethod
     def from_matrix(cls, T: Any) -> Pose:
         """Of a numeric homogeneous matrix; entries within rounding of -1, 0, 1 become exact constants.

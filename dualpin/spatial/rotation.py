@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
+import numpy as np
+
 from ..dual import Compound, cos_sin
 from ..errors import ArgumentError, nearest
 from ..scalars import ZERO, Scalar
@@ -55,6 +57,11 @@ class Matrix3(Compound):
         """The symmetric matrix with this upper triangle, for products known to be symmetric."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rows
         return Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz))
+
+    @property
+    def array(self) -> np.ndarray:
+        """In floats, (3, 3)."""
+        return np.array([[float(x) for x in row] for row in self.rows])
 
     def skewed(self, p: Vector3) -> Matrix3:
         """A [p], row by row: r^T [p] = (r x p)^T."""

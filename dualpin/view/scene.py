@@ -108,4 +108,4 @@ def size(robot: Robot) -> float:
 
 def matrix(pose: Pose) -> np.ndarray:
     """The homogeneous matrix in floats, (4, 4)."""
-    return np.array([[float(x) for x in row] for row in pose.rows])
+    return pose.array

@@ -91,7 +91,7 @@ class Layout:
             return  # Pinocchio moves it with its leader
         kind = pin_joint.shortname().removeprefix("JointModel")
         to_q, to_v = slice(pin_joint.idx_q, pin_joint.idx_q + pin_joint.nq), pin_joint.idx_v
-        leader, multiplier, offset = leading(robot, joint)
+        multiplier, offset = map(float, joint.coupling)
         q, v = joint.q, joint.v.start
         if kind in ORDERS:
             order_q, order_v = ORDERS[kind]
@@ -107,10 +107,10 @@ class Layout:
 
             self._moves.append(planar)
         else:
-            self.G[to_v, leader.v.start] = multiplier
+            self.G[to_v, v] = multiplier
 
             def axial(ours: np.ndarray, pins: np.ndarray) -> None:
-                x = multiplier * ours[..., leader.q] + offset
+                x = multiplier * ours[..., q] + offset
                 pins[..., to_q] = x if pin_joint.nq == 1 else np.concatenate([np.cos(x), np.sin(x)], -1)
 
             self._moves.append(axial)
@@ -153,16 +153,6 @@ def _runs(G: np.ndarray) -> list[slice]:
         return []
     order = G.argmax(axis=0)
     return [slice(run[0], run[-1] + 1) for run in np.split(order, np.flatnonzero(np.diff(order) != 1) + 1)]
-
-
-def leading(robot: Robot, joint: Joint) -> tuple[Joint, float, float]:
-    """The joint that leads in the end, with the multiplier and offset of all that follow."""
-    multiplier, offset = 1.0, 0.0
-    while joint.mimic is not None:
-        offset += multiplier * joint.mimic.offset
-        multiplier *= joint.mimic.multiplier
-        joint = robot.joint(joint.mimic.joint)
-    return joint, multiplier, offset
 
 
 class Pinocchio:
