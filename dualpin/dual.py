@@ -6,6 +6,7 @@ Everything in this file is that sentence, and the ring.
 
 from __future__ import annotations
 
+import importlib
 import numbers
 import operator
 from collections.abc import Callable, Sequence
@@ -383,13 +384,16 @@ def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
     """A where the condition holds, else b: a choice between numbers, or member by member in a batch."""
     choose = getattr(condition, "choose", None)  # a comparison of symbols; arrays have another choose
     symbolic = choose is not None and not isinstance(condition, (np.ndarray, np.generic))
-    if not symbolic and not isinstance(condition, np.ndarray):
+    formula = getattr(condition, "is_Relational", False)  # of SymPy
+    if not symbolic and not formula and not isinstance(condition, np.ndarray):
         return a if condition else b
     if type(a) is Dual or type(b) is Dual:
         a, b = (x if type(x) is Dual else Dual(x, ZERO) for x in (a, b))
         return Dual(where(condition, a.real, b.real), where(condition, a.dual, b.dual))
     if symbolic:
         return condition.choose(a, b)
+    if formula:
+        return importlib.import_module("sympy").Piecewise((a, condition), (b, True))
     a, b = (float(x) if type(x) is Exact else x for x in (a, b))
     return np.where(condition, a, b)
 

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from .boundary import check_robot, settle
+from .call.arguments import check_robot
 from .engine.graph.trace import Sym, Trace, trace
-from .errors import ArgumentError, nearest
+from .errors import ArgumentError
 from .model.robot import Robot
-from .terms import TERMS, Term, flat, input_shape
+from .terms import Term, flat
+from .terms import term as term_named
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def export_c(
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
         better = re.sub(r"[^A-Za-z0-9_]", "_", f"f_{name}")
         raise ArgumentError(f"export_c: {name!r} is no C identifier; {better!r} would be one")
-    settled = settle(robot, options)
+    settled = chosen.settled(robot, options)
     program = trace(robot, chosen, settled)
     shape = chosen.shape(robot, **settled)
     size = int(np.prod(shape, dtype=int))
@@ -187,9 +188,8 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
 
     chosen = _term(robot, term)
     inputs = []
-    for key in chosen.inputs:
-        shape = input_shape(robot, key)
-        size = int(np.prod(shape, dtype=int))
+    for x in chosen.arguments:
+        key, size = x.name, x.size(robot)
         symbols: Sequence[Any] = given.pop(key, None) or sympy.symbols(f"{key}0:{size}", real=True)
         if len(symbols) != size:
             raise ArgumentError(f"symbolic: {size} symbols for {key} expected, got {len(symbols)}")
@@ -198,7 +198,7 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
     def fraction(x: Any) -> Any:
         return sympy.Rational(repr(float(x))) if isinstance(x, (int, float)) else x
 
-    settled = settle(robot, given)
+    settled = chosen.settled(robot, given)
     exact = robot.lift(fraction)
     if "frame" in settled:
         settled["frame"] = exact.frames[robot.frames.index(settled["frame"])]
@@ -215,6 +215,4 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
 
 def _term(robot: Robot, name: str) -> Term:
     check_robot(robot, name)
-    if name not in TERMS:
-        raise ArgumentError(f"term {name!r} is not known; {nearest(name, TERMS, 'terms')}")
-    return TERMS[name]
+    return term_named(name)

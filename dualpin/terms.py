@@ -6,11 +6,15 @@ execution and the compiled engine both run a term; the public functions of `dual
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from .algorithms import aba, coriolis, crba, derivatives, jacobian, kinematics, link_terms, momentum, regressor, rnea
+from .arguments import choice, flag
+from .errors import ArgumentError, nearest
 from .model.robot import Frame, Robot
 from .scalars import Scalar
 from .spatial.pose import Pose
@@ -18,51 +22,117 @@ from .spatial.quaternion import Quaternion
 from .spatial.vector import Vector3, motor
 
 Options = dict[str, Hashable]
+Shape = tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class Input:
+    """An array that goes into a term.
+
+    Attributes
+    ----------
+    shape : callable
+        robot -> the shape of one sample.
+    meaning : callable
+        robot -> what the shape is made of, for messages.
+    configuration : bool
+        Whether it is a configuration, whose quaternions must have unit norm.
+    """
+
+    name: str
+    shape: Callable[[Robot], Shape]
+    meaning: Callable[[Robot], str]
+    configuration: bool = False
+
+    def size(self, robot: Robot) -> int:
+        """How many numbers one sample has."""
+        return math.prod(self.shape(robot))
+
+
+def configuration(name: str) -> Input:
+    """A configuration of the robot, (nq,)."""
+    return Input(name, lambda r: (r.nq,), lambda r: f"nq = {r.nq}", configuration=True)
+
+
+def velocity(name: str, times: int = 1) -> Input:
+    """Velocities, accelerations or torques of the joints, (nv,), or several of them in a row."""
+    return Input(name, lambda r: (times * r.nv,), lambda r: f"{f'{times} ' if times > 1 else ''}nv = {r.nv}")
+
+
+def row(name: str, size: int = 1) -> Input:
+    """So many numbers, whatever the robot."""
+    return Input(name, lambda r: (size,), lambda r: "for every robot")
+
+
+@dataclass(frozen=True, eq=False)
+class Option:
+    """What a term takes besides arrays.
+
+    Attributes
+    ----------
+    settle : callable
+        (robot, what it is called in messages, value as given) -> the value as the algorithm wants it, or an error.
+    default : Hashable, optional
+        Where none is given; without it, one must be.
+    """
+
+    name: str
+    settle: Callable[[Robot, str, Any], Hashable]
+    default: Hashable = None
+
+
+@dataclass(frozen=True, eq=False)
 class Term:
     """One quantity.
 
     Attributes
     ----------
-    inputs : tuple of str
-        Among "q" (nq), "v", "a", "tau" (nv each), "f_ext" (njoints, 6).
+    arguments : tuple of Input
+        The arrays it takes, in order.
     compute : callable
-        (robot, *inputs as sequences of scalars, **options) -> nested sequences of scalars.
+        (robot, *arrays as sequences of scalars, **options) -> nested sequences of scalars.
     shape : callable
         (robot, **options) -> the shape of one result.
+    options : tuple of Option
+        What it takes besides arrays.
     """
 
     name: str
-    inputs: tuple[str, ...]
+    arguments: tuple[Input, ...]
     compute: Callable[..., Any]
-    shape: Callable[..., tuple[int, ...]]
+    shape: Callable[..., Shape]
+    options: tuple[Option, ...] = ()
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        """The names of its arrays, in order."""
+        return tuple(x.name for x in self.arguments)
 
     def sizes(self, robot: Robot) -> list[int]:
-        """How many scalars each input has."""
-        return [input_size(robot, name) for name in self.inputs]
+        """How many scalars each array has."""
+        return [x.size(robot) for x in self.arguments]
+
+    def settled(self, robot: Robot, given: Mapping[str, Any]) -> Options:
+        """The options as `compute` takes them, all of them and in order; or an error that says what is wrong."""
+        names = [option.name for option in self.options]
+        for name in given:
+            if name not in names:
+                offered = nearest(name, names, "options") if names else "it takes none"
+                raise ArgumentError(f"{self.name}: option {name!r} is not known; {offered}")
+        found: Options = {}
+        for option in self.options:
+            value = given.get(option.name, option.default)
+            if value is None:
+                raise ArgumentError(f"{self.name}: {option.name}= is needed")
+            found[option.name] = option.settle(robot, f"{self.name}: {option.name}", value)
+        return found
 
 
-# inputs whose size is the same for every robot: [R p] row by row, a twist, single numbers
-_SIZES = {"pose": 12, "twist": 6, "gain": 1, "damping": 1, "h": 1}
-
-
-def input_shape(robot: Robot, name: str) -> tuple[int, ...]:
-    """The shape of one sample of an input; "name*3" is three of them in a row."""
-    base, _, times = name.partition("*")
-    if times:
-        return (int(times) * input_size(robot, base),)
-    if base in _SIZES:
-        return (_SIZES[base],)
-    if name == "f_ext":
-        return (len(robot), 6)
-    return (robot.nq,) if name.startswith("q") else (robot.nv,)
-
-
-def input_size(robot: Robot, name: str) -> int:
-    shape = input_shape(robot, name)
-    return shape[0] * (shape[1] if len(shape) > 1 else 1)
+def term(name: object) -> Term:
+    """The term of that name, or an error that offers the nearest."""
+    if not isinstance(name, str) or name not in TERMS:
+        raise ArgumentError(f"term {name!r} is not known; {nearest(str(name), TERMS, 'terms')}")
+    return TERMS[name]
 
 
 def flat(nested: Any) -> Iterator[Scalar]:
@@ -160,7 +230,7 @@ def _frame_pose(robot: Robot, q: Any, frame: Frame) -> Any:
 
 
 def _frame_quaternion(robot: Robot, q: Any, frame: Frame) -> Any:
-    return quaternion_entries(kinematics.frame_quaternion(robot, q, frame))
+    return quaternion_entries(kinematics.frame_quaternion(robot, q, frame).positive)
 
 
 def _link_terms(robot: Robot, q: Any, v: Any) -> Any:
@@ -168,44 +238,65 @@ def _link_terms(robot: Robot, q: Any, v: Any) -> Any:
     return [[[*M[k], *C[k], g[k]] for k in range(robot.nv)] for M, C, g in link_terms.link_terms(robot, q, v)]
 
 
-def _vector(robot: Robot, **_: Any) -> tuple[int, ...]:
+def _fk_quaternion(robot: Robot, q: Any) -> Any:
+    world = kinematics.forward_kinematics(robot, q)
+    return [quaternion_entries(world[b].quaternion) for b in robot]
+
+
+def _vector(robot: Robot, **_: Any) -> Shape:
     return (robot.nv,)
 
 
-def _square(robot: Robot, **_: Any) -> tuple[int, ...]:
+def _square(robot: Robot, **_: Any) -> Shape:
     return (robot.nv, robot.nv)
 
 
-TERMS: dict[str, Term] = {
-    t.name: t
-    for t in (
-        Term("fk", ("q",), _fk, lambda r: (len(r), 4, 4)),
-        Term("frame_pose", ("q",), _frame_pose, lambda r, **_: (4, 4)),
-        Term("frame_quaternion", ("q",), _frame_quaternion, lambda r, **_: (8,)),
-        Term("jacobian", ("q",), _jacobian, lambda r, **_: (6, r.nv)),
-        Term("jacobian_dot", ("q", "v"), _jacobian_dot, lambda r, **_: (6, r.nv)),
-        Term("frame_velocity", ("q", "v"), _frame_velocity, lambda r, **_: (6,)),
-        Term("frame_acceleration", ("q", "v", "a"), _frame_acceleration, lambda r, **_: (6,)),
-        Term("rnea", ("q", "v", "a"), _rnea, _vector),
-        Term("rnea_f_ext", ("q", "v", "a", "f_ext"), _rnea, _vector),
-        Term("bias", ("q", "v"), rnea.bias, _vector),
-        Term("gravity", ("q",), rnea.gravity, _vector),
-        Term("crba", ("q",), crba.crba, _square),
-        Term("coriolis", ("q", "v"), coriolis.coriolis, _square),
-        Term("aba", ("q", "v", "tau"), _aba, _vector),
-        Term("aba_f_ext", ("q", "v", "tau", "f_ext"), _aba, _vector),
-        Term("minv", ("q",), aba.minv, _square),
-        Term("kinetic_energy", ("q", "v"), momentum.kinetic_energy, lambda r: ()),
-        Term("potential_energy", ("q",), momentum.potential_energy, lambda r: ()),
-        Term("com", ("q",), lambda r, q: list(momentum.center_of_mass(r, q)), lambda r: (3,)),
-        Term("com_jacobian", ("q",), _com_jacobian, lambda r: (3, r.nv)),
-        Term("centroidal_momentum_matrix", ("q",), _cmm, lambda r: (6, r.nv)),
-        Term("joint_torque_regressor", ("q", "v", "a"), regressor.joint_torque_regressor,
-             lambda r: (r.nv, len(regressor.inertial_parameters(r)))),
-        Term("link_terms", ("q", "v"), _link_terms, lambda r: (len(r), r.nv, 2 * r.nv + 1)),
-        Term("rnea_derivatives", ("q", "v", "a"), derivatives.rnea_derivatives, lambda r: (3, r.nv, r.nv)),
-        Term("aba_derivatives", ("q", "v", "tau"), derivatives.aba_derivatives, lambda r: (3, r.nv, r.nv)),
-        Term("integrate", ("q", "v"), _integrate, lambda r: (r.nq,)),
-        Term("difference", ("q0", "q1"), _difference, _vector),
-    )
-}  # fmt: skip
+def _twist(robot: Robot, **_: Any) -> Shape:
+    return (6,)
+
+
+def _twists(robot: Robot, **_: Any) -> Shape:
+    return (6, robot.nv)
+
+
+Q, V, A, TAU = configuration("q"), velocity("v"), velocity("a"), velocity("tau")
+F_EXT = Input("f_ext", lambda r: (len(r), 6), lambda r: f"a wrench [n; f] for each of {len(r)} joints")
+
+FRAME = Option("frame", lambda robot, what, given: robot.frame(given))
+REFERENCE = Option("reference", lambda robot, what, given: choice(what, given, kinematics.References), "world")
+CLASSICAL = Option("classical", lambda robot, what, given: flag(what, given), default=False)
+
+FK = Term("fk", (Q,), _fk, lambda r: (len(r), 4, 4))
+FK_QUATERNION = Term("fk_quaternion", (Q,), _fk_quaternion, lambda r: (len(r), 8))
+FRAME_POSE = Term("frame_pose", (Q,), _frame_pose, lambda r, **_: (4, 4), (FRAME,))
+FRAME_QUATERNION = Term("frame_quaternion", (Q,), _frame_quaternion, lambda r, **_: (8,), (FRAME,))
+JACOBIAN = Term("jacobian", (Q,), _jacobian, _twists, (FRAME, REFERENCE))
+JACOBIAN_DOT = Term("jacobian_dot", (Q, V), _jacobian_dot, _twists, (FRAME, REFERENCE))
+FRAME_VELOCITY = Term("frame_velocity", (Q, V), _frame_velocity, _twist, (FRAME, REFERENCE))
+FRAME_ACCELERATION = Term("frame_acceleration", (Q, V, A), _frame_acceleration, _twist, (FRAME, REFERENCE, CLASSICAL))
+RNEA = Term("rnea", (Q, V, A), _rnea, _vector)
+RNEA_F_EXT = Term("rnea_f_ext", (Q, V, A, F_EXT), _rnea, _vector)
+BIAS = Term("bias", (Q, V), rnea.bias, _vector)
+GRAVITY = Term("gravity", (Q,), rnea.gravity, _vector)
+CRBA = Term("crba", (Q,), crba.crba, _square)
+CORIOLIS = Term("coriolis", (Q, V), coriolis.coriolis, _square)
+ABA = Term("aba", (Q, V, TAU), _aba, _vector)
+ABA_F_EXT = Term("aba_f_ext", (Q, V, TAU, F_EXT), _aba, _vector)
+MINV = Term("minv", (Q,), aba.minv, _square)
+KINETIC_ENERGY = Term("kinetic_energy", (Q, V), momentum.kinetic_energy, lambda r: ())
+POTENTIAL_ENERGY = Term("potential_energy", (Q,), momentum.potential_energy, lambda r: ())
+COM = Term("com", (Q,), lambda r, q: list(momentum.center_of_mass(r, q)), lambda r: (3,))
+COM_JACOBIAN = Term("com_jacobian", (Q,), _com_jacobian, lambda r: (3, r.nv))
+CENTROIDAL_MOMENTUM_MATRIX = Term("centroidal_momentum_matrix", (Q,), _cmm, _twists)
+JOINT_TORQUE_REGRESSOR = Term(
+    "joint_torque_regressor", (Q, V, A), regressor.joint_torque_regressor,
+    lambda r: (r.nv, len(regressor.inertial_parameters(r))),
+)  # fmt: skip
+LINK_TERMS = Term("link_terms", (Q, V), _link_terms, lambda r: (len(r), r.nv, 2 * r.nv + 1))
+RNEA_DERIVATIVES = Term("rnea_derivatives", (Q, V, A), derivatives.rnea_derivatives, lambda r: (3, r.nv, r.nv))
+ABA_DERIVATIVES = Term("aba_derivatives", (Q, V, TAU), derivatives.aba_derivatives, lambda r: (3, r.nv, r.nv))
+INTEGRATE = Term("integrate", (Q, V), _integrate, lambda r: (r.nq,))
+DIFFERENCE = Term("difference", (configuration("q0"), configuration("q1")), _difference, _vector)
+
+TERMS: dict[str, Term] = {x.name: x for x in list(globals().values()) if isinstance(x, Term)}
+"""Every quantity by its name."""

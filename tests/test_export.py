@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.boundary import call
+from dualpin.call import evaluate as call
 from dualpin.model import Builder, revolute
 from dualpin.spatial import NOUGHT, UX, UY, UZ, Inertia, Matrix3, Pose, Vector3
 from dualpin.terms import TERMS

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary import call
+from ..call import evaluate
 from ..errors import DualpinError
 from ..model.robot import Robot
 from ..scalars import Exact
@@ -28,7 +28,7 @@ def arbitrate(
         import mpmath
     except ImportError:
         raise DualpinError("arbitration computes with mpmath (pip install mpmath)") from None
-    ours = call(robot, term, state, engine="numpy", **options)
+    ours = evaluate(robot, term, state, engine="numpy", **options)
     with mpmath.workdps(DIGITS):
         lifted = robot.lift(mpmath.mpf)
         inputs = {key: [mpmath.mpf(float(x)) for x in np.ravel(value)] for key, value in state.items()}

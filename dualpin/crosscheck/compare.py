@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..boundary import call
+from ..call import evaluate
 from ..errors import DualpinWarning
 from ..io.urdf import load
 from ..model.robot import Robot
@@ -113,7 +113,7 @@ def _gather(
     answers = oracle.compute(check.term, inputs, variants)
     n = len(batch["q"])
     for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
-        ours = call(robot, check.term, named, engine=engine, **options)
+        ours = evaluate(robot, check.term, named, engine=engine, **options)
         bound = _bound(check.term, robot, oracle, batch, theirs, mass)
         error, where = scaled_error(ours.reshape(n, -1), theirs.reshape(n, -1))
         if mass is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..boundary import choice, numbers
+from ..arguments import choice, numbers
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError, nearest
 from ..model.builder import Builder

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..boundary import choice, numbers
+from ..arguments import choice, numbers
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 from ..model.builder import Builder

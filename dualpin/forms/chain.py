@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..boundary import numbers
+from ..arguments import numbers
 from ..dual import EPS, Dual
 from ..errors import ArgumentError, ShapeError
 from ..functions import fk

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..boundary import choice
+from ..arguments import choice
 from ..dual import Dual, atan2
 from ..errors import ArgumentError, DualpinWarning
 from ..model.robot import Frame, Robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees as in_degrees
 from typing import TYPE_CHECKING, Any
 
-from ..boundary import choice
+from ..arguments import choice
 from ..errors import ArgumentError
 from . import text
 from .chain import KINDS

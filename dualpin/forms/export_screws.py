@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..boundary import choice
+from ..arguments import choice
 from ..errors import ArgumentError
 from . import text
 from .export import FORMATS

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algorithms.kinematics import frame_pose
-from ..boundary import choice
+from ..arguments import choice
 from ..errors import ArgumentError
 from ..functions import fk, jacobian
 from ..model.joints import Planar

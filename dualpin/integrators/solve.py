@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..boundary import choice, numbers
+from ..arguments import choice, numbers
 from ..errors import ArgumentError, ShapeError
 from .adaptive import adaptive_steps
 from .methods import Mechanical, Method, PredictorCorrector, Reference, RungeKutta

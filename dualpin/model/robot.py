@@ -30,7 +30,7 @@ _HOMES = {
     "_bounds": ("dualpin.model.limits", "position_limits"),
     "_repr_html_": ("dualpin.report.notebook", "robot_html"),
     "attach": ("dualpin.model.attach", "attached"),
-    "kernel": ("dualpin.engine.bind", "kernel"),
+    "kernel": ("dualpin.call", "kernel"),
     "lift": ("dualpin.model.lift", "lifted"),
     "sample": ("dualpin.model.sampling", "sample"),
     "summary": ("dualpin.model.describe", "summary"),
@@ -345,7 +345,7 @@ class Robot:
     # what other rooms make of it
 
     def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
-        """One term as a callable for loops, (*arrays, out=None) -> array; see `dualpin.engine.bind.kernel`."""
+        """One term as a callable for loops, (*arrays, out=None) -> array; see `dualpin.call.kernel`."""
         return _home("kernel")(self, name, dtype, **options)
 
     def to_urdf(self, path: Any = None) -> str:

@@ -117,9 +117,13 @@ class Quaternion(Compound):
             largest = where(better, square, largest)
             best = tuple(where(better, new, old) for new, old in zip(row, best, strict=True))
         q = cls(*best)
-        q = q * (1 / (2 * sqrt(largest)))
-        flip = real_part(q.w) < 0
-        return cls(*(where(flip, -c, c) for c in q))
+        return (q * (1 / (2 * sqrt(largest)))).positive
+
+    @property
+    def positive(self) -> Quaternion:
+        """Of q and -q, which are the same rotation, the one with w >= 0."""
+        flip = real_part(self.w) < 0
+        return type(self)(*(where(flip, -c, c) for c in self))
 
     @classmethod
     def about(cls, axis: Vector3, angle: Scalar) -> Quaternion:
@@ -142,8 +146,7 @@ class Quaternion(Compound):
         with q = w + u.  Over dual numbers f' = -2 c_3(4 phi^2) f^3 (u.u)' - w', c_3 of Stumpff,
         exact for every angle.
         """
-        flip = real_part(self.w) < 0
-        q = Quaternion(*(where(flip, -c, c) for c in self))
+        q = self.positive
         u = Vector3(*map(real_part, q.v))
         s = sqrt(u.dot(u))
         phi = atan2(s, real_part(q.w))

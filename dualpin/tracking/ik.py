@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import engine as engines
-from ..boundary import as_array, check_robot, numbers
+from .. import call
+from ..arguments import numbers
+from ..call.arguments import as_array, check_robot
 from ..errors import ArgumentError, ShapeError
 from ..integrators.solve import Cost
 from ..integrators.space import ConfigurationSpace
 from ..model.robot import Frame, Robot
 from ..spatial import from_matrix, to_matrix
+from ..terms import configuration
 from .rates import GAUSS_NEWTON
 
 LONGEST = 1.0  # rad or m in one iteration: beyond, the linearisation at hand says nothing
@@ -127,7 +129,7 @@ def ik(
         if not isinstance(value, (int, float)) or not 0 < value < np.inf:
             raise ArgumentError(f"ik: {name} = {value!r}, a positive number expected")
     poses = _targets(target)
-    guess = _inside(robot, robot.neutral) if q0 is None else as_array(robot, "ik", "q0", q0)
+    guess = _inside(robot, robot.neutral) if q0 is None else as_array(robot, "ik", configuration("q0"), q0)
     if not np.isfinite(guess).all():
         raise ArgumentError("ik: q0 has entries that are not finite")
     try:
@@ -204,7 +206,7 @@ class _Search:
     def _step(
         self, q: np.ndarray, wanted: np.ndarray, free: np.ndarray, damping: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        out = engines.run(
+        out = call.run(
             self.robot, GAUSS_NEWTON, {"frame": self.frame}, [q, wanted, free, damping[:, None]], engine=self.engine
         )
         return out[:, : self.robot.nv], out[:, self.robot.nv :]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import engine as engines
+from ..call import run
 from ..integrators.methods import Method, Reference, RungeKutta
 from ..integrators.space import ConfigurationSpace
 from ..integrators.step import Past
@@ -65,7 +65,7 @@ class Loop:
 
     def run(self, term: Term, inputs: list[np.ndarray], **options: Any) -> np.ndarray:
         """A term on the arrays (B, size)."""
-        return engines.run(self.robot, term, {"frame": self.frame, **options}, inputs, engine=self.engine)
+        return run(self.robot, term, {"frame": self.frame, **options}, inputs, self.engine)
 
     def _one(self, x: float, n: int) -> np.ndarray:
         return np.full((n, 1), x)

@@ -16,6 +16,7 @@ from ..algorithms.coriolis import coriolis
 from ..algorithms.crba import crba
 from ..algorithms.jacobian import jacobian
 from ..algorithms.rnea import gravity
+from ..arguments import count, flag
 from ..integrators.column import Column
 from ..integrators.methods import Method
 from ..integrators.space import ConfigurationSpace, StateSpace
@@ -25,7 +26,7 @@ from ..scalars import ZERO, Scalar
 from ..spatial.pose import Pose
 from ..spatial.quaternion import Quaternion
 from ..spatial.vector import REST
-from ..terms import Term, twist_entries
+from ..terms import FRAME, TAU, Option, Q, Term, V, row, twist_entries, velocity
 
 Rows = list[list[Scalar]]
 
@@ -102,6 +103,11 @@ def posed(entries: Sequence[Scalar]) -> Pose:
 
 # --- terms ---------------------------------------------------------------------------------------
 
+POSE, TWIST, DRIFT = row("pose", 12), row("twist", 6), velocity("drift")  # [R p] row by row; [w; v]; joint rates
+GAIN, DAMPING, H = row("gain"), row("damping"), row("h")
+DAMPED = Option("damped", lambda robot, what, given: flag(what, given))
+SWEEPS = Option("sweeps", lambda robot, what, given: count(what, given, 1))
+
 
 def _closed_loop(
     robot: Robot, q: Any, pose: Any, twist: Any, drift: Any, gain: Any, damping: Any, frame: Frame, damped: bool
@@ -116,7 +122,7 @@ def _closed_loop(
 
 
 CLOSED_LOOP = Term(
-    "tracking_rate", ("q", "pose", "twist", "drift", "gain", "damping"), _closed_loop, lambda r, **_: (r.nv + 7,)
+    "tracking_rate", (Q, POSE, TWIST, DRIFT, GAIN, DAMPING), _closed_loop, lambda r, **_: (r.nv + 7,), (FRAME, DAMPED)
 )
 """Joint rates, loss and error of closed-loop inverse kinematics."""
 
@@ -128,11 +134,12 @@ def _held_loop(robot: Robot, q: Any, aim: Any, drift: Any, damping: Any, frame: 
     return [*(rate + drift), loss]
 
 
-HELD_LOOP = Term("resolved_rate", ("q", "twist", "drift", "damping"), _held_loop, lambda r, **_: (r.nv + 1,))
+HELD_LOOP = Term("resolved_rate", (Q, TWIST, DRIFT, DAMPING), _held_loop, lambda r, **_: (r.nv + 1,), (FRAME, DAMPED))
 """Joint rates and loss for a given twist of the frame."""
 
-POSE_ERROR = Term("pose_error", ("q", "pose"), lambda r, q, pose, frame: pose_error(r, q, pose, frame),
-                  lambda r, **_: (6,))  # fmt: skip
+POSE_ERROR = Term(
+    "pose_error", (Q, POSE), lambda r, q, pose, frame: pose_error(r, q, pose, frame), lambda r, **_: (6,), (FRAME,)
+)
 
 
 def _local_error(robot: Robot, q: Any, pose: Any, frame: Frame) -> Column:
@@ -149,7 +156,9 @@ def _gauss_newton(robot: Robot, q: Any, pose: Any, weights: Any, damping: Any, f
     return [*(x * w for x, w in zip(moved, weights, strict=True)), *error]
 
 
-GAUSS_NEWTON = Term("ik_step", ("q", "pose", "weights", "damping"), _gauss_newton, lambda r, **_: (r.nv + 6,))
+GAUSS_NEWTON = Term(
+    "ik_step", (Q, POSE, velocity("weights"), DAMPING), _gauss_newton, lambda r, **_: (r.nv + 6,), (FRAME,)
+)
 """The damped Gauss-Newton displacement of the joints, and the dual-quaternion log error."""
 
 
@@ -181,9 +190,10 @@ def tracking_step(method: Method, held: bool, depth: int) -> Term:
         y, after = step(method, rate, Column(q), h[0], before, ConfigurationSpace(robot))
         return [*y, *(after[0] if depth else ()), sum(losses, ZERO)]
 
-    inputs = ("q", f"pose*{n}", f"twist*{n}", "gain", "damping", "h", *((f"rate*{depth}",) if depth else ()))
+    earlier = (velocity("past", times=depth),) if depth else ()
+    inputs = (Q, row("poses", 12 * n), row("twists", 6 * n), GAIN, DAMPING, H, *earlier)
     name = f"tracking_step_{method.name}" + ("_held" if held else "")
-    return Term(name, inputs, compute, lambda r, **_: (r.nq + (r.nv if depth else 0) + 1,))
+    return Term(name, inputs, compute, lambda r, **_: (r.nq + (r.nv if depth else 0) + 1,), (FRAME, DAMPED))
 
 
 @cache
@@ -199,7 +209,7 @@ def dynamics_step(method: Method) -> Term:
         y, _ = step(method, rate, Column((*q, *v)), h[0], (), StateSpace(robot))
         return y
 
-    return Term(f"dynamics_step_{method.name}", ("q", "v", "tau", "h"), compute, lambda r, **_: (r.nq + r.nv,))
+    return Term(f"dynamics_step_{method.name}", (Q, V, TAU, H), compute, lambda r, **_: (r.nq + r.nv,))
 
 
 def _variational(robot: Robot, q: Any, p: Any, v: Any, tau: Any, h: Any, sweeps: int) -> Any:
@@ -214,5 +224,7 @@ def _variational(robot: Robot, q: Any, p: Any, v: Any, tau: Any, h: Any, sweeps:
     return [*v, *force, *before]
 
 
-VARIATIONAL_SWEEP = Term("variational_sweep", ("q", "p", "v", "tau", "h"), _variational, lambda r, **_: (3 * r.nv,))
+VARIATIONAL_SWEEP = Term(
+    "variational_sweep", (Q, velocity("p"), V, TAU, H), _variational, lambda r, **_: (3 * r.nv,), (SWEEPS,)
+)
 """The midpoint velocity after some sweeps, the generalised force, and the velocity one sweep before."""

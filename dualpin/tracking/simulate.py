@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import engine as engines
-from ..boundary import as_array, check_robot
+from .. import call
+from ..call.arguments import as_array, check_robot
 from ..errors import ArgumentError, ShapeError
 from ..functions import aba, centroidal_momentum_matrix, crba, kinetic_energy, minv, potential_energy
 from ..integrators.methods import Mechanical, Method
@@ -19,6 +19,7 @@ from ..integrators.solve import Cost, Kernel, check_multistep, run_steps, step_c
 from ..integrators.space import StateSpace
 from ..integrators.tableaus import method_named
 from ..model.robot import Robot
+from ..terms import TAU, Q, V
 from .loop import whole_steps
 from .rates import VARIATIONAL_SWEEP, dynamics_step
 
@@ -141,11 +142,11 @@ def simulate(
     n = step_count("simulate", dt, t_end)
     if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1 or n % every:
         raise ArgumentError(f"simulate: every = {every!r}, a whole number that divides the {n} steps expected")
-    q_, v_ = as_array(robot, "simulate", "q", q), as_array(robot, "simulate", "v", v)
+    q_, v_ = as_array(robot, "simulate", Q, q), as_array(robot, "simulate", V, v)
     for name, x in (("q", q_), ("v", v_)):
         if not np.isfinite(x).all():
             raise ArgumentError(f"simulate: {name} has entries that are not finite")
-    constant = None if callable(tau) else np.zeros(robot.nv) if tau is None else as_array(robot, "simulate", "tau", tau)
+    constant = None if callable(tau) else np.zeros(robot.nv) if tau is None else as_array(robot, "simulate", TAU, tau)
     try:
         shapes = [q_.shape[:-1], v_.shape[:-1]] + ([] if constant is None else [constant.shape[:-1]])
         batch = np.broadcast_shapes(*shapes)
@@ -221,7 +222,7 @@ class _Run:
         def advance(k: int, y: np.ndarray, past: tuple[np.ndarray, ...]) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
             tau = self.torque(k * self.dt, y)
             q, v = np.ascontiguousarray(y[:, :nq]), np.ascontiguousarray(y[:, nq:])
-            return engines.run(self.robot, term, {}, [q, v, tau, h], engine=self.engine), ()
+            return call.run(self.robot, term, {}, [q, v, tau, h], engine=self.engine), ()
 
         return advance
 
@@ -286,7 +287,7 @@ def _variational(run: _Run, start: np.ndarray, n: int, every: int) -> tuple[np.n
         tau = run.torque((k + 0.5) * dt, np.concatenate([q, v], axis=-1))
         v, before = 2 * v - before, v  # the first guess: the last two velocities, continued
         for _ in range(SWEEPS):
-            out = engines.run(robot, VARIATIONAL_SWEEP, {"sweeps": sweeps}, [q, p, v, tau, h], engine=run.engine)
+            out = call.run(robot, VARIATIONAL_SWEEP, {"sweeps": sweeps}, [q, p, v, tau, h], engine=run.engine)
             v, force, last = out[:, :nv], out[:, nv : 2 * nv], out[:, 2 * nv :]
             change = np.abs(v - last).max(initial=0.0)
             evaluations += sweeps

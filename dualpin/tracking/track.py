@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..boundary import as_array, check_robot, choice
+from ..arguments import choice
+from ..call.arguments import as_array, check_robot
 from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..functions import fk
 from ..integrators.methods import Mechanical, Method
 from ..integrators.solve import STARTUPS, Cost, check_multistep, run_steps, step_count
 from ..integrators.tableaus import method_named
 from ..model.robot import Frame, Robot
+from ..terms import configuration
 from .loop import Loop, whole_steps
 from .nullspace import objective_named
 from .reach import reach
@@ -203,8 +205,9 @@ def _start(robot: Robot, frame: Frame, path: Trajectory, q0: ArrayLike | None) -
     given = path.start if q0 is None else q0
     if given is None:
         raise ArgumentError("track: q0 expected, or a trajectory with a start (Circle(..., start=q0))")
-    q = as_array(robot, "track", "q0", given)
-    origin = q if path.start is None else as_array(robot, "track", "q of the trajectory's start", path.start)
+    q = as_array(robot, "track", configuration("q0"), given)
+    start = configuration("q of the trajectory's start")
+    origin = q if path.start is None else as_array(robot, "track", start, path.start)
     for x in (q, origin):
         if not np.isfinite(x).all():
             where = tuple(int(i) for i in np.argwhere(~np.isfinite(x))[0])

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..boundary import choice, numbers
+from ..arguments import choice, numbers
 from ..errors import ArgumentError, ShapeError
 from ..spatial import compose, exp, from_matrix, inverse, log, to_matrix
 

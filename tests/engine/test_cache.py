@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine import find
+from dualpin.call import find
 from dualpin.engine.jit import cache
 from dualpin.engine.jit import kernel as kernels
 from dualpin.terms import TERMS

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.boundary import call
-from dualpin.engine import find
+from dualpin.call import evaluate as call
+from dualpin.call import find
 from dualpin.engine.codegen import cacheline as lines
 from dualpin.engine.codegen import module as ir
 from dualpin.engine.codegen.vector import DOUBLE, SINGLE
@@ -356,7 +356,7 @@ def test_a_term_that_is_too_long_stays_with_numpy(monkeypatch):
 
 
 def test_without_a_compiler_numpy_computes_and_it_is_said_once(monkeypatch):
-    import dualpin.engine as engine
+    from dualpin.call import kernels as engine
 
     def missing(*_, **__):
         raise CompilerError("llvmlite: ModuleNotFoundError: no module")

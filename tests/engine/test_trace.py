@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.boundary import call
+from dualpin.call import evaluate as call
 from dualpin.engine.graph.schedule import schedule
 from dualpin.engine.graph.trace import Graph, Sym, Trace, UntraceableError, evaluate, select, trace
 from dualpin.terms import TERMS

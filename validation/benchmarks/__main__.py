@@ -23,7 +23,7 @@ import numpy as np
 
 import dualpin as dp
 from dualpin import bench
-from dualpin.engine import find
+from dualpin.call import find
 from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import AXES, Inertia, Matrix3, Pose, Vector3
 from dualpin.terms import TERMS

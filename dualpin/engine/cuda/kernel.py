@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import ArgumentError, ShapeError
 from ...model.robot import Robot
-from ...terms import Options, Term, input_shape
+from ...terms import Options, Term
 from . import arrays
 from .build import built
 from .dlpack import Lent
@@ -56,7 +56,7 @@ class DeviceKernel:
         self.robot, self.term, self.options = replace(robot), term, options
         self.dtype, self.device = np.dtype(dtype), where
         self.shape = term.shape(robot, **options)
-        self.inputs = [input_shape(robot, name) for name in term.inputs]
+        self.inputs = [x.shape(robot) for x in term.arguments]
         self._loaded: dict[bool, Loaded] = {}
         self.__name__ = term.name
         self.__doc__ = f"{term.name}({', '.join(term.inputs)}, out=None, stream=None, copy=False) of {robot.name}"
@@ -195,14 +195,12 @@ class DeviceKernel:
 
     def _copied(self, given: tuple[Any, ...], out: Any) -> np.ndarray:
         """Arrays of the host, in pieces that have room on the device."""
-        from ...boundary import as_array, check_out, flattened
+        from ...call.arguments import check_result, rows
 
-        name = self.term.name
-        named = {key: as_array(self.robot, name, key, x) for key, x in zip(self.term.inputs, given, strict=True)}
-        inputs, batch = flattened(self.robot, self.term, named)
+        inputs, batch = rows(self.robot, self.term, given)
         n, width = len(inputs[0]), math.prod(self.shape)
         if out is not None:
-            check_out(name, out, batch + self.shape, self.dtype)
+            check_result(self.term.name, out, batch + self.shape, self.dtype)
         result = np.empty((n, width), self.dtype)
         per_sample = (sum(x.shape[1] for x in inputs) + width) * self.dtype.itemsize
         step = max(WARP, PIECE // max(1, per_sample))

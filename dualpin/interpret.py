@@ -6,21 +6,22 @@ this is the reference the compiled engine is tested against, and the path withou
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from ..model.robot import Robot
-from ..scalars import Exact, Scalar
-from ..terms import Options, Term, flat
+from .model.robot import Robot
+from .scalars import Exact, Scalar
+from .terms import Options, Term, flat
 
 SLICE = 1024  # samples at a time: the columns of one slice stay in the cache
 
 
-def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
+def interpret(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
     """Arrays (n, size) in, one array (n, *shape) out."""
     n, shape = len(inputs[0]), term.shape(robot, **options)
-    out = np.empty((n, int(np.prod(shape, dtype=int))))
+    out = np.empty((n, math.prod(shape)))
     for start in range(0, n, SLICE):
         part = [x[start : start + SLICE] for x in inputs]
         block = out[start : start + SLICE]

@@ -1,0 +1,116 @@
+"""The way of a call: arguments are checked once, options settled once, then one of three executions.
+
+    functions -> evaluator(robot, term, engine)(*arrays, out)
+
+The call is the fast one (machine code, one sample), the batched one (threads), or the general one
+(`Evaluator.__call__`), which converts and explains.  Numbers come from a kernel or from NumPy (`interpret`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import choice
+from ..errors import ArgumentError
+from ..model.memory import MEMORY, memory
+from ..model.robot import Frame, Robot
+from ..terms import Options, Term
+from ..terms import term as term_named
+from .arguments import check_robot
+from .evaluator import DOUBLE, ENGINES, SINGLE, Evaluator, evaluator_of, function_of
+
+if TYPE_CHECKING:
+    from ..engine.jit.kernel import Kernel
+
+
+def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evaluator:
+    """What computes a term, or a term followed by its options as the user gave them."""
+    if engine == "auto":
+        try:
+            return MEMORY[robot.serial][asked]
+        except (AttributeError, KeyError, TypeError):
+            pass
+    term, *given = asked if isinstance(asked, tuple) else (asked,)
+    check_robot(robot, term.name)
+    options = term.settled(robot, {x.name: value for x, value in zip(term.options, given, strict=False)})
+    made = function_of(robot, term, options, engine=choice("engine", engine, ENGINES))
+    # what equals one of these means the same; but 1.0 and True equal the index 1
+    if engine == "auto" and all(isinstance(x, (str, bool, Frame)) for x in given):
+        memory(robot)[asked] = made
+    return made
+
+
+def evaluate(
+    robot: Robot, name: str, arrays: Mapping[str, ArrayLike], *, engine: str = "auto", out: np.ndarray | None = None,
+    dtype: Any = np.float64, **options: Any,
+) -> np.ndarray:  # fmt: skip
+    """One term by its name on arrays by their names; see `Evaluator`."""
+    term = term_named(name)
+    check_robot(robot, name)
+    settled = term.settled(robot, options)
+    found = evaluator_of(robot, term, settled, np.dtype(dtype), choice("engine", engine, ENGINES))
+    return found(*(arrays[key] for key in term.inputs), out=out)
+
+
+def find(
+    robot: Robot, term: Term, options: Options, dtype: Any = np.float64, *, required: bool = False, single: bool = False
+) -> Kernel | None:
+    """The kernel of a term whose options are settled; see `Kernels.kernel`."""
+    return evaluator_of(robot, term, options, np.dtype(dtype)).kernels.kernel(single=single, required=required)
+
+
+def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray], engine: str = "auto") -> np.ndarray:
+    """Arrays (n, size) in, one array (n, *shape) out, of a term whose options are settled; nothing is checked."""
+    return evaluator_of(robot, term, options, engine=choice("engine", engine, ENGINES)).rows(inputs)
+
+
+def kernel(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
+    """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
+
+    Parameters
+    ----------
+    name : str
+        A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
+    dtype : float64 or float32
+        What it computes in and returns; other arrays are converted.
+    **options
+        What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``, ``classical=``.
+
+    Returns
+    -------
+    callable
+        Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
+        an array for the result.  Contiguous arrays of `dtype`, of one configuration or a batch with
+        ``out``, take the shortest way; whatever else comes out the same, some microseconds later.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such term, or it has no such option.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> inverse_dynamics, tau = robot.kernel("rnea"), np.empty(6)
+    >>> q, v, a = robot.sample(seed=0)
+    >>> inverse_dynamics(q, v, a, out=tau) is tau
+    True
+    >>> bool(np.array_equal(tau, dp.rnea(robot, q, v, a)))
+    True
+    """
+    term = term_named(name)
+    check_robot(robot, name)
+    kind = np.dtype(dtype)
+    if kind not in (DOUBLE, SINGLE):
+        raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
+    settled = term.settled(robot, options)
+    find(robot, term, settled, kind, single=True)  # compiled now, not when it is needed
+    return function_of(robot, term, settled, kind)
+
+
+__all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "run"]

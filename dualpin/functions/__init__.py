@@ -1,0 +1,42 @@
+"""The public functions: arrays in, arrays out.
+
+Shapes: q (..., nq), v, a, tau (..., nv); leading axes are batch axes and broadcast.
+Units: SI, radians.  World z up.  Six-vectors are angular first: twists [w; v], wrenches [n; f].
+Every function takes ``engine=``: "auto", "compiled", or "numpy" to run the source uncompiled; and
+those that return one array take ``out=``, a float64 array of just the result's shape.
+"""
+
+from .derivatives import aba_derivatives, rnea_derivatives
+from .dynamics import (
+    LinkTerm,
+    LinkTerms,
+    aba,
+    bias,
+    coriolis,
+    crba,
+    gravity,
+    inertial_parameters,
+    joint_torque_regressor,
+    link_terms,
+    minv,
+    rnea,
+)
+from .energy import centroidal_momentum_matrix, kinetic_energy, potential_energy
+from .kinematics import (
+    com,
+    com_jacobian,
+    difference,
+    fk,
+    frame_acceleration,
+    frame_velocity,
+    integrate,
+    jacobian,
+    jacobian_dot,
+)
+
+__all__ = [
+    "LinkTerm", "LinkTerms", "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian",
+    "coriolis", "crba", "difference", "fk", "frame_acceleration", "frame_velocity", "gravity",
+    "inertial_parameters", "integrate", "jacobian", "jacobian_dot", "joint_torque_regressor", "kinetic_energy",
+    "link_terms", "minv", "potential_energy", "rnea", "rnea_derivatives",
+]  # fmt: skip

@@ -1,0 +1,290 @@
+"""Forces and accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algorithms import regressor
+from ..call import evaluator
+from ..call.arguments import check_robot
+from ..model.robot import Robot
+from ..terms import (
+    ABA,
+    ABA_F_EXT,
+    BIAS,
+    CORIOLIS,
+    CRBA,
+    GRAVITY,
+    JOINT_TORQUE_REGRESSOR,
+    LINK_TERMS,
+    MINV,
+    RNEA,
+    RNEA_F_EXT,
+)
+
+
+def rnea(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    f_ext: ArrayLike | None = None,
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Inverse dynamics, tau = M(q) a + C(q, v) v + g(q) - J^T f_ext.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    v, a : array_like, shape (..., nv)
+    f_ext : array_like, shape (..., njoints, 6), optional
+        External wrench [n; f] on each joint's body, about and in that joint's moving frame.
+
+    Returns
+    -------
+    ndarray, shape (..., nv)
+        Joint torques [N m] and forces [N].
+
+    References
+    ----------
+    Luh, Walker & Paul (1980); Featherstone (2008), 5.3.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> robot = dp.load("panda")
+    >>> q, v, a = robot.sample(1000, seed=0)
+    >>> dp.rnea(robot, q, v, a).shape
+    (1000, 9)
+    """
+    if f_ext is None:
+        return evaluator(robot, RNEA, engine)(q, v, a, out)
+    return evaluator(robot, RNEA_F_EXT, engine)(q, v, a, f_ext, out)
+
+
+def bias(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
+    """Nonlinear effects h = C(q, v) v + g(q), shape (..., nv).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.bias(dp.load("ur5"), np.zeros(6), np.ones(6)).shape
+    (6,)
+    """
+    return evaluator(robot, BIAS, engine)(q, v, out)
+
+
+def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+    """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.gravity(dp.load("ur5"), np.zeros(6)).shape
+    (6,)
+    """
+    return evaluator(robot, GRAVITY, engine)(q, out)
+
+
+def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+    """Joint-space inertia matrix M(q), full and symmetric, shape (..., nv, nv).
+
+    References
+    ----------
+    Walker & Orin (1982); Featherstone (2008), 6.2.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> M = dp.crba(dp.load("ur5"), np.zeros(6))
+    >>> bool((M == M.T).all())
+    True
+    """
+    return evaluator(robot, CRBA, engine)(q, out)
+
+
+def coriolis(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
+    """Coriolis matrix C(q, v), shape (..., nv, nv): the one with dM/dt = C + C^T of Christoffel's symbols.
+
+    Many matrices give the same C v; this one makes dM/dt - 2 C skew for every q and v.  With a
+    floating base it is the matrix of the Levi-Civita connection in body velocities.
+
+    References
+    ----------
+    Echeandia & Wensing (2021).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, _ = robot.sample(seed=0)
+    >>> C = dp.coriolis(robot, q, v)
+    >>> bool(np.allclose(C @ v + dp.gravity(robot, q), dp.bias(robot, q, v)))
+    True
+    """
+    return evaluator(robot, CORIOLIS, engine)(q, v, out)
+
+
+def aba(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    f_ext: ArrayLike | None = None,
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Forward dynamics, a = M^-1 (tau - C v - g + J^T f_ext), shape (..., nv).
+
+    Parameters
+    ----------
+    tau : array_like, shape (..., nv)
+        Joint torques [N m] and forces [N].
+    f_ext : array_like, shape (..., njoints, 6), optional
+        As in `rnea`.
+
+    Notes
+    -----
+    By the articulated-body algorithm; where joints share a coordinate (mimic), by the factorised
+    inertia matrix.  Not finite where M is singular (a joint that moves no mass).
+
+    References
+    ----------
+    Featherstone (1983); Featherstone (2008), 7.3 and 6.5.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, a = robot.sample(seed=0)
+    >>> bool(np.allclose(dp.aba(robot, q, v, dp.rnea(robot, q, v, a)), a))
+    True
+    """
+    if f_ext is None:
+        return evaluator(robot, ABA, engine)(q, v, tau, out)
+    return evaluator(robot, ABA_F_EXT, engine)(q, v, tau, f_ext, out)
+
+
+def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+    """Inverse of the joint-space inertia matrix, shape (..., nv, nv), by its branch-sparse L^T D L factors.
+
+    References
+    ----------
+    Featherstone (2008), 6.5.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q = np.zeros(6)
+    >>> bool(np.allclose(dp.minv(robot, q) @ dp.crba(robot, q), np.eye(6)))
+    True
+    """
+    return evaluator(robot, MINV, engine)(q, out)
+
+
+def joint_torque_regressor(
+    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
+    """Y with rnea = Y p, shape (..., nv, 10 njoints), with armature as many columns more as it has entries.
+
+    The parameters p of each body: m; m cx, m cy, m cz; Jxx Jxy Jyy Jxz Jyz Jzz about the joint
+    frame's origin, as `inertial_parameters` returns them; then, if any joint has armature, the
+    entries of all joints', in the joints' order.
+
+    References
+    ----------
+    Atkeson, An & Hollerbach (1986).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, a = robot.sample(seed=0)
+    >>> Y = dp.joint_torque_regressor(robot, q, v, a)
+    >>> bool(np.allclose(Y @ dp.inertial_parameters(robot), dp.rnea(robot, q, v, a)))
+    True
+    """
+    return evaluator(robot, JOINT_TORQUE_REGRESSOR, engine)(q, v, a, out)
+
+
+def inertial_parameters(robot: Robot) -> np.ndarray:
+    """The ten inertial parameters of each moving body and the armature, in the order of `joint_torque_regressor`.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.inertial_parameters(dp.load("ur5")).shape
+    (60,)
+    """
+    check_robot(robot, "inertial_parameters")
+    return np.array([float(x) for x in regressor.inertial_parameters(robot)])
+
+
+@dataclass(frozen=True)
+class LinkTerm:
+    """What one link adds: M (..., nv, nv), C (..., nv, nv), g (..., nv), padded with zeros."""
+
+    name: str
+    M: np.ndarray
+    C: np.ndarray
+    g: np.ndarray
+
+
+class LinkTerms(Sequence[LinkTerm]):
+    """One `LinkTerm` for each moving body, in the order of ``robot.joint_names``."""
+
+    def __init__(self, names: Sequence[str], packed: np.ndarray) -> None:
+        nv = packed.shape[-2]
+        self._terms = [
+            LinkTerm(name, packed[..., i, :, :nv], packed[..., i, :, nv : 2 * nv], packed[..., i, :, 2 * nv])
+            for i, name in enumerate(names)
+        ]
+
+    def __len__(self) -> int:
+        return len(self._terms)
+
+    def __getitem__(self, i):  # type: ignore[no-untyped-def]
+        return self._terms[i]
+
+    def __iter__(self) -> Iterator[LinkTerm]:
+        return iter(self._terms)
+
+
+def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> LinkTerms:
+    """Progressive dynamics: M_i, C_i, g_i of each link, whose sums are M, C and g.
+
+        M_i = J_i^T I_i J_i,   C_i = J_i^T (I_i dJ_i/dt + B_i J_i),   g_i = -J_i^T I_i (gravity)
+
+    A new link adds its own term and changes no other.  Trees too: each term is scattered to the
+    joints on the link's path.
+
+    Returns
+    -------
+    LinkTerms
+        A sequence of objects with ``.name``, ``.M``, ``.C`` (..., nv, nv), ``.g`` (..., nv).
+
+    References
+    ----------
+    Laus, Simoni & Martins, progressive dynamics by screws; here for any tree.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> q, v, _ = robot.sample(seed=0)
+    >>> bool(np.allclose(sum(t.M for t in dp.link_terms(robot, q, v)), dp.crba(robot, q)))
+    True
+    """
+    return LinkTerms(robot.joint_names, evaluator(robot, LINK_TERMS, engine)(q, v))

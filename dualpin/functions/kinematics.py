@@ -1,0 +1,261 @@
+"""Where frames and bodies are, and how they move."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arguments import choice
+from ..call import evaluator
+from ..model.robot import Frame, Robot
+from ..terms import (
+    COM,
+    COM_JACOBIAN,
+    DIFFERENCE,
+    FK,
+    FK_QUATERNION,
+    FRAME_ACCELERATION,
+    FRAME_POSE,
+    FRAME_QUATERNION,
+    FRAME_VELOCITY,
+    INTEGRATE,
+    JACOBIAN,
+    JACOBIAN_DOT,
+)
+
+FrameLike = str | int | Frame
+
+
+def fk(
+    robot: Robot,
+    q: ArrayLike,
+    frame: FrameLike | None = None,
+    *,
+    as_: str = "matrix",
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Forward kinematics: poses in the world.
+
+        X_b = X_parent placement motion(q)
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    frame : str, int or Frame, optional
+        A link or joint name; without it, all joint frames in the order of ``robot.joint_names``.
+    as_ : "matrix" or "dual_quaternion"
+
+    Returns
+    -------
+    ndarray
+        Homogeneous matrices frame -> world, shape (..., 4, 4), or (..., njoints, 4, 4) of all
+        joints; as dual quaternions (..., 8): w x y z of the real part, then of the dual part, w >= 0.
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+
+    References
+    ----------
+    Study (1903) for dual quaternions; Featherstone (2008), 4.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> dp.fk(robot, np.zeros(6), frame="tool0")[:3, 3].round(5).tolist()
+    [0.81725, 0.19145, -0.00549]
+    """
+    if as_ == "matrix":
+        return evaluator(robot, FK if frame is None else (FRAME_POSE, frame), engine)(q, out)
+    choice("fk: as_", as_, ("matrix", "dual_quaternion"))
+    return evaluator(robot, FK_QUATERNION if frame is None else (FRAME_QUATERNION, frame), engine)(q, out)
+
+
+def jacobian(
+    robot: Robot,
+    q: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Geometric Jacobian of a frame, twist = J v.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    frame : str, int or Frame
+    reference : "world", "local" or "local_world_aligned"
+        Twist about the world's origin; about the frame's origin in its own axes; about the frame's
+        origin in world axes.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, nv)
+        Rows [w; v], angular first.
+
+    References
+    ----------
+    Lynch & Park (2017), 5.1; Featherstone (2008), 4.4.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.jacobian(dp.load("ur5"), np.zeros(6), "tool0").shape
+    (6, 6)
+    """
+    return evaluator(robot, (JACOBIAN, frame, reference), engine)(q, out)
+
+
+def jacobian_dot(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Time derivative of the Jacobian, dJ/dt = X_f^-1 ((V_k - V_f) x s_k) by columns.
+
+    V_f is the velocity of the reference: none, the frame's twist, or the translation with its origin.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, nv), rows [w; v].
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> float(abs(dp.jacobian_dot(robot, np.zeros(6), np.zeros(6), "tool0")).max())
+    0.0
+    """
+    return evaluator(robot, (JACOBIAN_DOT, frame, reference), engine)(q, v, out)
+
+
+def frame_velocity(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Twist of a frame, J v.
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        [w; v] in rad/s and m/s, about the origin and in the axes of the reference (see `jacobian`).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.frame_velocity(dp.load("ur5"), np.zeros(6), np.zeros(6), "tool0").tolist()
+    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    """
+    return evaluator(robot, (FRAME_VELOCITY, frame, reference), engine)(q, v, out)
+
+
+def frame_acceleration(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    frame: FrameLike,
+    reference: str = "world",
+    *,
+    classical: bool = False,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """Spatial acceleration of a frame; gravity is not in it.
+
+        J a + dJ/dt v     the spatial one with "world" and "local", the classical one with
+                          "local_world_aligned", whose observer moves along with the origin
+
+    Parameters
+    ----------
+    classical : bool
+        Add w x v to the linear part: with "local" or "local_world_aligned" the acceleration of
+        the frame's origin as a point, what an accelerometer there would see without gravity.
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        [angular; linear].
+
+    References
+    ----------
+    Featherstone (2008), 2.11.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.frame_acceleration(dp.load("ur5"), np.zeros(6), np.zeros(6), np.zeros(6), "tool0").shape
+    (6,)
+    """
+    return evaluator(robot, (FRAME_ACCELERATION, frame, reference, classical), engine)(q, v, a, out)
+
+
+def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+    """Centre of mass of the moving bodies in the world [m], shape (..., 3).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.com(dp.load("ur5"), np.zeros(6)).shape
+    (3,)
+    """
+    return evaluator(robot, COM, engine)(q, out)
+
+
+def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+    """Jacobian of the centre of mass, dc/dt = J v, world axes, shape (..., 3, nv).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.com_jacobian(dp.load("ur5"), np.zeros(6)).shape
+    (3, 6)
+    """
+    return evaluator(robot, COM_JACOBIAN, engine)(q, out)
+
+
+def integrate(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
+    """The configuration reached from q by moving with v for one unit of time, shape (..., nq).
+
+    On the group: a floating base moves along the screw of its twist, q * exp(v).
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> robot = dp.load("ur5", floating=True)
+    >>> q, v, _ = robot.sample(seed=0)
+    >>> bool(abs(dp.difference(robot, q, dp.integrate(robot, q, 0.1 * v)) - 0.1 * v).max() < 1e-14)
+    True
+    """
+    return evaluator(robot, INTEGRATE, engine)(q, v, out)
+
+
+def difference(
+    robot: Robot, q0: ArrayLike, q1: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+) -> np.ndarray:
+    """The v with integrate(q0, v) = q1, shape (..., nv).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> dp.difference(dp.load("ur5"), np.zeros(6), np.ones(6)).tolist()
+    [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+    """
+    return evaluator(robot, DIFFERENCE, engine)(q0, q1, out)
