@@ -297,7 +297,8 @@ def test_the_default_stream_has_a_number_in_dlpack():
 @pytest.mark.parametrize(
     ("shape", "strides", "step"),
     [((), (), 1), ((5,), (8,), 1), ((5,), (24,), 3), ((1, 5), (999, 8), 1), ((4, 5), (40, 8), 1),
-     ((4, 5), (48, 8), None), ((4, 5), (0, 0), 0), ((3,), (12,), None), ((2, 3, 4), (96, 32, 8), 1), ((1, 1), (8, 8), 1), ((3,), (-8,), -1)],
+     ((4, 5), (48, 8), None), ((4, 5), (0, 0), 0), ((3,), (12,), None), ((2, 3, 4), (96, 32, 8), 1),
+     ((1, 1), (8, 8), 1), ((3,), (-8,), -1)],
 )  # fmt: skip
 def test_axes_that_can_be_walked_along_as_one(shape, strides, step):
     assert one_step(shape, strides, 8) == step
