@@ -1,0 +1,8 @@
+"""Say why a subject's answers differ: hypotheses that predict them, and a search for the cheapest story."""
+
+from ..findings import Finding
+from .case import Case
+from .diagnose import Diagnosis, diagnose
+from .hypothesis import RULES, Hypothesis
+
+__all__ = ["RULES", "Case", "Diagnosis", "Finding", "Hypothesis", "diagnose"]

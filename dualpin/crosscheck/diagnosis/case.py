@@ -1,0 +1,304 @@
+"""One subject on one robot: what it was sent, what it answered, and what any story predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...errors import DualpinError
+from ...model.robot import Robot
+from ...scalars import Exact
+from ...terms import TERMS, flat
+from ..subjects.answers import Answers
+from ..subjects.layout import Layout, product
+from ..subjects.questions import QUESTIONS, Question
+from .description import Description, Part, built, describe
+from .hypothesis import Story, Wording, identity
+
+States = dict[str, np.ndarray]
+COLUMNS = 100_000
+"""How many columns (stories x samples x velocities) are predicted at once: intermediate results stay small."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """How near a prediction comes: worst scaled error, share of entries that are right, root mean square."""
+
+    error: float
+    share: float
+    rms: float
+
+
+FAR = Score(float("inf"), 0.0, float("inf"))
+
+
+class View:
+    """What one story sees: its robot and states, in dualpin's columns."""
+
+    def __init__(self, case: Case, description: Description, layout: Layout, states: States) -> None:
+        self.case, self.description, self.layout, self.states = case, description, layout, states
+
+    @cached_property
+    def robot(self) -> Robot:
+        return self.case.robot_of(self.description)
+
+    @property
+    def frames(self) -> tuple[str, ...]:
+        return self.case.frames
+
+    @property
+    def robot_mass(self) -> float:
+        """What moves [kg]."""
+        return float(sum(float(j.inertia.mass) for j in self.robot))
+
+    def compute(self, term: str, reference: str = "local_world_aligned", **states: np.ndarray) -> np.ndarray:
+        """dualpin's answer to another term, for the same robot and states (or with some replaced)."""
+        given = {k: x[None] for k, x in {**self.states, **states}.items()}
+        return evaluate(self.robot, QUESTIONS[term], given, self.frames, reference)[0]
+
+
+class Case:
+    """A subject's answers, and predictions of what stories say they should be."""
+
+    def __init__(self, answers: Answers, tolerance: float = 1e-9) -> None:
+        self.answers, self.asking, self.tolerance = answers, answers.asking, tolerance
+        self.robot, self.frames = self.asking.robot, self.asking.frames
+        self.observed, self.sent = answers.terms, answers.sent
+        self.wording = Wording(answers.how)
+        self.description = describe(self.asking.text, self.robot)
+        self.tried = 0
+        self._predictions: dict[tuple[str, frozenset[Any]], np.ndarray | None] = {}
+        self._layouts: dict[Wording, tuple[Layout, States] | None] = {}
+        self._robots: dict[int, tuple[Description, Robot]] = {}
+
+    # what rules look at
+
+    @property
+    def how(self) -> Any:
+        return self.answers.how
+
+    @property
+    def floating(self) -> bool:
+        return self.asking.floating
+
+    def parts(self) -> Iterable[tuple[Part, slice]]:
+        """The joints that move by themselves, with their places in v."""
+        where = {j.name: j.v for j in self.robot if j.mimic is None}
+        return ((p, where[p.joint]) for p in self.description.parts if p.joint in where)
+
+    def per_velocity(self, what: Callable[[Part], float]) -> np.ndarray:
+        """A number for each entry of v, from each joint's part; zero for the base."""
+        out = np.zeros(self.robot.nv)
+        for p, v in self.parts():
+            out[v] = what(p)
+        return out
+
+    def robot_of(self, description: Description) -> Robot:
+        """The robot of one description."""
+        if id(description) not in self._robots:
+            if len(self._robots) > 64:
+                self._robots.clear()
+            self._robots[id(description)] = description, built([description], self.robot)
+        return self._robots[id(description)][1]
+
+    # predictions
+
+    def layout(self, wording: Wording) -> tuple[Layout, States] | None:
+        """A wording's layout, and what the sent numbers mean under it; None where it is impossible."""
+        if wording not in self._layouts:
+            try:
+                layout = Layout(self.robot, wording.how, wording.turned, wording.point)
+                self._layouts[wording] = layout, layout.back(self.sent)
+            except (DualpinError, np.linalg.LinAlgError):
+                self._layouts[wording] = None
+        return self._layouts[wording]
+
+    def view(self, story: Story) -> View | None:
+        """Robot, layout and states under a story."""
+        wording, description = self.wording, self.description
+        for h in story:
+            if h.place == "word":
+                wording = h.act(wording)
+            elif h.place == "edit":
+                description = h.act(description, h.items)
+        found = self.layout(wording)
+        if found is None:
+            return None
+        view = View(self, description, *found)
+        for h in story:
+            if h.place == "state":
+                view = View(self, description, view.layout, h.act(view))
+        return view
+
+    def predict(self, term: str, story: Story = ()) -> np.ndarray | None:
+        """What the subject would answer if the story were true; None where it makes no sense."""
+        return self.predictions(term, [story])[0]
+
+    def predictions(self, term: str, stories: Sequence[Story]) -> list[np.ndarray | None]:
+        """Of many stories, in as few passes as their number allows."""
+        missing = {identity(s): s for s in stories if (term, identity(s)) not in self._predictions}
+        at_once = max(1, COLUMNS // (self.asking.samples * max(1, self.robot.nv)))
+        todo = list(missing.values())
+        for start in range(0, len(todo), at_once):
+            self._predict(term, todo[start : start + at_once])
+        return [self._predictions[term, identity(s)] for s in stories]
+
+    def _predict(self, term: str, stories: Sequence[Story]) -> None:
+        self.tried += len(stories)
+        with np.errstate(all="ignore"):
+            views = [_tried(self.view, s) for s in stories]
+            together = [(s, v) for s, v in zip(stories, views, strict=True) if v is not None]
+            for s in stories:
+                self._predictions[term, identity(s)] = None
+            for (story, view), x, other in zip(together, *self._evaluated(term, together), strict=True):
+                self._predictions[term, identity(story)] = _tried(self._finished, term, story, view, x, other)
+
+    def _evaluated(self, term: str, together: Sequence[tuple[Story, View]]) -> tuple[list[Any], list[Any]]:
+        """The term for every story, and the mass matrix or Jacobian that its layout needs besides."""
+        question = QUESTIONS[term]
+        xs: list[Any] = [None] * len(together)
+        others: list[Any] = [None] * len(together)
+        plain = []
+        for k, (story, view) in enumerate(together):
+            for h in story:
+                if h.place == "formula":
+                    xs[k] = _tried(h.act, view, term)
+            if xs[k] is None:
+                plain.append(k)
+        forced = [self._with_forces(term, *together[k]) for k in plain]
+        for k, x in zip(plain, self._batch(question, [v for v in forced]), strict=True):
+            xs[k] = x
+        needs = {"bias": "crba", "coriolis": "crba", "six_rate": "jacobian"}.get(question.form)
+        turning = [k for k, (_, view) in enumerate(together) if view.layout.turns] if needs else []
+        for k, x in zip(turning, self._batch(QUESTIONS[needs or term], [together[k][1] for k in turning]), strict=True):
+            others[k] = x
+        return xs, others
+
+    def _with_forces(self, term: str, story: Story, view: View) -> View:
+        """Forward dynamics under additional forces: they are taken from tau."""
+        if term != "aba":
+            return view
+        forces = _forces(story, view)
+        if forces is None:
+            return view
+        return View(self, view.description, view.layout, {**view.states, "tau": view.states["tau"] - forces})
+
+    def _batch(self, question: Question, views: Sequence[View]) -> list[np.ndarray]:
+        """The term for many views in one pass, for each reference that is meant."""
+        out: list[Any] = [None] * len(views)
+        references = dict.fromkeys(v.layout.how.reference for v in views)
+        for reference in references:
+            at = [k for k, v in enumerate(views) if v.layout.how.reference == reference]
+            descriptions = [views[k].description for k in at]
+            same = all(d is descriptions[0] for d in descriptions)
+            robot = self.robot_of(descriptions[0]) if same else built(descriptions, self.robot)
+            inputs = {k: np.stack([views[i].states[k] for i in at]) for k in question.inputs}
+            for k, x in zip(at, evaluate(robot, question, inputs, self.frames, reference), strict=True):
+                out[k] = x
+        return out
+
+    def _finished(self, term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+        """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
+        forces = _forces(story, view) if term in ("bias", "rnea") else None
+        if forces is not None:
+            x = x + forces
+        for h in story:
+            if h.place == "change" and term in h.terms:
+                x = h.act(view, term, x)
+        x = view.layout.answer(QUESTIONS[term].form, x, view.states, other)
+        for h in story:
+            if h.place == "answer" and term in h.terms:
+                x = h.act(view, term, x, self.observed.get(term))
+        return x
+
+    # how near they come
+
+    def score(self, term: str, story: Story = ()) -> Score:
+        return self.scores(term, [story])[0]
+
+    def scores(self, term: str, stories: Sequence[Story]) -> list[Score]:
+        """Forward dynamics is scored in forces: there one wrong entry moves all accelerations."""
+        x, found = self.observed[term], self.predictions(term, stories)
+        if term != "aba":
+            return [FAR if p is None else scored(x, p, x, p, self.tolerance) for p in found]
+        weights = self.predictions("crba", [tuple(h for h in s if h.place in ("word", "edit")) for s in stories])
+        out = []
+        for p, M in zip(found, weights, strict=True):
+            if p is None or M is None or not np.isfinite(p).all():
+                out.append(FAR)
+            else:
+                out.append(scored(x, p, product(M, x), product(M, p), self.tolerance))
+        return out
+
+
+def _tried(f: Callable[..., Any], *args: Any) -> Any:
+    """None where a story makes no sense for this robot."""
+    try:
+        return f(*args)
+    except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
+        return None
+
+
+def _forces(story: Story, view: View) -> np.ndarray | None:
+    forces = [h.act(view) for h in story if h.place == "force"]
+    return sum(forces[1:], forces[0]) if forces else None
+
+
+def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[str], reference: str) -> np.ndarray:
+    """A term of stories x samples: inputs (h, n, size), constants of the robot numbers or (h, 1); (h, n, ...) out."""
+    term = TERMS[question.source]
+    variants: list[dict[str, Any]] = [{}]
+    if question.framed:
+        variants = [{"frame": robot.frame(f)} for f in frames]
+        if question.term != "fk":
+            variants = [{**o, "reference": reference} for o in variants]
+    columns = [list(np.moveaxis(inputs[k], -1, 0)) for k in question.inputs]
+    h, n = columns[0][0].shape
+    answers = []
+    with np.errstate(all="ignore"):
+        for options in variants:
+            shape = term.shape(robot, **options)
+            out = np.empty((h, n, int(np.prod(shape, dtype=int))))
+            for i, value in enumerate(flat(term.compute(robot, *columns, **options))):
+                out[:, :, i] = float(value) if type(value) is Exact else value
+            answers.append(out.reshape(h, n, *shape))
+    return np.stack(answers, axis=2) if question.framed else answers[0]
+
+
+def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance: float) -> Score:
+    """The error of x against p, and share and rms of y against z."""
+    if x.shape != p.shape or not np.isfinite(p).all():
+        return FAR
+    return Score(scaled(x, p), *_near(y, z, tolerance))
+
+
+def scaled(x: np.ndarray, reference: np.ndarray) -> float:
+    """The largest over the samples (and frames) of max|x - ref| / max(1, max|ref|); what is not answered is left out."""
+    lead = x.ndim - _tail(x)
+    a, b = x.reshape(int(np.prod(x.shape[:lead])), -1), reference.reshape(int(np.prod(x.shape[:lead])), -1)
+    have = ~np.isnan(a).all(axis=1)
+    if not have.any():
+        return float("nan")
+    with np.errstate(all="ignore"):
+        e = np.abs(a - b)[have].max(axis=1, initial=0.0) / np.maximum(1.0, np.abs(b)[have].max(axis=1, initial=0.0))
+    return float(np.where(np.isfinite(e), e, np.inf).max())
+
+
+def _tail(x: np.ndarray) -> int:
+    """How many axes one answer has: of (n, ...), or (n, frames, a, b)."""
+    return x.ndim - 2 if x.ndim == 4 else x.ndim - 1
+
+
+def _near(x: np.ndarray, reference: np.ndarray, tolerance: float) -> tuple[float, float]:
+    axes = tuple(range(x.ndim - _tail(x), x.ndim))
+    have = ~np.isnan(x)
+    if not have.any():
+        return 0.0, float("inf")
+    with np.errstate(all="ignore"):
+        scale = np.maximum(1.0, np.abs(reference).max(axis=axes, keepdims=True)) if axes else np.maximum(1.0, np.abs(reference))
+        apart = np.abs(x - reference)
+        return float((apart <= tolerance * scale)[have].mean()), float(np.sqrt(np.mean(apart[have] ** 2)))

@@ -1,0 +1,312 @@
+"""A robot as its file describes it: links and joints as plain numbers, for hypotheses to edit.
+
+Many descriptions of one structure are built into one `Robot` whose constants are arrays, a number for
+each: the algorithms then predict what all of them would give in one pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from lxml import etree
+
+from ...dual import Dual
+from ...io.xml import parse
+from ...model.builder import Builder
+from ...model.joints import Axial, Floating, Planar
+from ...model.robot import Mimic, Robot
+from ...scalars import Scalar, exact
+from ...spatial.inertia import Inertia
+from ...spatial.pose import Pose
+from ...spatial.rotation import Matrix3, Rotation
+from ...spatial.vector import NOUGHT, Vector3
+
+NO_MOTION = np.eye(4)
+ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+AXIAL = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """An <inertial>: mass, centre of mass and inertia about it, in axes that are turned by `rotation`."""
+
+    mass: float
+    com: np.ndarray
+    rpy: np.ndarray
+    rotation: np.ndarray
+    inertia: np.ndarray
+
+    @property
+    def in_link(self) -> np.ndarray:
+        """The inertia about the centre of mass in the link's axes."""
+        return np.asarray(self.rotation @ self.inertia @ self.rotation.T)
+
+    def turned(self, inertia: np.ndarray) -> Body:
+        """The same body with this inertia, given in the link's axes."""
+        return replace(self, rotation=np.eye(3), inertia=inertia)
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """Mass, first moment, and inertia about the centre in the link's axes: what decides whether an edit changed anything."""
+        return np.concatenate([[self.mass], self.mass * self.com, self.in_link.ravel()])
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A joint, and the link that it carries."""
+
+    joint: str
+    kind: str
+    parent: str
+    link: str
+    position: np.ndarray
+    rpy: np.ndarray
+    rotation: np.ndarray
+    axis: np.ndarray | None
+    body: Body | None
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: Mimic | None = None
+    armature: tuple[float, ...] = ()
+    after: np.ndarray = field(default_factory=lambda: NO_MOTION)
+    """Where the link stands on what the joint moves."""
+    more: np.ndarray = field(default_factory=lambda: np.zeros(10))
+    """Inertial parameters to add, about the joint's moving frame, in the order of `Inertia.parameters`."""
+
+    @property
+    def moves(self) -> bool:
+        return self.kind != "fixed"
+
+    @property
+    def pose(self) -> np.ndarray:
+        return homogeneous(self.rotation, self.position)
+
+    def placed(self, H: np.ndarray) -> Part:
+        """The same joint with its origin there."""
+        return replace(self, rotation=H[:3, :3], position=H[:3, 3])
+
+    @property
+    def unit_axis(self) -> np.ndarray:
+        axis = np.array([1.0, 0.0, 0.0]) if self.axis is None else self.axis
+        return np.asarray(axis / np.linalg.norm(axis))
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Everything an edit can change of the joint."""
+        unit = [1.0, 0.0] if self.kind != "prismatic" else [0.0, 1.0]
+        axis = self.unit_axis if self.kind in AXIAL else np.zeros(3)
+        return np.concatenate([self.pose.ravel(), self.after.ravel(), axis, unit, self.armature, self.more])
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """The root link and the parts, parents first, in the order of the robot's frames."""
+
+    root: str
+    base: Body | None
+    parts: tuple[Part, ...]
+    gravity: tuple[float, float, float]
+    listed: tuple[str, ...] = ()
+    """The joints as the file lists them."""
+    mimics: dict[str, tuple[str, float, float]] = field(default_factory=dict)
+    """Of each joint with <mimic>: its leader, multiplier and offset."""
+
+    def part_of_link(self, link: str) -> Part | None:
+        return next((p for p in self.parts if p.link == link), None)
+
+    def carriers(self) -> dict[str, str]:
+        """For every link: the link that it is fixed to and that a joint moves (or the root)."""
+        found = {self.root: self.root}
+        for p in self.parts:
+            found[p.link] = p.link if p.moves else found[p.parent]
+        return found
+
+    def with_bodies(self, f: Callable[[Body], Body | None], items: Sequence[str] = ()) -> Description:
+        """f of every link's body, or of those in `items`."""
+
+        def edited(link: str, body: Body | None) -> Body | None:
+            return body if body is None or (items and link not in items) else f(body)
+
+        parts = tuple(replace(p, body=new) if (new := edited(p.link, p.body)) is not p.body else p for p in self.parts)
+        return replace(self, base=edited(self.root, self.base), parts=parts)
+
+    def with_parts(self, f: Callable[[Part, Description], Part], items: Sequence[str] = ()) -> Description:
+        """f of every joint, or of those in `items`."""
+        return replace(self, parts=tuple(f(p, self) if not items or p.joint in items else p for p in self.parts))
+
+
+def homogeneous(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+    H = np.eye(4)
+    H[:3, :3], H[:3, 3] = R, p
+    return H
+
+
+def turn(axis: int, angle: float) -> np.ndarray:
+    """Rotation about a coordinate axis."""
+    c, s, R = np.cos(angle), np.sin(angle), np.eye(3)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    R[i, i] = R[j, j] = c
+    R[j, i], R[i, j] = s, -s
+    return R
+
+
+def fixed_axes(rpy: Sequence[float]) -> np.ndarray:
+    """Rz(yaw) Ry(pitch) Rx(roll), zeros and ones exact."""
+    roll, pitch, yaw = rpy
+    R = turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
+    near = np.round(R)
+    return np.where(np.abs(R - near) <= 1e-15, near, R)
+
+
+def steiner(m: float, c: np.ndarray) -> np.ndarray:
+    """m (c.c 1 - c c^T): what the parallel axis theorem adds."""
+    return np.asarray(m * (c @ c * np.eye(3) - np.outer(c, c)))
+
+
+# --- reading -------------------------------------------------------------------------------------
+
+
+def describe(text: str, robot: Robot) -> Description:
+    """The description of a URDF's text, in the order of the robot that was read from it."""
+    document = parse(text.encode(), robot.name)
+    armature = {j.name: tuple(float(x) for x in j.armature) for j in robot}
+    coupled = {j.name: j.mimic for j in robot}
+    parts = []
+    for frame in robot.frames:
+        if frame.kind in ("joint", "fixed_joint") and frame.name in document.joints:
+            name = frame.name
+            part = _part(document.joints[name], document.links)
+            parts.append(replace(part, armature=armature.get(name, ()), mimic=coupled.get(name)))
+    x, y, z = (float(c) for c in robot.gravity)
+    mimics = {name: _mimic(e.find("mimic")) for name, e in document.joints.items() if e.find("mimic") is not None}
+    listed, base = tuple(e.get("name") for e in document.root.findall("joint")), _body(document.links[document.base])
+    return Description(document.base, base, tuple(parts), (x, y, z), listed, mimics)
+
+
+def _mimic(e: Any) -> tuple[str, float, float]:
+    return e.get("joint"), float(e.get("multiplier") or 1), float(e.get("offset") or 0)
+
+
+def _part(e: Any, links: Any) -> Part:
+    child = e.find("child").get("link")
+    origin, axis, dynamics = e.find("origin"), e.find("axis"), e.find("dynamics")
+    rpy = _numbers(origin, "rpy", "0 0 0")
+    told = None if axis is None else _numbers(axis, "xyz", "1 0 0")
+    damping, friction = (0.0 if dynamics is None else float(dynamics.get(k) or 0) for k in ("damping", "friction"))
+    return Part(
+        e.get("name"), e.get("type"), e.find("parent").get("link"), child, _numbers(origin, "xyz", "0 0 0"), rpy,
+        fixed_axes(rpy), told, _body(links[child]), damping, friction,
+    )  # fmt: skip
+
+
+def _body(link: Any) -> Body | None:
+    i = link.find("inertial")
+    if i is None or i.find("mass") is None:
+        return None
+    t, origin = i.find("inertia"), i.find("origin")
+    xx, xy, xz, yy, yz, zz = (0.0 if t is None else float(t.get(k) or 0) for k in ENTRIES)
+    rpy = _numbers(origin, "rpy", "0 0 0")
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return Body(float(i.find("mass").get("value")), _numbers(origin, "xyz", "0 0 0"), rpy, fixed_axes(rpy), inertia)
+
+
+def _numbers(e: etree._Element | None, key: str, default: str) -> np.ndarray:
+    return np.array([float(x) for x in (default if e is None else e.get(key) or default).split()])
+
+
+# --- building ------------------------------------------------------------------------------------
+
+
+def built(descriptions: Sequence[Description], like: Robot) -> Robot:
+    """One robot of all descriptions: a constant that differs among them is an array (n, 1)."""
+    b, first = Builder(like.name), descriptions[0]
+    base = _inertia([d.base for d in descriptions])
+    if like.joints and like.joints[0].parent is None and like.joints[0].kind == "floating":
+        b.joint(like.joints[0].name, Floating(), inertia=base, link=first.root)
+    else:
+        b.base(first.root, base)
+    for same in zip(*(d.parts for d in descriptions), strict=True):
+        _add(b, _few(same))
+    robot = b.robot()
+    return replace(robot, gravity=_vector(np.array([d.gravity for d in descriptions])))
+
+
+def _few(parts: Sequence[Part]) -> Sequence[Part]:
+    """One part where all are the same."""
+    return parts[:1] if all(p is parts[0] for p in parts) else parts
+
+
+def _add(b: Builder, parts: Sequence[Part]) -> None:
+    p = parts[0]
+    placement = _pose(np.array([x.pose for x in parts]))
+    inertia = _inertia([x.body for x in parts])
+    if p.kind == "fixed":
+        b.fixed(p.joint, p.parent, placement, inertia, link=p.link)
+        return
+    after = np.array([x.after for x in parts])
+    moved = (after != NO_MOTION).any()
+    # a link that stands apart from what its joint moves is fixed there
+    b.joint(
+        p.joint, _model(parts), p.parent, placement, None if moved else inertia,
+        link=f"{p.link} moved" if moved else p.link, mimic=p.mimic, armature=_armature(parts),
+    )  # fmt: skip
+    if moved:
+        b.fixed(f"{p.joint} to {p.link}", f"{p.link} moved", _pose(after), inertia, link=p.link)
+    more = np.array([x.more for x in parts])
+    if more.any():
+        on = f"{p.link} moved" if moved else p.link
+        b.fixed(f"{p.joint} more", on, inertia=_ten(more), link=f"{p.link} more")
+
+
+def _armature(parts: Sequence[Part]) -> tuple[Scalar, ...]:
+    values = np.array([x.armature for x in parts])
+    return tuple(_scalar(values[:, i]) for i in range(values.shape[1])) if values.any() else ()
+
+
+def _model(parts: Sequence[Part]) -> Any:
+    kind = parts[0].kind
+    if kind == "planar":
+        return Planar()
+    if kind == "floating":
+        return Floating()
+    axis = np.array([x.unit_axis for x in parts])
+    unit = np.array([[0.0, 1.0] if x.kind == "prismatic" else [1.0, 0.0] for x in parts])
+    what = ("length",) if kind == "prismatic" else ("angle",)
+    return Axial(_vector(axis), Dual(_scalar(unit[:, 0]), _scalar(unit[:, 1])), kind=kind, coordinates=what)
+
+
+def _inertia(bodies: Sequence[Body | None]) -> Inertia | None:
+    if all(x is None for x in bodies):
+        return None
+    if all(x is bodies[0] for x in bodies):
+        bodies = bodies[:1]
+    known = [x if x is not None else _NOTHING for x in bodies]
+    X = _pose(np.array([homogeneous(x.rotation, x.com) for x in known]))
+    I = np.array([x.inertia for x in known])
+    about_com = Inertia(_scalar(np.array([x.mass for x in known])), NOUGHT, Matrix3(*(_vector(I[:, r]) for r in range(3))))
+    found: Inertia = X @ about_com
+    return found
+
+
+_NOTHING = Body(0.0, np.zeros(3), np.zeros(3), np.eye(3), np.zeros((3, 3)))
+
+
+def _ten(parameters: np.ndarray) -> Inertia:
+    m, hx, hy, hz, xx, xy, yy, xz, yz, zz = (_scalar(parameters[:, i]) for i in range(10))
+    return Inertia(m, Vector3(hx, hy, hz), Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz)))
+
+
+def _pose(H: np.ndarray) -> Pose:
+    return Pose(Rotation(*(_vector(H[:, r, :3]) for r in range(3))), _vector(H[:, :3, 3]))
+
+
+def _vector(x: np.ndarray) -> Vector3:
+    return Vector3(*(_scalar(x[:, i]) for i in range(3)))
+
+
+def _scalar(x: np.ndarray) -> Scalar:
+    """A number where all are the same, else a column of them."""
+    return exact(float(x[0])) if (x == x[0]).all() else x[:, None]

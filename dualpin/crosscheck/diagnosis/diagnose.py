@@ -1,0 +1,171 @@
+"""Every term explained, then the fewest hypotheses that explain them all."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from ..findings import Finding
+from .apart import told_apart
+from .case import Case, scaled
+from .hypothesis import Hypothesis, Story, cost, identity
+from .locate import located, partly, precision
+from .search import Catalogue, Explanation, explain
+
+BUDGET = 60.0
+"""Seconds for all terms of a subject; a term gets a share of what is left."""
+COMBINATIONS = 20_000
+
+
+@dataclass
+class Diagnosis:
+    """What was found of one subject on one robot.
+
+    Attributes
+    ----------
+    findings : list of Finding
+    located : dict of str
+        Of terms without a named cause: where they are off.
+    predictions : int
+        How many answers were predicted.
+    """
+
+    findings: list[Finding] = field(default_factory=list)
+    located: dict[str, str] = field(default_factory=dict)
+    predictions: int = 0
+    seconds: float = 0.0
+
+    def of(self, term: str) -> list[Finding]:
+        return [f for f in self.findings if term in f.terms]
+
+
+def diagnose(case: Case, budget: float = BUDGET, tick: Callable[[str], None] = lambda what: None) -> Diagnosis:
+    """Explain what deviates."""
+    start = time.monotonic()
+    found = Diagnosis()
+    found.findings += _history(case)
+    errors = {t: case.score(t).error for t in case.observed}
+    off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
+    if off:
+        told = _explained(case, off, start + budget, tick)
+        _report(case, told, errors, found)
+    found.predictions, found.seconds = case.tried, time.monotonic() - start
+    return found
+
+
+def _history(case: Case) -> list[Finding]:
+    """Subjects whose answers depend on what was asked before are named first: nothing else can be said of them."""
+    return [
+        Finding(
+            "history", "the same state asked twice gives other numbers: the answer depends on what was asked before",
+            [term], apart, apart, fix="compute everything from the arguments of the call", evidence={term: [apart, apart]},
+        )
+        for term, apart in case.answers.history.items()
+    ]  # fmt: skip
+
+
+def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str], None]) -> dict[str, Explanation]:
+    catalogue = Catalogue(case)
+    told: dict[str, Explanation] = {}
+    first: list[Story] = []
+    lost = 0
+    for k, term in enumerate(off):
+        left = max(1.0, until - time.monotonic())
+        share = left / (len(off) - k) * 2
+        e = told[term] = explain(case, term, catalogue, first, share if lost < 2 else share / 4, tick)
+        lost += not e.named
+        first += [s for s in e.stories[:6] if s not in first]
+        first = _united(first)[:32]
+    return told
+
+
+def _united(stories: Sequence[Story]) -> list[Story]:
+    """Each once."""
+    return list({identity(s): s for s in stories}.values())
+
+
+def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
+    picked = cheapest({t: e.stories for t, e in told.items() if e.named})
+    whose: dict[tuple[object, ...], tuple[Hypothesis, list[str]]] = {}
+    for term, story in picked.items():
+        for h in story:
+            whose.setdefault(h.identity, (h, []))[1].append(term)
+    for h, terms in whose.values():
+        after = {t: case.score(t, picked[t]).error for t in terms}
+        others, apart = _alternatives(case, h, terms, picked, told)
+        found.findings.append(
+            Finding(
+                h.key, str(h) + _elsewhere(case, h, errors), terms, max(errors[t] for t in terms), max(after.values()),
+                list(h.items), others, apart, h.fix, {t: [errors[t], after[t]] for t in terms},
+            )
+        )  # fmt: skip
+    for term, e in told.items():
+        if not e.named:
+            rounded = precision(case, term, e)
+            where = located(case, term, e)
+            finding = rounded or partly(case, term, e, where)
+            if finding:
+                found.findings.append(finding)
+            if not rounded:
+                found.located[term] = where
+
+
+def _elsewhere(case: Case, h: Hypothesis, errors: Mapping[str, float]) -> str:
+    """Terms that it would have changed, and that are right without."""
+    spared = []
+    for t in h.terms:
+        if t in errors and errors[t] <= case.tolerance:
+            a, b = case.predict(t, (h,)), case.predict(t)
+            if a is not None and b is not None and a.shape == b.shape and scaled(a, b) > case.tolerance:
+                spared.append(t)
+    return f"; not in {', '.join(spared)}" if spared else ""
+
+
+def _alternatives(
+    case: Case, h: Hypothesis, terms: Sequence[str], picked: Mapping[str, Story], told: Mapping[str, Explanation]
+) -> tuple[list[str], dict[str, object]]:
+    """What would explain these terms as well, at about the same cost; and a state that would tell one of them apart."""
+    others: dict[frozenset[object], Story] = {}
+    for t in terms:
+        for s in told[t].stories:
+            if identity(s) != identity(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
+                others.setdefault(identity(s), s)
+    # only what explains all of its terms stands in its place
+    whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
+    words = [" and ".join(map(str, s)) for s in whole[:4]]
+    for s in whole[:4]:
+        state = told_apart(case, terms[0], picked[terms[0]], s)
+        if state:
+            return words, state
+    return words, {}
+
+
+def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
+    """One story for each term, so that all hypotheses together cost least."""
+    terms = list(options)
+    if not terms:
+        return {}
+    lists = [list(options[t])[:8] for t in terms]
+    if math.prod(len(x) for x in lists) > COMBINATIONS:
+        return _greedy(options)
+
+    def total(combination: Sequence[Story]) -> tuple[float, float]:
+        return cost({h.identity: h for s in combination for h in s}.values()), sum(cost(s) for s in combination)
+
+    return dict(zip(terms, min(itertools.product(*lists), key=total), strict=True))
+
+
+def _greedy(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
+    """Where there are too many combinations: what the others already claim is free, repeated until nothing changes."""
+    picked = {t: stories[0] for t, stories in options.items()}
+    for _ in range(4):
+        before = {t: identity(s) for t, s in picked.items()}
+        for t, stories in options.items():
+            claimed = {h.identity for o, s in picked.items() if o != t for h in s}
+            picked[t] = min(stories, key=lambda s: (cost(h for h in s if h.identity not in claimed), cost(s)))
+        if before == {t: identity(s) for t, s in picked.items()}:
+            break
+    return picked

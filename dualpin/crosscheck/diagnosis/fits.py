@@ -1,0 +1,308 @@
+"""Hypotheses with numbers in them: estimated from every other sample, judged by all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+
+import numpy as np
+
+from ...boundary import call
+from ..subjects.layout import product, transposed
+from ..subjects.questions import QUESTIONS
+from .case import Case, View
+from .description import Description, Part
+from .hypothesis import ALL, FORCED, INERTIAL, WEIGHED, Hypothesis, Story, ordered
+from .placements import placements
+
+TRAIN = slice(0, None, 2)
+SNAP = 2e-8
+"""A fitted gravity this near to a well-known one is taken for it: float32(9.81) is 3e-8 from 9.81, relatively."""
+KNOWN_GRAVITY = {
+    9.81: "9.81", 9.80665: "9.80665", 9.8: "9.8", 10.0: "10", 9.82: "9.82", 9.807: "9.807", 9.8067: "9.8067", 0.0: "0",
+    float(np.float32(9.80665)): "float32(9.80665)", float(np.float32(9.81)): "float32(9.81)", 19.62: "2 x 9.81",
+}  # fmt: skip
+KNOWN_SCALE = {
+    2.0: "2", 0.5: "1/2", 1e3: "1000", 1e-3: "1/1000", 180 / np.pi: "180/pi", np.pi / 180: "pi/180", 9.81: "9.81",
+    1 / 9.81: "1/9.81", 100.0: "100", 0.01: "1/100", 1e6: "1e6", 1e-6: "1e-6", 2 * np.pi: "2 pi",
+}  # fmt: skip
+
+
+def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
+    """What can be estimated from a term's residual under a story."""
+    x, p = case.observed[term], case.predict(term, story)
+    if p is None or p.shape != x.shape or not np.isfinite(p).all():
+        return []
+    keys = {h.key for h in story}
+    found: list[Hypothesis] = []
+    whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
+    train = np.flatnonzero(whole)[TRAIN]
+    if len(train):
+        for estimate in (_gravity, _forces, _rotors, _scale, _bodies):
+            found += estimate(case, term, story, keys, train)
+    return found + placements(case, term, story)
+
+
+def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    if term not in (*WEIGHED, "potential_energy") or keys & {"gravity", "no_gravity_in_bias"}:
+        return []
+
+    def under(g: Sequence[float]) -> Hypothesis:
+        return gravity_of(case, g)
+
+    units = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    told = case.predictions(term, [ordered((*story, under(g))) for g in units])
+    if any(y is None or not np.isfinite(y).all() for y in told):
+        return []
+    A = np.stack([y - told[0] for y in told[1:]], -1)[train].reshape(-1, 3)
+    g, *_ = np.linalg.lstsq(A, (case.observed[term] - told[0])[train].ravel(), rcond=None)
+    blind = np.abs(A).max(axis=0) < 1e-12 * max(1.0, np.abs(A).max())  # no weight along this axis can be felt
+    g = np.where(blind, np.array(case.asking.gravity), g)
+    snapped, _ = _snapped(g)
+    return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
+
+
+def gravity_of(case: Case, g: Sequence[float]) -> Hypothesis:
+    """Gravity is g."""
+    vector, words = _snapped(np.asarray(g, float))
+    here = ", ".join(f"{x:g}" for x in case.asking.gravity)
+    return Hypothesis(
+        "gravity", "gravity is another", (*WEIGHED, "potential_energy"), "edit",
+        lambda d, items: replace(d, gravity=tuple(float(x) for x in vector)), f"pass gravity = ({here})", values=words,
+        cost=1.6 if words.startswith("fitted") else 1.0,
+    )  # fmt: skip
+
+
+def _snapped(g: np.ndarray) -> tuple[np.ndarray, str]:
+    """The nearest well-known gravity, in words."""
+    for axis in range(3):
+        for sign in (-1.0, 1.0):
+            for value, word in KNOWN_GRAVITY.items():
+                e = np.zeros(3)
+                e[axis] = sign * value
+                if np.abs(g - e).max() < SNAP:
+                    return e, f"{'-' if sign < 0 and value else ''}{word} along {'xyz'[axis]}" if value else "0"
+    return g, "fitted " + " ".join(f"{x:.7g}" for x in g)
+
+
+# --- forces at joints ----------------------------------------------------------------------------
+
+SHAPES: dict[str, tuple[str, Callable[[View], np.ndarray], str]] = {
+    "damping_fit": ("a force in proportion to v", lambda view: view.states["v"], "take the damping out"),
+    "friction_fit": ("a force with the sign of v", lambda view: np.sign(view.states["v"]), "take the friction out"),
+    "constant_fit": ("a constant force", lambda view: np.ones_like(view.states["v"]), "take the constant force out"),
+    "stiffness_fit": ("a force in proportion to q (a spring)", lambda view: _positions(view), "take the spring out"),
+}
+
+
+def _positions(view: View) -> np.ndarray:
+    out = np.zeros_like(view.states["v"])
+    for j in view.case.robot:
+        if j.mimic is None and j.model.nq == j.model.nv == 1:
+            out[:, j.v.start] = view.states["q"][:, j.q.start]
+    return out
+
+
+def _residual(case: Case, term: str, story: Story) -> tuple[View, np.ndarray] | None:
+    """What a joint must do besides, in dualpin's columns: tau observed minus tau predicted."""
+    view, x, p = case.view(story), case.observed[term], case.predict(term, story)
+    if view is None or p is None or not np.isfinite(x).all():
+        return None
+    r = x - p
+    if term == "aba":
+        M = case.predict("crba", tuple(h for h in story if h.place in ("word", "edit")))
+        if M is None:
+            return None
+        r = -product(M, r)
+    G, _ = view.layout.matrices(view.states["q"], view.states["v"])
+    return view, product(transposed(G), r)
+
+
+def _forces(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
+    if term not in (*FORCED, "gravity") or keys & set(SHAPES):
+        return
+    found = _residual(case, term, story)
+    if found is None:
+        return
+    view, r = found
+    for key, (says, shape, fix) in SHAPES.items():
+        if term == "gravity" and key not in ("constant_fit", "stiffness_fit"):
+            continue
+        u = shape(view)
+        k = (u * r)[train].sum(0) / np.maximum((u * u)[train].sum(0), 1e-300)
+        k = np.where(np.abs(k) < 1e-9 * max(1.0, np.abs(k).max()), 0.0, k)
+        if k.any():
+            names = _names(case, k)
+            terms = FORCED if key in ("damping_fit", "friction_fit") else WEIGHED
+            yield Hypothesis(
+                key, says, terms, "force", lambda view, k=k, shape=shape: k * shape(view), fix, names, _listed(k), 1.5
+            )
+
+
+def _names(case: Case, k: np.ndarray) -> tuple[str, ...]:
+    """The joints with a number, unless it is all of them."""
+    named = {v.start: p.joint for p, v in case.parts()}
+    names = tuple(named[i] for i in np.flatnonzero(k) if i in named)
+    return () if len(names) == len(named) else names
+
+
+def _listed(k: np.ndarray) -> str:
+    values = [f"{x:.6g}" for x in k[k != 0]]
+    return ", ".join(values[:8]) + (", ..." if len(values) > 8 else "")
+
+
+def _rotors(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
+    """Armature: a diagonal that the mass matrix has besides."""
+    if term not in ("crba", "rnea", "aba") or "rotor_fit" in keys:
+        return
+    if term == "crba":
+        view, p = case.view(story), case.predict(term, story)
+        if view is None or p is None:
+            return
+        G, _ = view.layout.matrices(view.states["q"], view.states["v"])
+        k = np.einsum("nii->ni", transposed(G) @ (case.observed[term] - p) @ G)[train].mean(0)
+    else:
+        found = _residual(case, term, story)
+        if found is None:
+            return
+        view, r = found
+        a = view.states["a"]
+        if term == "aba":
+            layout = view.layout
+            G, D = layout.matrices(view.states["q"], view.states["v"])
+            a = np.linalg.solve(G, (case.observed[term] - product(D, view.states["v"]))[..., None])[..., 0]
+        k = (a * r)[train].sum(0) / np.maximum((a * a)[train].sum(0), 1e-300)
+    k = np.where(np.abs(k) < 1e-9 * max(1.0, np.abs(k).max()), 0.0, k)
+    rotors = {p.joint: float(k[v.start]) for p, v in case.parts() if v.stop - v.start == 1 and k[v.start]}
+    if not rotors:
+        return
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        def part(p: Part, _: Description) -> Part:
+            more = rotors.get(p.joint)
+            return p if more is None else replace(p, armature=((p.armature or (0.0,))[0] + more,))
+
+        return d.with_parts(part)
+
+    terms = ("crba", "rnea", "aba", "minv", "kinetic_energy")
+    yield Hypothesis(
+        "rotor_fit", "a rotor's inertia (armature)", terms, "edit", edit, "leave the armature out, or give it to the robot",
+        _names(case, np.where(np.abs(k) > 0, k, 0)), _listed(np.array(list(rotors.values()))), 1.5,
+    )  # fmt: skip
+
+
+# --- scales --------------------------------------------------------------------------------------
+
+
+def _scale(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    """The whole answer in other units, or counted another number of times."""
+    if keys & {"scale", "sign"} or term == "fk":
+        return []
+    x, p = case.observed[term], case.predict(term, story)
+    if p is None:
+        return []
+    a, b = p[train].ravel(), x[train].ravel()
+    if not (a @ a > 0 and np.isfinite(b).all()):
+        return []
+    k = float(a @ b / (a @ a))
+    known = next(((y, w) for y, w in KNOWN_SCALE.items() if abs(abs(k) / y - 1) < 1e-9), None)
+    if not np.isfinite(k) or abs(k - 1) < 1e-10 or abs(k + 1) < 1e-10 or abs(k) < 1e-12:
+        return []
+    words = f"{'-' if k < 0 else ''}{known[1]}" if known else f"{k:.10g}"
+    factor = np.copysign(known[0], k) if known else k
+
+    def act(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+        return factor * x
+
+    says = "the answer is multiplied by a number (other units, or counted another number of times)"
+    terms = tuple(t for t in ALL if QUESTIONS[t].form != "plain" or t.endswith("energy") or t == "com")
+    return [Hypothesis("scale", says, terms, "answer", act, f"divide by {words}", (), words, 1.05 if known else 1.6)]
+
+
+# --- one body's ten parameters -------------------------------------------------------------------
+
+
+def _bodies(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
+    """Other inertial parameters of one body: from this term alone, and from all that it is linear in together."""
+    if term not in (*WEIGHED, "crba") or keys & {"one_link"} or case.robot.coupled or len(story) > 1:
+        return
+    mine = _linear(case, term, story, train)
+    if mine is None:
+        return
+    together = [mine]
+    if not story:
+        others = (t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term)
+        together += [found for t in others if (found := _linear(case, t, story, train)) is not None]
+    for equations in [together, [mine]] if len(together) > 1 else [[mine]]:
+        for joint, delta in _solved(case, equations):
+            yield _body(case, joint, delta)
+
+
+Equations = tuple[np.ndarray, np.ndarray]
+
+
+def _linear(case: Case, term: str, story: Story, train: np.ndarray) -> Equations | None:
+    """(A, b) with A delta = b, for the change of all bodies' parameters that a term needs."""
+    story = tuple(h for h in story if term in h.terms)
+    if term not in QUESTIONS or not np.isfinite(case.observed[term]).all():
+        return None
+    if term == "crba":
+        view, p = case.view(story), case.predict(term, story)
+        if view is None or p is None or case.robot.nv > 12:
+            return None
+        return _mass_equations(case, view, case.observed[term] - p, train[:4])
+    found = _residual(case, term, story)
+    if found is None:
+        return None
+    view, r = found
+    s, zero = view.states, np.zeros_like(view.states["v"])
+    v, a = (zero, zero) if term == "gravity" else (s["v"], zero) if term == "bias" else (s["v"], s["a"])
+    if term == "aba":
+        G, D = view.layout.matrices(s["q"], s["v"])
+        a = np.linalg.solve(G, (case.observed[term] - product(D, s["v"]))[..., None])[..., 0]
+    robot = case.robot if view.description is case.description else view.robot
+    Y = call(robot, "joint_torque_regressor", {"q": s["q"][train], "v": v[train], "a": a[train]}, engine="numpy")
+    return Y.reshape(-1, Y.shape[-1]), r[train].ravel()
+
+
+def _mass_equations(case: Case, view: View, apart: np.ndarray, train: np.ndarray) -> Equations:
+    """M e_k is what unit accelerations need at rest, without gravity."""
+    nv, n = case.robot.nv, len(train)
+    G, _ = view.layout.matrices(view.states["q"], view.states["v"])
+    r = (transposed(G) @ apart @ G)[train]
+    q = np.repeat(view.states["q"][train], nv, axis=0)
+    robot = case.robot.with_gravity((0.0, 0.0, 0.0))
+    inputs = {"q": q, "v": np.zeros((n * nv, nv)), "a": np.tile(np.eye(nv), (n, 1))}
+    Y = call(robot, "joint_torque_regressor", inputs, engine="numpy")
+    return Y.reshape(-1, Y.shape[-1]), np.swapaxes(r, 1, 2).reshape(-1)
+
+
+def _solved(case: Case, equations: Sequence[Equations]) -> list[tuple[str, np.ndarray]]:
+    """The bodies whose parameters alone explain what is asked, with the change."""
+    scale = [max(1.0, float(np.abs(b).max(initial=0.0))) for _, b in equations]
+    out = []
+    for i, joint in enumerate(case.robot):
+        A = np.vstack([A[:, 10 * i : 10 * i + 10] / k for (A, _), k in zip(equations, scale, strict=True)])
+        b = np.concatenate([b / k for (_, b), k in zip(equations, scale, strict=True)])
+        delta, *_ = np.linalg.lstsq(A, b, rcond=1e-11)
+        if np.abs(A @ delta - b).max(initial=0.0) < 1e-9 and np.abs(delta).max() > 1e-12:
+            out.append((joint.name, delta))
+    return out[-3:]  # the outermost first: what an inner body could do as well says less
+
+
+def _body(case: Case, joint: str, delta: np.ndarray) -> Hypothesis:
+    old = np.array([float(x) for x in case.robot.joint(joint).inertia.parameters])
+    size = max(1e-12, float(np.abs(delta).max()))
+    names = ("mass", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+    words = [f"{n} {a:.5g} -> {a + d:.5g}" for n, a, d in zip(names, old, delta, strict=True) if abs(d) > 1e-7 * size]
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        return d.with_parts(lambda p, _: replace(p, more=p.more + delta) if p.joint == joint else p)
+
+    says = "the body has other inertial parameters (about the joint's moving frame)"
+    fix = "compare the mass, centre and inertia of the links that this joint moves with the file"
+    return Hypothesis("one_link", says, INERTIAL, "edit", edit, fix, (joint,), ", ".join(words), 1.9, single=True)
+
+
+

@@ -1,0 +1,103 @@
+"""Where an unexplained answer is off, what explains part of it, and whether it is only less precise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..findings import Finding
+from ..subjects.layout import product
+from ..subjects.questions import QUESTIONS
+from .case import Case, evaluate
+from .search import Explanation
+
+NEARLY = 1e-2
+"""A story that leaves less than this share of the error explains it nearly."""
+BETTER = 0.1
+"""A story that puts this share of the entries right besides explains part of it."""
+SINGLE = (1e-9, 1e-5)
+"""Where errors of single precision lie."""
+
+
+def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
+    """The nearest story, where it explains a good part."""
+    if not e.nearest or e.left is None:
+        return None
+    nearly = e.left.error < NEARLY * e.before.error
+    if not nearly and e.left.share < e.before.share + BETTER:
+        return None
+    story = " and ".join(map(str, e.nearest))
+    left = f"leaves {e.left.error:.0e}" if nearly else f"puts {e.left.share:.0%} of the entries right ({e.before.share:.0%} before)"
+    says = f"{'nearly' if nearly else 'partly'}: {story} {left}" + (f"; {where}" if where else "")
+    items = list(dict.fromkeys(i for h in e.nearest for i in h.items))
+    fix = "; ".join(dict.fromkeys(h.fix for h in e.nearest if h.fix))
+    return Finding(
+        "partly", says, [term], e.before.error, e.left.error, items, fix=fix, evidence={term: [e.before.error, e.left.error]}
+    )
+
+
+def precision(case: Case, term: str, e: Explanation) -> Finding | None:
+    """Single precision: answers that are all float32 numbers, or an error as large as float32 arithmetic makes."""
+    low, high = SINGLE
+    if not low < e.before.error < high:
+        return None
+    x = case.observed[term]
+    y = x[np.isfinite(x) & (np.abs(x) > 1e-6) & (np.abs(x) != 1)]
+    rounded = bool(len(y)) and float((y == y.astype(np.float32)).mean()) > 0.2
+    made = _single(case, term)
+    if not rounded and not (0.02 * made < e.before.error < 20 * made):
+        return None
+    how = "answers are float32 numbers" if rounded else f"float32 arithmetic would make {made:.0e}"
+    says = f"computed in single precision: {how}"
+    return Finding(
+        "single_precision", says, [term], e.before.error, e.before.error, fix="compute in double precision",
+        evidence={term: [e.before.error, e.before.error]},
+    )  # fmt: skip
+
+
+def _single(case: Case, term: str) -> float:
+    """The error of this term where states and arithmetic are float32."""
+    view = case.view(())
+    if view is None:
+        return 0.0
+    inputs = {k: x[None].astype(np.float32) for k, x in view.states.items()}
+    reference = view.layout.how.reference
+    exact = evaluate(view.robot, QUESTIONS[term], {k: x[None] for k, x in view.states.items()}, case.frames, reference)
+    single = evaluate(view.robot, QUESTIONS[term], inputs, case.frames, reference)
+    return float(np.abs(single - exact).max() / max(1.0, np.abs(exact).max()))
+
+
+def located(case: Case, term: str, e: Explanation) -> str:
+    """The rows, entries or frames that are off, under the nearest story."""
+    x, p = case.observed[term], case.predict(term, e.nearest if e.left is not None else ())
+    if p is None or x.shape != p.shape:
+        p = case.predict(term)
+    if p is None or x.shape != p.shape:
+        return ""
+    d = x - p
+    names = list(case.how.v)
+    if term == "aba":
+        M = case.predict("crba")
+        d = d if M is None else product(M, d)
+    with np.errstate(all="ignore"):
+        d = np.abs(d) / max(1.0, float(np.nanmax(np.abs(p))))
+    form = QUESTIONS[term].form
+    limit = 10 * case.tolerance
+    if QUESTIONS[term].framed:
+        off = [f for f, y in zip(case.frames, np.nanmax(d.reshape(len(d), len(case.frames), -1), axis=(0, 2)), strict=True) if y > limit]
+        return f"off for {len(off)} of {len(case.frames)} frames" + _some(off)
+    if form in ("matrix", "inverse", "coriolis"):
+        bad = np.nanmax(d, axis=0) > limit
+        where = ", on the diagonal only" if bad.any() and not (bad & ~np.eye(len(bad), dtype=bool)).any() else ""
+        rows = [n for n, row in zip(names, bad, strict=True) if row.any()]
+        return f"off in {int(bad.sum())} of {bad.size} entries{where}" + _some(rows)
+    if form in ("columns", "six"):
+        columns = [n for n, y in zip(names, np.nanmax(d, axis=(0, 1)), strict=True) if y > limit]
+        return f"off in {len(columns)} of {len(names)} columns" + _some(columns)
+    if d.ndim == 2 and d.shape[1] == len(names):
+        rows = [n for n, y in zip(names, np.nanmax(d, axis=0), strict=True) if y > limit]
+        return f"off in {len(rows)} of {len(names)} rows" + _some(rows)
+    return ""
+
+
+def _some(names: list[str], most: int = 6) -> str:
+    return f" ({', '.join(names)})" if 0 < len(names) <= most else ""

@@ -1,0 +1,165 @@
+"""Terms of the equations of motion that are left out or turned, and parts that are counted another number of times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ..case import Case, View
+from ..hypothesis import FORCED, WEIGHED, Hypothesis, proposer
+from ..newton_euler import SLIPS, NewtonEuler
+
+IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_moment", "no_translational",
+           "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius")  # fmt: skip
+"""Slips that the mass matrix shows too."""
+IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius")
+
+
+def newton_euler(slip: str, merged: bool) -> Callable[[View, str], np.ndarray | None]:
+    """The prediction of a term by Newton-Euler equations with a slip."""
+
+    def act(view: View, term: str) -> np.ndarray | None:
+        s, zero = view.states, np.zeros_like(view.states["v"])
+        model = NewtonEuler(view.robot, view.description, slip, merged)
+        g, none = model.gravity, np.zeros(3)
+        if term == "gravity":
+            return model.forces(s["q"], zero, zero, g)
+        if term == "bias":
+            return model.forces(s["q"], s["v"], zero, g)
+        if term == "rnea":
+            return model.forces(s["q"], s["v"], s["a"], g)
+        M = _mass_matrix(model, s["q"], none)
+        if term == "crba":
+            return M
+        if term == "minv":
+            return np.linalg.inv(M)
+        if term == "kinetic_energy":
+            return np.asarray(0.5 * np.einsum("ni,nij,nj->n", s["v"], M, s["v"]))
+        if term == "aba":
+            h = model.forces(s["q"], s["v"], zero, g)
+            return np.linalg.solve(M, (s["tau"] - h)[..., None])[..., 0]
+        return None
+
+    return act
+
+
+def _mass_matrix(model: NewtonEuler, q: np.ndarray, none: np.ndarray) -> np.ndarray:
+    """Column by column, at rest and without gravity."""
+    n, nv = len(q), model.robot.nv
+    unit = np.broadcast_to(np.eye(nv), (n, nv, nv)).transpose(1, 0, 2).reshape(nv * n, nv)
+    columns = model.forces(np.tile(q, (nv, 1)), np.zeros((nv * n, nv)), unit, none)
+    return columns.reshape(nv, n, nv).transpose(1, 2, 0)
+
+
+@proposer(
+    "gyroscopic, centripetal, ...",
+    "a term of Newton's or Euler's equations is left out or turned: " + ", ".join(SLIPS),
+    "write the equations in full",
+)  # fmt: skip
+def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    if case.robot.coupled or any(p.moves and p.kind not in ("revolute", "continuous", "prismatic") for p in case.description.parts):
+        return []
+    slides = any(p.kind == "prismatic" for p in case.description.parts)
+    merges = any(not p.moves and p.body is not None and p.body.mass > 0 for p in case.description.parts)
+    out = []
+    for slip, says in SLIPS.items():
+        if (slip.startswith("slide") and not slides) or (slip == "gravity_in_base" and not case.floating):
+            continue
+        terms: tuple[str, ...] = FORCED
+        if slip in IN_GRAVITY:
+            terms = (*WEIGHED,)
+        if slip in IN_MASS:
+            terms = (*terms, "crba", "minv", "kinetic_energy")
+        for merged in (False, True) if merges else (False,):
+            out.append(
+                replace(
+                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged),
+                    fix=f"put it in: {says.replace(' is left out', '')}" if "left out" in says else "turn it round",
+                    values="of bodies merged from fixed links" if merged else "",
+                )
+            )  # fmt: skip
+    return out
+
+
+# --- parts counted another number of times -------------------------------------------------------
+
+SHARES = {"0": 0.0, "half": 0.5, "twice": 2.0, "with the other sign": -1.0}
+
+
+def _scaled(k_a: float, k_v: float, k_g: float) -> Callable[[View, str], np.ndarray | None]:
+    def act(view: View, term: str) -> np.ndarray | None:
+        s, zero = view.states, np.zeros_like(view.states["v"])
+        g = view.compute("gravity")
+        velocity = view.compute("bias") - g
+        if term == "bias":
+            return k_v * velocity + k_g * g
+        if term == "rnea":
+            return k_a * (view.compute("rnea", v=zero) - g) + k_v * velocity + k_g * g
+        if term == "aba":
+            M = view.compute("crba")
+            return np.linalg.solve(M, (k_a * s["tau"] - k_v * velocity - k_g * g)[..., None])[..., 0]
+        if term == "coriolis":
+            return k_v * view.compute("coriolis")
+        return None
+
+    return act
+
+
+@proposer("velocity_scale", "Coriolis and centrifugal forces are counted another number of times", "count them once")
+def velocity_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [
+        replace(h, terms=(*FORCED, "coriolis"), place="formula", act=_scaled(1.0, k, 1.0), values=words, cost=1.05)
+        for words, k in SHARES.items() if k
+    ]  # fmt: skip
+
+
+@proposer("inertia_scale", "M a (or, in forward dynamics, tau) is counted another number of times", "count it once")
+def inertia_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [
+        replace(h, terms=("rnea", "aba"), place="formula", act=_scaled(k, 1.0, 1.0), values=words, cost=1.05)
+        for words, k in SHARES.items()
+    ]
+
+
+@proposer("bias_sign", "velocity and gravity terms have the other sign in forward dynamics", "a = M^-1 (tau - h)")
+def bias_sign(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [replace(h, terms=("aba",), place="formula", act=_scaled(1.0, -1.0, -1.0), cost=1.05)]
+
+
+def inverse_only(view: View, term: str) -> np.ndarray | None:
+    """tau taken through M alone."""
+    return np.linalg.solve(view.compute("crba"), view.states["tau"][..., None])[..., 0]
+
+
+@proposer("bias_ignored", "velocity and gravity terms are left out of forward dynamics", "a = M^-1 (tau - h)")
+def bias_ignored(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [replace(h, terms=("aba",), place="formula", act=inverse_only)]
+
+
+@proposer("not_inverted", "the matrix itself, not its inverse", "invert it")
+def not_inverted(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def act(view: View, term: str) -> np.ndarray:
+        return view.compute("crba")
+
+    return [replace(h, terms=("minv",), place="formula", act=act)]
+
+
+@proposer("coriolis_with_gravity", "gravity is in it as well as velocities", "C holds velocities only")
+def bias_in_coriolis(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def act(view: View, term: str) -> np.ndarray:
+        C, v, g = view.compute("coriolis"), view.states["v"], view.compute("gravity")
+        return C + g[..., None] * v[:, None, :] / (v**2).sum(-1)[:, None, None]
+
+    return [replace(h, terms=("coriolis",), place="formula", act=act, cost=1.3)]
+
+
+def check(view: View) -> float:
+    """How far the textbook's equations without a slip are from dualpin's: nothing but rounding."""
+    s = view.states
+    model = NewtonEuler(view.robot, view.description, "")
+    apart = model.forces(s["q"], s["v"], s["a"], model.gravity) - view.compute("rnea")
+    return float(np.abs(apart).max())
+
+

@@ -1,0 +1,207 @@
+"""Mistakes in reading a link's <inertial>."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..description import Body, Description, fixed_axes, steiner, turn
+from ..hypothesis import ALL, INERTIAL, MASSIVE, Hypothesis, link_rule, proposer
+
+READ = "read <inertial> as URDF means it: mass, centre (xyz), and inertia about that centre in axes turned by rpy"
+
+
+@link_rule("inertial_rpy", "rpy of <inertial> is ignored", READ, MASSIVE)
+def rpy_ignored(b: Body) -> Body:
+    return replace(b, rotation=np.eye(3))
+
+
+@link_rule("inertial_rpy_transposed", "rpy of <inertial> is applied the wrong way round", READ + ": R I R^T", MASSIVE)
+def rpy_transposed(b: Body) -> Body:
+    return replace(b, rotation=b.rotation.T)
+
+
+@link_rule("inertial_rpy_order", "rpy of <inertial> is multiplied in the other order", READ + ": Rz Ry Rx", MASSIVE)
+def rpy_reversed(b: Body) -> Body:
+    return replace(b, rotation=turn(0, b.rpy[0]) @ turn(1, b.rpy[1]) @ turn(2, b.rpy[2]))
+
+
+@link_rule("inertial_xyz", "xyz of <inertial> is ignored", READ)
+def xyz_ignored(b: Body) -> Body:
+    return replace(b, com=np.zeros(3))
+
+
+@link_rule("inertial_origin", "the origin of <inertial> is ignored", READ)
+def origin_ignored(b: Body) -> Body:
+    return replace(b, com=np.zeros(3), rotation=np.eye(3))
+
+
+@link_rule("inertial_xyz_turned", "xyz of <inertial> is turned by its rpy", READ + ": xyz is in the link's axes")
+def xyz_turned(b: Body) -> Body:
+    return replace(b, com=b.rotation @ b.com)
+
+
+@link_rule("inertial_xyz_sign", "the centre of mass has the other sign", READ, cost=1.1)
+def xyz_sign(b: Body) -> Body:
+    return replace(b, com=-b.com)
+
+
+@link_rule("about_link_origin", "<inertia> is taken about the link's origin", READ + ", so Steiner's term is to be added", MASSIVE)
+def about_link_origin(b: Body) -> Body:
+    return b.turned(b.in_link - steiner(b.mass, b.com))
+
+
+@link_rule("steiner_twice", "Steiner's term is added twice", READ + ", so Steiner's term is added once", MASSIVE)
+def steiner_twice(b: Body) -> Body:
+    return b.turned(b.in_link + steiner(b.mass, b.com))
+
+
+WRONG_STEINER = {
+    "only its diagonal": lambda m, c: np.diag(np.diag(steiner(m, c))),
+    "m c.c 1, without c c^T": lambda m, c: m * (c @ c) * np.eye(3),
+    "m c c^T in place of m (c.c 1 - c c^T)": lambda m, c: m * np.outer(c, c),
+    "m (c.c 1 + c c^T), with the other sign": lambda m, c: m * (c @ c * np.eye(3) + np.outer(c, c)),
+}
+
+
+@proposer("steiner_wrong", "Steiner's term is another", "the parallel axis theorem adds m (c.c 1 - c c^T)")
+def steiner_wrong(h: Hypothesis, case: object) -> list[Hypothesis]:
+    def one(words: str) -> Hypothesis:
+        def edit(d: Description, items: Sequence[str]) -> Description:
+            return d.with_bodies(
+                lambda b: b.turned(b.in_link - steiner(b.mass, b.com) + WRONG_STEINER[words](b.mass, b.com)), items
+            )
+
+        return replace(h, place="edit", act=edit, terms=MASSIVE, values=words)
+
+    return [one(words) for words in WRONG_STEINER]
+
+
+@link_rule("products_dropped", "products of inertia are dropped", "use ixy, ixz and iyz too", MASSIVE)
+def products_dropped(b: Body) -> Body:
+    return replace(b, inertia=np.diag(np.diag(b.inertia)))
+
+
+@link_rule(
+    "products_sign", "products of inertia have the other sign",
+    "URDF's ixy, ixz, iyz are the entries of the matrix, not their negatives", MASSIVE,
+)  # fmt: skip
+def products_sign(b: Body) -> Body:
+    return replace(b, inertia=2 * np.diag(np.diag(b.inertia)) - b.inertia)
+
+
+SWAPS = {"ixz and iyz": (1, 0, 2), "ixy and iyz": (2, 1, 0), "ixy and ixz": (0, 2, 1)}
+
+
+@proposer("products_swapped", "products of inertia are swapped", "read ixy, ixz and iyz by name, not by place")
+def products_swapped(h: Hypothesis, case: object) -> list[Hypothesis]:
+    """A permutation of the axes, applied to the products alone, exchanges two of them."""
+
+    def one(words: str) -> Hypothesis:
+        P = np.eye(3)[list(SWAPS[words])]
+
+        def swapped(b: Body) -> Body:
+            off = b.inertia - np.diag(np.diag(b.inertia))
+            return replace(b, inertia=np.diag(np.diag(b.inertia)) + P @ off @ P.T)
+
+        return replace(h, place="edit", act=lambda d, items: d.with_bodies(swapped, items), terms=MASSIVE, values=words)
+
+    return [one(words) for words in SWAPS]
+
+
+ORDERS = {
+    "xx xy yy xz yz zz": ("xx", "xy", "yy", "xz", "yz", "zz"),
+    "xx yy zz xy xz yz": ("xx", "yy", "zz", "xy", "xz", "yz"),
+    "xx yy zz yz xz xy": ("xx", "yy", "zz", "yz", "xz", "xy"),
+    "xx yy zz xy yz xz": ("xx", "yy", "zz", "xy", "yz", "xz"),
+}
+
+
+@proposer("inertia_order", "the six numbers of <inertia> are read in another order", "read ixx ... izz by name, not by place")
+def inertia_order(h: Hypothesis, case: object) -> list[Hypothesis]:
+    def one(order: str) -> Hypothesis:
+        def edit(d: Description, items: Sequence[str]) -> Description:
+            return d.with_bodies(lambda b: replace(b, inertia=_read(b.inertia, ORDERS[order])), items)
+
+        return replace(h, place="edit", act=edit, terms=MASSIVE, values=order)
+
+    return [one(order) for order in ORDERS]
+
+
+def _read(I: np.ndarray, order: Sequence[str]) -> np.ndarray:
+    """The file's xx xy xz yy yz zz, taken for `order`."""
+    values = dict(zip(order, (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2]), strict=True))
+    out = np.zeros((3, 3))
+    for name, x in values.items():
+        i, j = ("xyz".index(c) for c in name)
+        out[i, j] = out[j, i] = x
+    return out
+
+
+@link_rule("moments_swapped", "ixx and izz are swapped", "read ixx, iyy and izz by name", MASSIVE, cost=1.1)
+def moments_swapped(b: Body) -> Body:
+    I = b.inertia.copy()
+    I[0, 0], I[2, 2] = b.inertia[2, 2], b.inertia[0, 0]
+    return replace(b, inertia=I)
+
+
+@link_rule("no_rotational", "links are point masses", "add the rotational inertia about the centre of mass", MASSIVE)
+def point_mass(b: Body) -> Body:
+    return replace(b, inertia=np.zeros((3, 3)))
+
+
+@link_rule(
+    "principal", "inertia is replaced by its sorted principal moments",
+    "keep the axes that belong to the principal moments, or use all six numbers", MASSIVE, cost=1.1,
+)  # fmt: skip
+def principal(b: Body) -> Body:
+    return replace(b, inertia=np.diag(np.linalg.eigvalsh(b.inertia)))
+
+
+@link_rule("massless", "the link's mass and inertia are left out", "count every link that has an <inertial>", cost=1.2)
+def massless(b: Body) -> Body | None:
+    return None
+
+
+@link_rule(
+    "from_shapes", "inertia is computed from collision shapes, not read (here there are none)",
+    "ask the loader for the inertia of the file (PyBullet: flags=URDF_USE_INERTIA_FROM_FILE)", MASSIVE, cost=1.1,
+)  # fmt: skip
+def from_shapes(b: Body) -> Body:
+    return replace(b, inertia=b.mass * 2e-6 / 3 * np.eye(3))  # a box with half a millimetre of margin each way
+
+
+@proposer("default_mass", "links without <inertial> weigh 1 kg, with inertia 1", "a link without <inertial> has no mass")
+def default_mass(h: Hypothesis, case: object) -> list[Hypothesis]:
+    unit = Body(1.0, np.zeros(3), np.zeros(3), np.eye(3), np.eye(3))
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        parts = tuple(replace(p, body=unit) if p.body is None else p for p in d.parts)
+        return replace(d, base=d.base or unit, parts=parts)
+
+    return [replace(h, place="edit", act=edit, terms=INERTIAL)]
+
+
+@proposer(
+    "single_precision", "numbers of the file are rounded to single precision",
+    "keep the model's constants in double precision",
+)  # fmt: skip
+def file_in_single_precision(h: Hypothesis, case: object) -> list[Hypothesis]:
+    def single(x: np.ndarray) -> np.ndarray:
+        return np.asarray(np.asarray(x, np.float32), float)
+
+    def body(b: Body) -> Body:
+        rpy = single(b.rpy)
+        return Body(float(np.float32(b.mass)), single(b.com), rpy, fixed_axes(rpy), single(b.inertia))
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        def part(p: object, _: Description) -> object:
+            rpy = single(p.rpy)  # type: ignore[attr-defined]
+            axis = None if p.axis is None else single(p.axis)  # type: ignore[attr-defined]
+            return replace(p, position=single(p.position), rpy=rpy, rotation=fixed_axes(rpy), axis=axis)  # type: ignore[attr-defined, type-var]
+
+        return d.with_bodies(body).with_parts(part)  # type: ignore[arg-type]
+
+    return [replace(h, place="edit", act=edit, terms=ALL)]

@@ -1,0 +1,131 @@
+"""Mistakes in merging what fixed joints hold together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..description import Body, Description, Part, homogeneous, steiner
+from ..hypothesis import INERTIAL, MASSIVE, Hypothesis, joint_rule, proposer
+
+MERGE = "carry the inertia of a fixed link by the whole pose of its joint: R I R^T, then Steiner"
+
+
+def _held(p: Part) -> bool:
+    return not p.moves and p.body is not None and p.body.mass > 0
+
+
+@joint_rule("fixed_dropped", "the inertia of fixed links is dropped", "count the links on fixed joints", INERTIAL)
+def fixed_dropped(p: Part, d: Description) -> Part:
+    return replace(p, body=None) if _held(p) else p
+
+
+def _standing(p: Part, change: Callable[[Body], Body]) -> Part:
+    return replace(p, body=change(p.body)) if _held(p) and p.body is not None else p
+
+
+def _unturned(p: Part) -> Part:
+    return _standing(p, lambda b: replace(b, com=p.rotation.T @ b.com, rotation=p.rotation.T @ b.rotation))
+
+
+def _unshifted(p: Part) -> Part:
+    return _standing(p, lambda b: replace(b, com=b.com - p.rotation.T @ p.position))
+
+
+@joint_rule("merge_turn", "fixed links' inertia is merged without the joint's rotation", MERGE, INERTIAL)
+def merge_turn(p: Part, d: Description) -> Part:
+    return _unturned(p)
+
+
+@joint_rule("merge_shift", "fixed links' inertia is merged without the joint's translation", MERGE, INERTIAL)
+def merge_shift(p: Part, d: Description) -> Part:
+    return _unshifted(p)
+
+
+@joint_rule("merge_both", "fixed links' inertia is merged without the joint's placement", MERGE, INERTIAL)
+def merge_both(p: Part, d: Description) -> Part:
+    unshifted = _unshifted(p)
+    return replace(unshifted, body=_unturned(unshifted).body)
+
+
+@joint_rule(
+    "merge_tensor_unturned", "fixed links' inertia tensor is merged without the joint's rotation, their centre with it",
+    MERGE, MASSIVE,
+)  # fmt: skip
+def merge_tensor_unturned(p: Part, d: Description) -> Part:
+    return _standing(p, lambda b: replace(b, rotation=p.rotation.T @ b.rotation))
+
+
+@proposer("merge_steiner", "bodies of several links are merged without Steiner's term", "merging adds m (r.r 1 - r r^T) of each link")
+def merge_steiner(h: Hypothesis, case: object) -> list[Hypothesis]:
+    """Inertias about their own centres are simply added: each lacks Steiner's term to the common centre."""
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        where = _in_carriers(d)
+        mass: dict[str, float] = {}
+        moment: dict[str, np.ndarray] = {}
+        for p in d.parts:
+            if p.body is not None:
+                carrier, H = where[p.link]
+                mass[carrier] = mass.get(carrier, 0.0) + p.body.mass
+                c = (H @ np.append(p.body.com, 1.0))[:3]
+                moment[carrier] = moment.get(carrier, np.zeros(3)) + p.body.mass * c
+
+        def part(p: Part, _: Description) -> Part:
+            if p.body is None:
+                return p
+            carrier, H = where[p.link]
+            if not mass[carrier] > 0:
+                return p
+            centre = (np.linalg.inv(H) @ np.append(moment[carrier] / mass[carrier], 1.0))[:3]
+            lost = steiner(p.body.mass, p.body.com - centre)
+            return replace(p, body=p.body.turned(p.body.in_link - lost)) if np.abs(lost).max() > 1e-13 else p
+
+        return d.with_parts(part)
+
+    return [replace(h, place="edit", act=edit, terms=MASSIVE)]
+
+
+def _in_carriers(d: Description) -> dict[str, tuple[str, np.ndarray]]:
+    """For every link: the link that moves it, and its pose there."""
+    found = {d.root: (d.root, np.eye(4))}
+    for p in d.parts:
+        carrier, H = found[p.parent]
+        found[p.link] = (p.link, np.eye(4)) if p.moves else (carrier, H @ p.pose)
+    return found
+
+
+def _chained(breadth: bool) -> Callable[[Description, Sequence[str]], Description]:
+    """Fixed links of one body placed one after another, as if each were fixed to the last."""
+
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        below: dict[str, list[Part]] = {}
+        for p in d.parts:
+            if not p.moves:
+                below.setdefault(p.parent, []).append(p)
+        new: dict[str, Body] = {}
+        for start in (p.link for p in d.parts if p.moves):
+            true, chain, todo = {start: np.eye(4)}, np.eye(4), list(below.get(start, []))
+            while todo:
+                p = todo.pop(0)
+                true[p.link], chain = true[p.parent] @ p.pose, chain @ p.pose
+                if p.body is not None:
+                    H = np.linalg.inv(true[p.link]) @ chain @ homogeneous(p.body.rotation, p.body.com)
+                    new[p.link] = replace(p.body, rotation=H[:3, :3], com=H[:3, 3])
+                todo = todo + below.get(p.link, []) if breadth else below.get(p.link, []) + todo
+        return d.with_parts(lambda p, _: replace(p, body=new[p.link]) if p.link in new else p)
+
+    return edit
+
+
+@proposer(
+    "chained", "fixed links of one body are placed one after another, as if in a chain",
+    "place each fixed link on its own parent",
+)  # fmt: skip
+def chained(h: Hypothesis, case: object) -> list[Hypothesis]:
+    return [
+        replace(h, place="edit", act=_chained(breadth), terms=INERTIAL, values="breadth first" if breadth else "")
+        for breadth in (False, True)
+    ]

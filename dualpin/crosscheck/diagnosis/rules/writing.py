@@ -1,0 +1,243 @@
+"""Conventions: columns, rows, axes, and what the sent numbers are taken for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...subjects.convention import BASE_V
+from ..case import Case, States, View
+from ..description import Description
+from ..hypothesis import ALL, SIX, Hypothesis, Wording, proposer, rule
+
+SAY = "say so in the subject's Convention"
+LINEAR = ("body", "world", "origin")
+SEEN = {
+    "world": "about the origin of the world", "local": "in the frame's own axes",
+    "local_world_aligned": "at the frame, in world axes",
+}  # fmt: skip
+STANDS = {
+    "body": "in its own axes", "world": "in world axes", "origin": "of the point at the origin of the world"
+}  # fmt: skip
+
+
+def _saying(h: Hypothesis, terms: tuple[str, ...], **words: str) -> Hypothesis:
+    def act(w: Wording) -> Wording:
+        return replace(w, how=replace(w.how, **words))
+
+    return replace(h, terms=terms, place="word", act=act)
+
+
+@rule("rows", "six-vectors have their other part first", f"{SAY} (rows=)", (*SIX, "centroidal_momentum_matrix"), "word")
+def rows(w: Wording) -> Wording:
+    r = w.how.rows
+    return replace(w, how=replace(w.how, rows=(*r[3:], *r[:3])))
+
+
+@proposer("reference_*", "Jacobians are of another reference: reference_world, reference_local, ...", f"{SAY} (reference=)")
+def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [
+        replace(_saying(h, SIX, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
+        for r, seen in SEEN.items() if r != case.how.reference
+    ]  # fmt: skip
+
+
+@proposer("angular_*", "the base's angular velocity is in other axes: angular_body, angular_world", f"{SAY} (angular=)")
+def angular(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [
+        replace(_saying(h, ALL, angular=x), key=f"angular_{x}", says=f"the base's angular velocity is {STANDS[x]}")
+        for x in LINEAR[:2] if case.floating and x != case.how.angular
+    ]  # fmt: skip
+
+
+@proposer("linear_*", "the base's linear velocity is another: linear_body, linear_world, linear_origin", f"{SAY} (linear=)")
+def linear(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [
+        replace(_saying(h, ALL, linear=x), key=f"linear_{x}", says=f"the base's linear velocity is {STANDS[x]}")
+        for x in LINEAR if case.floating and x != case.how.linear
+    ]  # fmt: skip
+
+
+@proposer("base_at_com", "the base's velocity is that of its centre of mass", "give the velocity of the base link's origin")
+def base_at_com(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    base = case.description.base
+    if not case.floating or base is None or not base.com.any():
+        return []
+    point = tuple(float(x) for x in base.com)
+    return [replace(h, terms=ALL, place="word", act=lambda w: replace(w, point=point))]
+
+
+@proposer("quaternion", "the quaternion is read in the other order", f"{SAY} (q=): qw qx qy qz, or qx qy qz qw")
+def quaternion(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    if not case.floating:
+        return []
+
+    def act(w: Wording) -> Wording:
+        q = list(w.how.q)
+        first = min(q.index(n) for n in ("qw", "qx", "qy", "qz"))
+        scalar_first = q[first] == "qw"
+        q[first : first + 4] = ["qx", "qy", "qz", "qw"] if scalar_first else ["qw", "qx", "qy", "qz"]
+        return replace(w, how=replace(w.how, q=tuple(q)))
+
+    last = "last" if case.how.q.index("qw") < case.how.q.index("qx") else "first"
+    return [replace(h, says=f"the quaternion's scalar is {last}", terms=ALL, place="word", act=act)]
+
+
+@rule(
+    "base_order", "the base's velocity has its other part first", f"{SAY} (v=)", ALL, "word", when=lambda case: case.floating
+)
+def base_order(w: Wording) -> Wording:
+    v = w.how.v
+    start = min(v.index(n) for n in BASE_V)
+    base = v[start : start + 6]
+    return replace(w, how=replace(w.how, v=(*v[:start], *base[3:], *base[:3], *v[start + 6 :])))
+
+
+@proposer("order", "joints are in another order", f"{SAY} (q=, v=): names decide, so list them as the subject has them")
+def order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    here = [n for n in case.how.v if n in {p.joint for p, _ in case.parts()}]
+    found: dict[tuple[str, ...], Hypothesis] = {tuple(here): h}
+    for words, names in orders(case.description, here).items():
+        if len(names) == len(here):
+            act = _reordered(here, names)
+            found.setdefault(tuple(names), replace(h, says=f"joints are {words}", terms=ALL, place="word", act=act))
+    return list(found.values())[1:]
+
+
+def _reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
+    to = dict(zip(here, names, strict=True))
+
+    def act(w: Wording) -> Wording:
+        q, v = (tuple(to.get(n, n) for n in columns) for columns in (w.how.q, w.how.v))
+        return replace(w, how=replace(w.how, q=q, v=v))
+
+    return act
+
+
+def orders(d: Description, wanted: Sequence[str]) -> dict[str, list[str]]:
+    """The orders in which libraries number joints."""
+    by_parent: dict[str, list[str]] = {}
+    for p in d.parts:
+        by_parent.setdefault(p.parent, []).append(p.joint)
+    link = {p.joint: p.link for p in d.parts}
+    breadth, level = [], list(by_parent.get(d.root, []))
+    while level:
+        breadth += level
+        level = [j for joint in level for j in by_parent.get(link[joint], [])]
+    listed = {
+        "in alphabetical order": sorted(link), "in the order in which the file lists them": list(d.listed),
+        "in the file's order, reversed": list(d.listed)[::-1],
+        "depth first, siblings by name": [p.joint for p in d.parts], "breadth first, siblings by name": breadth,
+        "in the declared order, reversed": list(wanted)[::-1],
+    }  # fmt: skip
+    return {words: [n for n in names if n in set(wanted)] for words, names in listed.items()}
+
+
+@proposer("axis_sign_v", "the sign of joint axes counts for positions, not for velocities and forces", "use <axis> with its sign throughout")
+def axis_sign_v(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    names = {p.joint for p, _ in case.parts() if p.kind in ("revolute", "continuous", "prismatic") and p.unit_axis.min() < -1e-12}
+    turned = tuple(n for n in case.how.v if n in names)
+    if not turned:
+        return []
+    each = [(n,) for n in turned] if len(turned) > 1 else []
+    return [
+        replace(
+            h, terms=ALL, place="word", act=lambda w, t=t: replace(w, turned=t), items=t if single else (), single=single,
+            cost=2.0 if single else 1.0, values="" if single else ", ".join(turned[:6]),
+        )
+        for t, single in [(turned, False), *((t, True) for t in each)]
+    ]  # fmt: skip
+
+
+# --- what the sent numbers are taken for ---------------------------------------------------------
+
+
+def _angles(case: Case, q: np.ndarray, scale: float) -> np.ndarray:
+    q = q.copy()
+    for j in case.robot:
+        if j.mimic is None:
+            for i, what in zip(range(j.q.start, j.q.stop), j.model.coordinates, strict=True):
+                if what == "angle":
+                    q[:, i] *= scale
+    return q
+
+
+@rule("degrees", "angles are read as degrees", "pass angles in the unit that the subject reads", ALL, "state")
+def degrees(view: View) -> States:
+    return {**view.states, "q": _angles(view.case, view.states["q"], np.pi / 180)}
+
+
+@rule("degrees_rates", "angles, their rates and accelerations are read as degrees", "pass them in the unit that the subject reads", ALL, "state")
+def degrees_rates(view: View) -> States:
+    s, k = view.states, np.pi / 180
+    turns = view.case.per_velocity(lambda p: 1.0 if p.kind in ("revolute", "continuous") else 0.0) > 0
+    scale = np.where(turns, k, 1.0)
+    return {**s, "q": _angles(view.case, s["q"], k), "v": s["v"] * scale, "a": s["a"] * scale}
+
+
+@rule("degrees", "all coordinates are read as degrees, lengths too", "pass lengths in metres", ALL, "state", cost=1.1,
+      when=lambda case: any(p.kind == "prismatic" for p, _ in case.parts()))  # fmt: skip
+def degrees_everywhere(view: View) -> States:
+    base = 7 if view.case.floating else 0
+    q = view.states["q"].copy()
+    q[:, base:] *= np.pi / 180
+    return {**view.states, "q": q}
+
+
+@rule("v_ignored", "velocities are ignored", "pass v, and use it", ("frame_velocity", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"), "state")
+def v_ignored(view: View) -> States:
+    return {**view.states, "v": 0 * view.states["v"]}
+
+
+@rule("a_ignored", "accelerations are ignored", "pass a, and use it", ("rnea",), "state")
+def a_ignored(view: View) -> States:
+    return {**view.states, "a": 0 * view.states["a"]}
+
+
+@rule("q_ignored", "positions are ignored", "pass q, and use it", ALL, "state", cost=1.2)
+def q_ignored(view: View) -> States:
+    n = len(view.states["q"])
+    return {**view.states, "q": np.broadcast_to(view.robot.neutral, (n, view.robot.nq)).copy()}
+
+
+@rule("base_pose", "the base's pose is ignored", "pass the base's position and quaternion", ALL, "state", when=lambda case: case.floating)
+def base_pose(view: View) -> States:
+    q = view.states["q"].copy()
+    q[:, :7] = (0, 0, 0, 1, 0, 0, 0)
+    return {**view.states, "q": q}
+
+
+@rule("base_turn", "the base's orientation is inverted", "pass the quaternion that turns the base's axes into the world's", ALL, "state", when=lambda case: case.floating)
+def base_turn(view: View) -> States:
+    q = view.states["q"].copy()
+    q[:, 4:7] *= -1
+    return {**view.states, "q": q}
+
+
+@rule("single_precision", "the states are rounded to single precision", "pass arrays of doubles", ALL, "state", cost=1.1)
+def states_in_single_precision(view: View) -> States:
+    return {k: np.asarray(x, np.float32).astype(float) for k, x in view.states.items()}
+
+
+def _mimics(case: Case) -> bool:
+    return not case.robot.coupled and bool(case.description.mimics)
+
+
+@proposer("mimic", "joints with <mimic> follow their leader", "pass the followers' coordinates as they are, or say mimic=True")
+def mimic(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(multiplied: bool, shifted: bool) -> Callable[[View], States]:
+        def act(view: View) -> States:
+            q = view.states["q"].copy()
+            for name, (leader, k, offset) in case.description.mimics.items():
+                a, b = case.robot.joint(name), case.robot.joint(leader)
+                q[:, a.q] = (k if multiplied else 1.0) * q[:, b.q] + (offset if shifted else 0.0)
+            return {**view.states, "q": q}
+
+        return act
+
+    if not _mimics(case):
+        return []
+    ways = {"": (True, True), "without the offset": (True, False), "without the multiplier": (False, True)}
+    return [replace(h, terms=ALL, place="state", act=one(*way), values=words) for words, way in ways.items()]

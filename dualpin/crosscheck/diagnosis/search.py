@@ -1,0 +1,204 @@
+"""The smallest stories under which the subject's answer to one term is right.
+
+Single hypotheses first, those about one link or joint too; then the links and joints of a promising
+family together; then pairs and triples, from the stories that came nearest.  Nearness is the share of
+entries that are right, and the root mean square: the worst entry hides what a partial story repairs.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from . import rules  # noqa: F401  (they register themselves)
+from .case import Case, Score
+from .fits import fits
+from .hypothesis import RULES, Hypothesis, Story, cost, identity, ordered
+
+DEPTH = 3
+BEAM = 8
+LARGE = 40  # joints from which pairs of single links are not tried
+
+
+@dataclass
+class Explanation:
+    """What was found about one term.
+
+    Attributes
+    ----------
+    before : float
+        The error without a story.
+    stories : list of Story
+        Those that explain it, the cheapest first, with the errors that they leave.
+    nearest : Story
+        Where none does: the one that comes nearest, with its score.
+    """
+
+    term: str
+    before: Score
+    stories: list[Story] = field(default_factory=list)
+    after: list[float] = field(default_factory=list)
+    nearest: Story = ()
+    left: Score | None = None
+
+    @property
+    def named(self) -> bool:
+        return bool(self.stories)
+
+
+class Catalogue:
+    """All hypotheses of a case, proposed once."""
+
+    def __init__(self, case: Case) -> None:
+        self.all: list[Hypothesis] = [h for rule in RULES for h in rule.propose(case)]
+
+    def of(self, term: str, single: bool) -> list[Hypothesis]:
+        return [h for h in self.all if term in h.terms and h.single == single]
+
+
+@dataclass(order=True)
+class _Near:
+    """A story that does not explain all, by how near it comes."""
+
+    rank: tuple[float, float, float]
+    story: Story = field(compare=False)
+    score: Score = field(compare=False)
+
+
+def explain(
+    case: Case, term: str, catalogue: Catalogue, first: Sequence[Story] = (), budget: float = 30.0,
+    tick: Callable[[str], None] = lambda what: None,
+) -> Explanation:  # fmt: skip
+    """Look for the stories of one term; stories that explained other terms are tried first."""
+    search = _Search(case, term, time.monotonic() + budget)
+    found = Explanation(term, case.score(term))
+    search.consider([tuple(h for h in s if term in h.terms) for s in first])
+    whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
+    beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
+    for depth in range(1, DEPTH + 1):
+        if depth > 1 and (search.good or search.late):
+            break
+        tick(f"{term}: {'single causes' if depth == 1 else f'{depth} causes together'}")
+        level: list[Story] = []
+        for story in beam:
+            more = [*fits(case, term, story), *whole]
+            if depth == 1 or (depth == 2 and len(case.robot) <= LARGE):
+                more += single
+            level += [ordered((*story, h)) for h in more if _joins(h, story)]
+        near = search.consider(level)
+        if depth == 1 and not search.good:
+            near += search.consider(search.toggled(single, found.before))
+        beam = _kept(near)
+    found.stories = _cheapest(search.good.values())
+    found.after = [case.score(term, s).error for s in found.stories]
+    if not found.stories and search.near:
+        best = min(search.near)
+        found.nearest, found.left = best.story, best.score
+    return found
+
+
+def _joins(h: Hypothesis, story: Story) -> bool:
+    """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
+    return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
+
+
+class _Search:
+    """What was tried for one term."""
+
+    def __init__(self, case: Case, term: str, until: float) -> None:
+        self.case, self.term, self.until = case, term, until
+        self.good: dict[frozenset[object], Story] = {}
+        self.near: list[_Near] = []
+        self.seen: set[frozenset[object]] = {frozenset()}
+
+    @property
+    def late(self) -> bool:
+        return time.monotonic() > self.until
+
+    def consider(self, stories: Iterable[Story]) -> list[_Near]:
+        """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
+        fresh = {}
+        for s in stories:
+            key = identity(s)
+            if s and key not in self.seen:
+                self.seen.add(key)
+                fresh[key] = s
+        todo, found = list(fresh.values()), []
+        for start in range(0, len(todo), 200):
+            if self.late and start:
+                break
+            block = todo[start : start + 200]
+            for story, score in zip(block, self.case.scores(self.term, block), strict=True):
+                if score.error < self.case.tolerance:
+                    self.good[identity(story)] = story
+                elif np.isfinite(score.error):
+                    claim = 0.02 * cost(story)
+                    found.append(_Near((claim - score.share, score.rms, cost(story)), story, score))
+        self.near += found
+        return found
+
+    def toggled(self, single: Sequence[Hypothesis], before: Score) -> list[Story]:
+        """For each family: the links or joints that together come nearest, added one at a time while that helps."""
+        families: dict[tuple[str, str, str], list[Hypothesis]] = {}
+        for h in single:
+            families.setdefault((h.key, h.says, h.values), []).append(h)
+        out = []
+        for family in families.values():
+            story = self._toggle(family, before.rms)
+            if story:
+                out.append(story)
+        return out
+
+    def _toggle(self, family: Sequence[Hypothesis], rms: float) -> Story:
+        chosen: list[Hypothesis] = []
+        while not self.late:
+            rest = [h for h in family if h not in chosen]
+            scores = self.case.scores(self.term, [(_merged([*chosen, h]),) for h in rest])
+            best = min(range(len(rest)), key=lambda k: scores[k].rms, default=None)
+            if best is None or not scores[best].rms < rms * (1 - 1e-9):
+                break
+            chosen.append(rest[best])
+            rms = scores[best].rms
+            if scores[best].error < self.case.tolerance:
+                break
+        return (_merged(chosen),) if len(chosen) > 1 else ()
+
+
+def _merged(chosen: Sequence[Hypothesis]) -> Hypothesis:
+    """One hypothesis about several links or joints."""
+    if len(chosen) == 1:
+        return chosen[0]
+    items = tuple(sorted(i for h in chosen for i in h.items))
+    first = chosen[0]
+    if first.place == "word":  # each names its columns itself
+        acts = [h.act for h in chosen]
+
+        def act(w: object) -> object:
+            turned: list[str] = []
+            for f in acts:
+                w = f(w)
+                turned += w.turned  # type: ignore[attr-defined]
+            return replace(w, turned=tuple(turned))  # type: ignore[type-var]
+
+        return replace(first, items=items, act=act, cost=1.0 + 0.5 * len(chosen))
+    return replace(first, items=items, cost=1.0 + 0.5 * len(chosen))
+
+
+def _kept(near: Sequence[_Near]) -> list[Story]:
+    """The most promising, by share and by root mean square; one of those that predict the same."""
+    distinct: dict[tuple[float, float], _Near] = {}
+    for n in sorted(near):
+        distinct.setdefault((round(n.score.share, 9), float(f"{n.score.rms:.9g}")), n)
+    by_share = list(distinct.values())
+    by_rms = sorted(by_share, key=lambda n: n.score.rms)
+    chosen = {id(n): n for n in (*by_share[: BEAM // 2], *by_rms[: BEAM // 2])}
+    return [n.story for n in chosen.values()]
+
+
+def _cheapest(stories: Iterable[Story]) -> list[Story]:
+    """Those that claim little more than the cheapest."""
+    found = sorted(stories, key=lambda s: (cost(s), len(s)))
+    return [s for s in found if cost(s) <= cost(found[0]) + 1.01][:24]

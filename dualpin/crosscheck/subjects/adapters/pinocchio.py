@@ -1,0 +1,101 @@
+"""Pinocchio, as its Python binding writes: linear first, quaternions x y z w, the base's twist in its own axes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+REQUIRES = ("pin==4.1.0",)
+BASE_Q = ("x", "y", "z", "qx", "qy", "qz", "qw")
+BASE_V = ("vx", "vy", "vz", "wx", "wy", "wz")
+
+
+class Subject:
+    """One robot in Pinocchio."""
+
+    name, version = "pinocchio", pin.__version__
+
+    def __init__(self, urdf: str, floating: bool, gravity: Any) -> None:
+        root = (pin.JointModelFreeFlyer(),) if floating else ()
+        self.m = pin.buildModelFromUrdf(urdf, *root)
+        self.m.gravity.linear = np.asarray(gravity, float)
+        self.d = self.m.createData()
+        self.axial = [j for j in list(self.m.joints)[1:] if j.nv == 1]
+        joints = [self.m.names[j.id] for j in self.axial]
+        self.writes = {
+            "q": [*(BASE_Q if floating else ()), *joints], "v": [*(BASE_V if floating else ()), *joints], "rows": BASE_V
+        }  # fmt: skip
+        self.base = 7 if floating else 0
+
+    def _q(self, q: np.ndarray) -> np.ndarray:
+        """Continuous joints are pairs (cos, sin) in Pinocchio."""
+        out = np.zeros(self.m.nq)
+        out[: self.base] = q[: self.base]
+        for j, x in zip(self.axial, q[self.base :], strict=True):
+            out[j.idx_q : j.idx_q + j.nq] = x if j.nq == 1 else (np.cos(x), np.sin(x))
+        return out
+
+    def _frame(self, frame: str) -> int:
+        if not self.m.existBodyName(frame):
+            raise KeyError(frame)
+        return int(self.m.getBodyId(frame))
+
+    def fk(self, q: np.ndarray, frame: str) -> np.ndarray:
+        pin.framesForwardKinematics(self.m, self.d, self._q(q))
+        return np.array(self.d.oMf[self._frame(frame)].homogeneous)
+
+    def jacobian(self, q: np.ndarray, frame: str) -> np.ndarray:
+        pin.computeJointJacobians(self.m, self.d, self._q(q))
+        pin.updateFramePlacements(self.m, self.d)
+        return np.array(pin.getFrameJacobian(self.m, self.d, self._frame(frame), pin.LOCAL_WORLD_ALIGNED))
+
+    def jacobian_dot(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
+        pin.computeJointJacobiansTimeVariation(self.m, self.d, self._q(q), v)
+        pin.updateFramePlacements(self.m, self.d)
+        at = pin.LOCAL_WORLD_ALIGNED
+        return np.array(pin.getFrameJacobianTimeVariation(self.m, self.d, self._frame(frame), at))
+
+    def frame_velocity(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
+        pin.forwardKinematics(self.m, self.d, self._q(q), v)
+        pin.updateFramePlacements(self.m, self.d)
+        return np.array(pin.getFrameVelocity(self.m, self.d, self._frame(frame), pin.LOCAL_WORLD_ALIGNED).vector)
+
+    def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        return np.array(pin.rnea(self.m, self.d, self._q(q), v, a))
+
+    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.array(pin.nonLinearEffects(self.m, self.d, self._q(q), v))
+
+    def gravity(self, q: np.ndarray) -> np.ndarray:
+        return np.array(pin.computeGeneralizedGravity(self.m, self.d, self._q(q)))
+
+    def crba(self, q: np.ndarray) -> np.ndarray:
+        M = np.triu(pin.crba(self.m, self.d, self._q(q)))
+        return np.array(M + np.triu(M, 1).T)
+
+    def minv(self, q: np.ndarray) -> np.ndarray:
+        W = np.triu(pin.computeMinverse(self.m, self.d, self._q(q)))
+        return np.array(W + np.triu(W, 1).T)
+
+    def coriolis(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.array(pin.computeCoriolisMatrix(self.m, self.d, self._q(q), v))
+
+    def aba(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        return np.array(pin.aba(self.m, self.d, self._q(q), v, tau))
+
+    def com(self, q: np.ndarray) -> np.ndarray:
+        return np.array(pin.centerOfMass(self.m, self.d, self._q(q)))
+
+    def com_jacobian(self, q: np.ndarray) -> np.ndarray:
+        return np.array(pin.jacobianCenterOfMass(self.m, self.d, self._q(q)))
+
+    def centroidal_momentum_matrix(self, q: np.ndarray) -> np.ndarray:
+        return np.array(pin.computeCentroidalMap(self.m, self.d, self._q(q)))
+
+    def kinetic_energy(self, q: np.ndarray, v: np.ndarray) -> float:
+        return float(pin.computeKineticEnergy(self.m, self.d, self._q(q), v))
+
+    def potential_energy(self, q: np.ndarray) -> float:
+        return float(pin.computePotentialEnergy(self.m, self.d, self._q(q)))

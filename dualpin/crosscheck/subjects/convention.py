@@ -1,0 +1,144 @@
+"""How a subject writes what it computes: which column is what, and in which frame it is expressed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+from ...errors import ArgumentError, nearest
+from ...model.robot import Joint, Robot
+
+BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
+BASE_V = ("wx", "wy", "wz", "vx", "vy", "vz")
+WORDS = {
+    "angular": ("body", "world"),
+    "linear": ("body", "world", "origin"),
+    "reference": ("local_world_aligned", "world", "local"),
+}
+_PARTS = {  # of joints with several coordinates: the endings of their columns in q and in v
+    "floating": (BASE_Q, BASE_V),
+    "planar": (("x", "y", "angle"), ("vx", "vy", "w")),
+    "cylindrical": (("angle", "slide"), ("angle", "slide")),
+    "spherical": (("qw", "qx", "qy", "qz"), ("wx", "wy", "wz")),
+}
+
+
+@dataclass(frozen=True)
+class Convention:
+    """How a subject writes: its columns by name, its six-vectors' rows, and the frames it means.
+
+    Names decide, never places: a subject lists its own columns in its own order.
+
+    Parameters
+    ----------
+    q : tuple of str
+        Its coordinates: a joint's name, or x y z qw qx qy qz of a floating base.  A joint with several
+        coordinates has ``joint.qw``, ``joint.angle``, ...
+    v : tuple of str
+        Its velocities: a joint's name, or wx wy wz vx vy vz of a floating base.
+    rows : tuple of str
+        Of six-vectors: wx wy wz vx vy vz in its order (for momenta: of l and p).
+    angular : str
+        The base's angular velocity is in the axes of the "body" or of the "world".
+    linear : str
+        The base's linear velocity is that of its origin in the axes of the "body" or of the "world", or
+        that of the body's point at the world's "origin" (the spatial velocity).
+    reference : str
+        Of its Jacobians: "local_world_aligned" (at the frame, in world axes), "world" or "local".
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.Convention(q=("elbow", "wrist"), v=("elbow", "wrist")).reference
+    'local_world_aligned'
+    """
+
+    q: tuple[str, ...]
+    v: tuple[str, ...]
+    rows: tuple[str, ...] = BASE_V
+    angular: str = "body"
+    linear: str = "body"
+    reference: str = "local_world_aligned"
+
+    def __post_init__(self) -> None:
+        for name in ("q", "v", "rows"):
+            object.__setattr__(self, name, _names(name, getattr(self, name)))
+        if sorted(self.rows) != sorted(BASE_V):
+            raise ArgumentError(f"Convention: rows must hold {' '.join(BASE_V)} once each; got {' '.join(self.rows)}")
+        for word, choices in WORDS.items():
+            given = getattr(self, word)
+            if given not in choices:
+                raise ArgumentError(f"Convention: {word} {given!r} is not known; {nearest(str(given), choices)}")
+
+    @classmethod
+    def of(cls, robot: Robot) -> Convention:
+        """How dualpin itself writes."""
+        q, v = columns(robot)
+        return cls(q, v)
+
+    @classmethod
+    def read(cls, said: Mapping[str, Any], robot: Robot) -> Convention:
+        """From what ``subject.json`` or a mapping says; what is not said is as dualpin writes."""
+        known = {"q", "v", "rows", *WORDS}
+        unknown = sorted(set(said) - known)
+        if unknown:
+            raise ArgumentError(f"Convention: {unknown[0]!r} is not known; {nearest(unknown[0], known)}")
+        q, v = columns(robot)
+        return cls(**{"q": q, "v": v, **said})
+
+    def to_dict(self) -> dict[str, Any]:
+        return {k: list(x) if isinstance(x, tuple) else x for k, x in asdict(self).items()}
+
+
+class Subject(Protocol):
+    """What is judged: it says who it is and how it writes; whatever terms it has are methods.
+
+    Any of the names of `dualpin.crosscheck.subjects.QUESTIONS` may be a method: ``fk(q, frame)``,
+    ``jacobian(q, frame)``, ``rnea(q, v, a)``, ``crba(q)``, ...  It is asked one state a call, unless it
+    sets ``batched = True`` and takes arrays with a leading axis.  ``fk`` returns a 4x4 matrix, or
+    x y z qw qx qy qz.  An exception means "not answered".
+    """
+
+    name: str
+    version: str
+    writes: Convention
+
+
+def columns(robot: Robot) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The names of a robot's columns of q and of v, in dualpin's order."""
+    q, v = [""] * robot.nq, [""] * robot.nv
+    for j in robot:
+        if j.mimic is None:
+            of_q, of_v = _columns_of(robot, j)
+            q[j.q], v[j.v] = of_q, of_v
+    return tuple(q), tuple(v)
+
+
+def base_of(robot: Robot) -> Joint | None:
+    """The joint that lets the base float, if it does."""
+    first = robot.joints[0] if robot.joints else None
+    return first if first is not None and first.kind == "floating" and first.parent is None else None
+
+
+def _columns_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
+    if joint is base_of(robot):
+        return BASE_Q, BASE_V
+    if joint.model.nq == joint.model.nv == 1:
+        return [joint.name], [joint.name]
+    counts = [str(i) for i in range(joint.model.nq)], [str(i) for i in range(joint.model.nv)]
+    q, v = _PARTS.get(joint.kind, counts)
+    return [f"{joint.name}.{x}" for x in q], [f"{joint.name}.{x}" for x in v]
+
+
+def _names(what: str, given: Iterable[str]) -> tuple[str, ...]:
+    if isinstance(given, str):
+        raise ArgumentError(f"Convention: {what} must be a sequence of names, got the text {given!r}")
+    names = tuple(given)
+    wrong = [n for n in names if not isinstance(n, str)]
+    if wrong:
+        raise ArgumentError(f"Convention: {what} must hold names, got {wrong[0]!r}")
+    double = sorted({n for n in names if names.count(n) > 1})
+    if double:
+        raise ArgumentError(f"Convention: {what} names {double[0]!r} twice")
+    return names

@@ -1,0 +1,239 @@
+"""The exchange folder: what a program in any language reads and writes.
+
+    robot.urdf         the robot, without meshes
+    ask.json           format, floating, gravity, joints, frames, terms, samples, q, v
+    states.csv         sample, q.<column>..., v.<column>..., a.<column>..., tau.<column>...
+    answers/TERM.csv   what the program writes, with a header; columns in any order: names decide
+    subject.json       optional: name, version, rows, angular, linear, reference, as in `Convention`
+
+The columns of an answer are named in `HEADERS`; numbers have 17 significant digits.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import ArgumentError, nearest
+from .answers import Answers, poses
+from .asking import Asking
+from .convention import BASE_V, Convention, columns
+from .layout import Layout
+from .questions import FRAMED, QUESTIONS
+
+FORMAT = 1
+ENTRIES = {"com": ("x", "y", "z"), "kinetic_energy": ("value",), "potential_energy": ("value",), "frame_velocity": BASE_V}
+ROWS = {
+    "jacobian": BASE_V, "jacobian_dot": BASE_V, "centroidal_momentum_matrix": BASE_V, "com_jacobian": ("x", "y", "z")
+}  # fmt: skip
+POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
+MATRIX = tuple(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
+SQUARE = ("crba", "minv", "coriolis")
+
+
+def header(term: str, v: Sequence[str]) -> list[str]:
+    """The columns of ``answers/TERM.csv``."""
+    keys = ["sample", *(["frame"] if term in FRAMED else []), *(["row"] if term in ROWS or term in SQUARE else [])]
+    return [*keys, *(POSE if term == "fk" else ENTRIES.get(term, v))]
+
+
+def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> None:
+    """Everything a program needs to answer."""
+    q, v = columns(asking.robot)
+    terms = list(asking.terms if terms is None else terms)
+    ask = {
+        "format": FORMAT, "robot": asking.name, "floating": asking.floating, "mimic": asking.mimic,
+        "gravity": list(asking.gravity), "joints": [j.name for j in asking.robot if j.name in v],
+        "frames": list(asking.frames), "terms": terms, "samples": asking.samples, "seed": asking.seed,
+        "q": list(q), "v": list(v), "answers": {t: ",".join(header(t, v)) for t in terms},
+    }  # fmt: skip
+    try:
+        (folder / "answers").mkdir(parents=True, exist_ok=True)
+        (folder / "robot.urdf").write_text(asking.text, encoding="utf-8")
+        (folder / "ask.json").write_text(json.dumps(ask, indent=1) + "\n", encoding="utf-8")
+        with (folder / "states.csv").open("w", newline="", encoding="utf-8") as f:
+            out = csv.writer(f, lineterminator="\n")
+            named = {"q": q, "v": v, "a": v, "tau": v}
+            out.writerow(["sample", *(f"{k}.{n}" for k, names in named.items() for n in names)])
+            for i in range(asking.samples):
+                out.writerow([i, *(f"{x:.17g}" for k in named for x in asking.states[k][i])])
+    except OSError as e:
+        raise ArgumentError(f"ask: cannot write into {folder} ({e.strerror or e})") from None
+
+
+def is_folder(path: Path) -> bool:
+    return (path / "ask.json").is_file()
+
+
+def asked(folder: Path) -> dict[str, Any]:
+    """What ``ask.json`` says; an error where it is none."""
+    try:
+        ask = json.loads((folder / "ask.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        raise ArgumentError(f"judge: {folder / 'ask.json'} cannot be read ({e}); `dualpin ask` writes it") from None
+    if not isinstance(ask, dict) or ask.get("format") != FORMAT:
+        raise ArgumentError(f"judge: {folder / 'ask.json'} is of another format than {FORMAT}; write it anew with `dualpin ask`")
+    return ask
+
+
+def with_states(asking: Asking, folder: Path) -> Asking:
+    """The same robot at the states that were written into the folder, which must be of this robot."""
+    ask, (q, v) = asked(folder), columns(asking.robot)
+    for what, ours in (("q", q), ("v", v)):
+        if list(ours) != ask.get(what):
+            theirs = ask.get(what) or []
+            odd = next((n for n in theirs if n not in ours), None) or next((n for n in ours if n not in theirs), "the order")
+            raise ArgumentError(f"judge: {folder} was written for another robot than {asking.name}: {what} differs in {odd}")
+    rows = _rows(folder / "states.csv")
+    states = {
+        k: np.array([[_number(r, f"{k}.{n}", folder / "states.csv") for n in names] for r in rows])
+        for k, names in {"q": q, "v": v, "a": v, "tau": v}.items()
+    }
+    terms = tuple(t for t in asking.terms if t in ask["terms"])
+    found = replace(asking, states=states, terms=terms, seed=int(ask.get("seed", asking.seed)))
+    found.__dict__["frames"] = tuple(ask["frames"])
+    return found
+
+
+def read(asking: Asking, folder: Path, name: str = "") -> Answers:
+    """The answers in a folder; what is missing or malformed is said of its term."""
+    said = _subject(folder)
+    who = {k: said.pop(k, "") for k in ("name", "version")}
+    try:
+        how = Convention.read(said, asking.robot)
+        layout = Layout(asking.robot, how)
+    except (ArgumentError, TypeError) as e:
+        raise ArgumentError(f"judge: {folder / 'subject.json'}: {e}") from None
+    sent = _as_sent(asking, how)
+    asking = replace_states(asking, layout.back(sent))
+    answers = Answers(str(who["name"] or name or folder.name), str(who["version"]), how, asking, sent)
+    for term in asking.terms:
+        path = folder / "answers" / f"{term}.csv"
+        if not path.exists():
+            answers.silent[term] = "not offered"
+            continue
+        try:
+            x, remark = _answer(term, path, answers)
+        except ArgumentError as e:
+            answers.silent[term] = str(e)
+            continue
+        if np.isnan(x).all():
+            answers.silent[term] = remark or f"{path.name} holds no answers"
+            continue
+        answers.take(term, x, {})
+        if remark:
+            answers.remarks[term] = remark
+    unknown = [p.stem for p in sorted((folder / "answers").glob("*.csv")) if p.stem not in QUESTIONS]
+    if unknown:
+        answers.remarks[""] = f"answers/{unknown[0]}.csv is of no term; {nearest(unknown[0], QUESTIONS, 'terms', most=99)}"
+    return answers
+
+
+def replace_states(asking: Asking, states: dict[str, np.ndarray]) -> Asking:
+    """The same questions at other states."""
+    found = replace(asking, states=states)
+    found.__dict__["frames"] = asking.frames
+    return found
+
+
+def _as_sent(asking: Asking, how: Convention) -> dict[str, np.ndarray]:
+    """The numbers of states.csv under the subject's own order: what they mean, its convention says."""
+    q, v = columns(asking.robot)
+    to_q, to_v = [q.index(n) for n in how.q], [v.index(n) for n in how.v]
+    return {k: x[:, to_q if k == "q" else to_v] for k, x in asking.states.items()}
+
+
+def _subject(folder: Path) -> dict[str, Any]:
+    path = folder / "subject.json"
+    if not path.exists():
+        return {}
+    try:
+        said = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as e:
+        raise ArgumentError(f"judge: {path} is not JSON ({e})") from None
+    if not isinstance(said, dict):
+        raise ArgumentError(f"judge: {path} must hold one object, with name, version, rows, ...")
+    return {k: x for k, x in said.items() if k in ("name", "version", "q", "v", "rows", "angular", "linear", "reference")}
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as f:
+            table = csv.DictReader((line for line in f if line.strip()), skipinitialspace=True)
+            names = [(n or "").strip() for n in table.fieldnames or ()]
+            return [{k: (x or "").strip() for k, x in zip(names, row.values(), strict=False)} for row in table]
+    except (OSError, UnicodeError, csv.Error) as e:
+        raise ArgumentError(f"{path.name} cannot be read ({e})") from None
+
+
+def _number(row: dict[str, str], name: str, path: Path) -> float:
+    try:
+        return float(row[name])
+    except KeyError:
+        raise ArgumentError(f"{path.name} has no column {name!r}; {nearest(name, row, 'columns', most=40)}") from None
+    except ValueError:
+        raise ArgumentError(f"{path.name}: {name} is {row[name]!r}, a number expected") from None
+
+
+def _answer(term: str, path: Path, answers: Answers) -> tuple[np.ndarray, str]:
+    """One file of answers, in the subject's order; rows that were cut off are left out and said."""
+    asking, v = answers.asking, list(answers.how.v)
+    rows = _rows(path)
+    if not rows:
+        raise ArgumentError(f"{path.name} is empty; a header {','.join(header(term, v))} and rows expected")
+    index = v if term in SQUARE else list(answers.how.rows) if ROWS.get(term) is BASE_V else list(ROWS.get(term, ()))
+    entries = list(ENTRIES.get(term, v))
+    if term == "frame_velocity":
+        entries = list(answers.how.rows)
+    if term == "fk":
+        entries = list(POSE) if "qw" in rows[0] else ["x", "y", "z", *MATRIX]
+    lead = [asking.samples, *([len(asking.frames)] if term in FRAMED else []), *([len(index)] if index else [])]
+    x = np.full((*lead, len(entries)), np.nan)
+    cut = 0
+    for row in rows:
+        if any(not row.get(n) for n in entries):
+            missing = next((n for n in entries if n not in row), None)
+            if missing is not None:
+                raise ArgumentError(f"{path.name} has no column {missing!r}; {','.join(header(term, v))} expected")
+            cut += 1
+            continue
+        at = [_sample(row, path, asking.samples)]
+        at += [_place(row, "frame", asking.frames, path)] if term in FRAMED else []
+        at += [_place(row, "row", index, path)] if index else []
+        x[tuple(at)] = [_number(row, n, path) for n in entries]
+    if term == "fk":
+        x = poses(x) if len(entries) == len(POSE) else _from_entries(x)
+    if entries == ["value"]:
+        x = x[..., 0]
+    missing_rows = int(np.isnan(x.reshape(asking.samples, -1)).any(axis=1).sum())
+    remark = f"{path.name} holds {asking.samples - missing_rows} of {asking.samples} samples whole" if missing_rows or cut else ""
+    return x, remark
+
+
+def _from_entries(x: np.ndarray) -> np.ndarray:
+    H = np.zeros((*x.shape[:-1], 4, 4))
+    H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = x[..., 3:].reshape(*x.shape[:-1], 3, 3), x[..., :3], 1.0
+    H[np.isnan(x).any(axis=-1)] = np.nan
+    return H
+
+
+def _sample(row: dict[str, str], path: Path, n: int) -> int:
+    k = _number(row, "sample", path)
+    if k != int(k) or not 0 <= k < n:
+        raise ArgumentError(f"{path.name}: sample {row['sample']} is none of 0 ... {n - 1}")
+    return int(k)
+
+
+def _place(row: dict[str, str], what: str, names: Sequence[str], path: Path) -> int:
+    name = row.get(what)
+    if name is None:
+        raise ArgumentError(f"{path.name} has no column {what!r}")
+    if name not in names:
+        raise ArgumentError(f"{path.name}: {what} {name!r} is not known; {nearest(name, names, what + 's', most=40)}")
+    return list(names).index(name)

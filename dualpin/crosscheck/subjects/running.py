@@ -1,0 +1,255 @@
+"""Ask a subject: an object here, or a program in a process of its own that may crash, hang or refuse."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import ArgumentError, DualpinError, nearest
+from .answers import Answers
+from .apart import serve
+from .asking import Asking
+from .convention import Convention, columns
+from .layout import Layout
+from .questions import FRAMED, QUESTIONS
+
+SECONDS = 20.0
+"""What all states of one term may take before a slow subject is asked fewer of them."""
+Tick = Callable[[str], None]
+
+
+def prepared(asking: Asking, said: Mapping[str, Any], name: str) -> tuple[Asking, Convention, str]:
+    """The robot as far as the subject knows it, how it writes, and a remark on what it does not know."""
+    how = said if isinstance(said, Convention) else Convention.read(said, asking.robot)
+    q, v = columns(asking.robot)
+    known = [n for n in q if n in how.q]
+    missing = [n for n in q if n not in how.q and n in v]
+    if known and missing and len(missing) == len(q) - len(known) and set(missing) == set(v) - set(how.v):
+        asking = asking.holding(missing)
+        remark = f"{name} has no {', '.join(missing)}: held at zero"
+        return asking, how, remark
+    return asking, how, ""
+
+
+def ask_object(subject: Any, asking: Asking, tick: Tick) -> Answers:
+    """An object with terms as methods, or a mapping of functions, in this process."""
+    who = serve.introduction(subject, type(subject).__name__ if not isinstance(subject, Mapping) else "mapping")
+    _check_terms(subject)
+    asking, how, remark = prepared(asking, who["writes"], who["name"])
+    answers = _begun(who, how, asking, remark)
+    start = time.perf_counter()
+    for term in asking.terms:
+        tick(term)
+        question = QUESTIONS[term]
+        given = [answers.sent[k] for k in question.inputs]
+        frames = list(asking.frames) if question.framed else None
+        answers.take(term, *serve.interview(subject, term, given, frames, SECONDS))
+    answers.seconds = time.perf_counter() - start
+    return answers
+
+
+def _begun(who: Mapping[str, Any], how: Convention, asking: Asking, remark: str = "") -> Answers:
+    sent = Layout(asking.robot, how).states(asking.states)
+    answers = Answers(who["name"], who["version"], how, asking, sent)
+    if remark:
+        answers.remarks[""] = remark
+    return answers
+
+
+def _check_terms(subject: Any) -> None:
+    if isinstance(subject, Mapping):
+        others = {"name", "version", "writes", "batched"}
+        for key, f in subject.items():
+            if key not in QUESTIONS and key not in others:
+                raise ArgumentError(f"judge: {key!r} is no term; {nearest(str(key), QUESTIONS, 'terms', most=99)}")
+            if key in QUESTIONS and not callable(f):
+                raise ArgumentError(f"judge: {key} must be a function, got {type(f).__name__}")
+    if not any(serve.function(subject, t) for t in QUESTIONS):
+        raise ArgumentError(
+            f"judge: {type(subject).__name__} has none of the terms {', '.join(QUESTIONS)} as a method; a subject is a "
+            "shipped name, module:attribute, an object, a mapping of functions, an exchange folder or a command"
+        )
+
+
+# --- a process of its own ------------------------------------------------------------------------
+
+
+def ask_apart(spec: str, asking: Asking, tick: Tick, *, python: str = sys.executable, limit: float = 60.0) -> Answers:
+    """``module:attribute`` in a process of its own; one that dies is started again without the term it died in."""
+    with tempfile.TemporaryDirectory() as at:
+        folder, start = Path(at), time.perf_counter()
+        child = _Child(spec, folder, asking, python, limit)
+        answers = child.introduced()
+        if not answers.refused:
+            child.asked(answers, tick)
+        answers.seconds = time.perf_counter() - start
+        return answers
+
+
+class _Child:
+    """The process that asks one subject."""
+
+    def __init__(self, spec: str, folder: Path, asking: Asking, python: str, limit: float) -> None:
+        self.spec, self.folder, self.asking, self.python, self.limit = spec, folder, asking, python, limit
+        self.log = folder / "log.txt"
+        self._write_ask(asking.terms)
+        self.process = self._started()
+
+    def _write_ask(self, terms: tuple[str, ...] | list[str]) -> None:
+        a = self.asking
+        (self.folder / "robot.urdf").write_text(a.text, encoding="utf-8")
+        inputs = {t: [*QUESTIONS[t].inputs, *(["frame"] if t in FRAMED else [])] for t in terms}
+        ask = {
+            "floating": a.floating, "gravity": a.gravity, "frames": list(a.frames), "terms": list(terms),
+            "inputs": inputs, "seconds": SECONDS, "samples": a.samples,
+        }  # fmt: skip
+        (self.folder / "ask.json").write_text(json.dumps(ask), encoding="utf-8")
+
+    def _started(self) -> subprocess.Popen:
+        (self.folder / "subject.json").unlink(missing_ok=True)
+        (self.folder / "now.json").unlink(missing_ok=True)
+        with self.log.open("ab") as log:
+            return subprocess.Popen(
+                [self.python, serve.__file__, str(self.folder), self.spec],
+                stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True,
+            )  # fmt: skip
+
+    def _waited(self, done: Callable[[], bool], since: Callable[[], float]) -> str:
+        """Until `done`, the process ends, or `limit` seconds have passed since `since`; what went wrong."""
+        pause = 0.002
+        while not done():
+            code = self.process.poll()
+            if code is not None:
+                return "" if done() or code == 0 else ended(code, self.log)
+            if time.time() - since() > self.limit:
+                stop(self.process)
+                return f"no answer within {self.limit:g} s"
+            time.sleep(pause)
+            pause = min(2 * pause, 0.05)
+        return ""
+
+    def introduced(self) -> Answers:
+        """Who the subject says it is; or why it does not even start."""
+        path, start = self.folder / "subject.json", time.time()
+        wrong = self._waited(path.exists, lambda: start)
+        name = self.spec.rpartition("/")[2]
+        if not path.exists():
+            answers = Answers(name, "", Convention.of(self.asking.robot), self.asking, {})
+            answers.refused = wrong or ended(0, self.log)
+            stop(self.process)
+            return answers
+        who = json.loads(path.read_text(encoding="utf-8"))
+        try:
+            self.asking, how, remark = prepared(self.asking, who["writes"], who["name"])
+            answers = _begun(who, how, self.asking, remark)
+        except DualpinError as e:
+            stop(self.process)
+            answers = Answers(who["name"], who["version"], Convention.of(self.asking.robot), self.asking, {})
+            answers.refused = str(e)
+            return answers
+        if remark:  # it must be given the robot that it knows
+            stop(self.process)
+            self._write_ask(self.asking.terms)
+            self.process = self._started()
+            self._waited(path.exists, time.time)
+        return answers
+
+    def asked(self, answers: Answers, tick: Tick) -> None:
+        """All terms; a term in which the process dies or hangs is left out of the next."""
+        np.savez(self.folder / "states.npz", **answers.sent)
+        waiting = list(self.asking.terms)
+        while waiting:
+            wrong = self._session(tick)
+            notes = _json(self.folder / "notes.json")
+            for term, note in notes.items():
+                if term in waiting:
+                    file = self.folder / "answers" / f"{term}.npy"
+                    answers.take(term, np.load(file) if file.exists() else None, note)
+            now = _json(self.folder / "now.json").get("term")
+            (self.folder / "notes.json").unlink(missing_ok=True)
+            waiting = [t for t in waiting if t not in notes]
+            if not wrong or not waiting:
+                break
+            blamed = now if now in waiting else waiting[0]
+            answers.silent[blamed] = wrong
+            waiting.remove(blamed)
+            if waiting:
+                self._write_ask(waiting)
+                self.process = self._started()
+        for term in waiting:
+            answers.silent.setdefault(term, "no answer")
+
+    def _session(self, tick: Tick) -> str:
+        """One process from its introduction to its end; what went wrong, if anything."""
+        subject, now = self.folder / "subject.json", self.folder / "now.json"
+        start = time.time()
+        wrong = self._waited(subject.exists, lambda: start)
+        if wrong:
+            return wrong
+        try:
+            assert self.process.stdin is not None
+            self.process.stdin.write(b"go\n")
+            self.process.stdin.close()
+        except OSError:
+            pass  # it is gone already: its exit says how
+        begun, seen = time.time(), [""]
+
+        def since() -> float:
+            term = _json(now).get("term", "")
+            if term != seen[0]:
+                seen[0] = term
+                tick(term)
+            try:
+                return max(begun, now.stat().st_mtime)
+            except OSError:
+                return begun
+
+        return self._waited(lambda: self.process.poll() is not None and self.process.returncode == 0, since)
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return {}
+
+
+def stop(process: subprocess.Popen) -> None:
+    """End a process and whatever it started."""
+    if process.poll() is None:
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except (OSError, AttributeError):
+            process.kill()
+    if process.stdin:
+        try:
+            process.stdin.close()
+        except OSError:
+            pass
+    process.wait()
+
+
+def ended(code: int, log: Path) -> str:
+    """How a process ended, and the last thing it said."""
+    try:
+        said = [x.strip() for x in log.read_text(encoding="utf-8", errors="replace").splitlines() if x.strip()]
+    except OSError:
+        said = []
+    if code < 0:
+        try:
+            how = f"crashed ({signal.Signals(-code).name})"
+        except ValueError:
+            how = f"crashed (signal {-code})"
+    else:
+        how = f"ended with exit code {code}"
+    return how + (f": {said[-1][:300]}" if said else "")
