@@ -30,7 +30,8 @@ _HOMES = {
     ),
     "dualpin.io": ("load", "loads"),
     "dualpin.model": ("Builder", "Robot"),
-    "dualpin.crosscheck": ("validate",),
+    "dualpin.crosscheck": ("judge", "validate"),
+    "dualpin.crosscheck.subjects": ("Convention",),
     "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),
 }  # fmt: skip
 _PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model",

@@ -5,6 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+CONVENTIONS = frozenset({
+    "rows", "reference_world", "reference_local", "reference_local_world_aligned", "order", "quaternion",
+    "base_order",
+    "angular_body", "angular_world", "linear_body", "linear_world", "linear_origin", "base_at_com", "in_base", "mimic",
+    "no_gravity_in_bias", "about_origin", "base_counts", "potential_offset", "coriolis_other", "same_cv",
+    "same_product", "upper", "lower", "inverse_pose", "at_com",
+})  # fmt: skip
+"""Keys that name another convention, not a mistake: such a difference reads "agrees under another convention"."""
+
 
 @dataclass
 class Finding:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import ArgumentError, nearest
+from .findings import CONVENTIONS, Finding
 
 AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
 DUALPIN, ORACLE, NEITHER, UNDECIDED = "dualpin", "oracle", "neither", "undecided"
@@ -32,7 +33,7 @@ class TermResult:
     tolerance : float
         The bound at the sample that comes nearest to its own.
     passed : bool
-        True unless something differs and dualpin is not known to be nearer the truth.
+        True unless something differs and what is judged is not known to be nearer the truth.
     reason : str
         Where nothing was compared, why; where the two differ, what is known about it.
     oracle : str
@@ -53,8 +54,10 @@ class TermResult:
         Where it differs: "dualpin", "oracle", "neither" or "undecided"; empty elsewhere.
     tolerance_reason : str
         Why the tolerance is what it is.
-    findings : list of dict
+    findings : list of Finding
         What a diagnosis says about a difference.
+    judged : str
+        Whose answer is in question: "dualpin"'s (in a validation) or the "oracle"'s (where a subject is judged).
     """
 
     max_scaled_error: float = 0.0
@@ -69,9 +72,11 @@ class TermResult:
     status: str = ""
     nearer: str = ""
     tolerance_reason: str = ""
-    findings: list[dict[str, Any]] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
+    judged: str = DUALPIN
 
     def __post_init__(self) -> None:
+        self.findings = [Finding.of(f) for f in self.findings]
         if self.status:
             self.settle(self.status, self.nearer, self.reason)
         else:
@@ -92,12 +97,20 @@ class TermResult:
         """Give the verdict."""
         self.status, self.reason = status, reason
         self.nearer = (nearer or UNDECIDED) if status == DIFFERS else ""
-        self.passed = status != DIFFERS or nearer == DUALPIN
+        self.passed = status != DIFFERS or nearer == self.judged
 
     @property
     def verdict(self) -> str:
-        """The status in words, with who is nearer."""
-        return VERDICTS[self.nearer] if self.status == DIFFERS else self.status
+        """The status in words: with who is nearer or, of a subject that was diagnosed, with the causes' keys."""
+        if self.status != DIFFERS:
+            return self.status
+        if self.judged == DUALPIN:
+            return VERDICTS[self.nearer]
+        keys = list(dict.fromkeys(f.key for f in self.findings))
+        if not keys:
+            return VERDICTS[ORACLE].replace("oracle", "subject") if self.nearer == ORACLE else "differs, cause unknown"
+        under = all(k in CONVENTIONS for k in keys)
+        return f"agrees under another convention: {', '.join(keys)}" if under else f"differs because: {', '.join(keys)}"
 
     @property
     def remark(self) -> str:
@@ -126,6 +139,8 @@ class RobotResult:
         What went wrong in dualpin itself, so that nothing could be compared; the robot fails.
     engine : str
         What computed dualpin's side: "compiled" or "numpy".
+    subject, subject_version : str
+        Whose answers are judged; empty in a validation.
     """
 
     name: str
@@ -142,6 +157,8 @@ class RobotResult:
     status: str = ""
     reason: str = ""
     engine: str = ""
+    subject: str = ""
+    subject_version: str = ""
 
     def __post_init__(self) -> None:
         self.passed = self.passed and not self.error and all(t.passed for t in self.terms.values())
@@ -149,6 +166,8 @@ class RobotResult:
 
     @property
     def label(self) -> str:
+        if self.subject:
+            return " ".join([self.name] + ["floating"] * self.floating + ["mimic"] * self.mimic) + f": {self.subject}"
         return " ".join(
             [self.name] + ["floating"] * self.floating + ["mimic"] * self.mimic + ["numpy"] * (self.engine == "numpy")
         )
@@ -160,6 +179,8 @@ class RobotResult:
             return self.status
         order = [VERDICTS[k] for k in (ORACLE, NEITHER, UNDECIDED, DUALPIN)]
         found = [t.verdict for t in self.terms.values() if t.status == DIFFERS]
+        if self.subject:
+            return DIFFERS if any(not v.startswith(AGREES) for v in found) else "agrees under another convention"
         return min(found, key=order.index, default=DIFFERS)
 
     @property
@@ -262,9 +283,9 @@ class Report:
         return self.versions.get("machine", "")
 
     @property
-    def findings(self) -> list[dict[str, Any]]:
+    def findings(self) -> list[Finding]:
         """What a diagnosis said about any term, each finding once."""
-        found: list[dict[str, Any]] = []
+        found: list[Finding] = []
         for r in self.robots:
             for t in r.terms.values():
                 found += [f for f in t.findings if f not in found]
@@ -310,8 +331,13 @@ class Report:
         return markdown(self)
 
     def write(self, folder: str | Path, formats: Iterable[str] = ("json", "md")) -> list[Path]:
-        """Write report.json, report.md, ... into a folder; returns the paths."""
-        writers = {"json": self.to_json, "md": self.to_markdown, "html": self.to_html}
+        """Write report.json, report.md, report.html, junit.xml, report.sarif into a folder; returns the paths."""
+        from .exports import junit, sarif
+
+        writers = {
+            "json": self.to_json, "md": self.to_markdown, "html": self.to_html,
+            "junit": lambda: junit(self), "sarif": lambda: sarif(self),
+        }  # fmt: skip
         folder = Path(folder)
         paths = []
         formats = [formats] if isinstance(formats, str) else list(formats)
@@ -321,7 +347,7 @@ class Report:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for form in formats:
-                paths.append(folder / f"report.{form}")
+                paths.append(folder / ("junit.xml" if form == "junit" else f"report.{form}"))
                 paths[-1].write_text(writers[form](), encoding="utf-8")
         except OSError as e:
             raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None

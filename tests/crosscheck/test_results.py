@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from dualpin.crosscheck.findings import Finding
 from dualpin.crosscheck.results import Report, RobotResult, TermResult
 from tests.report import samples
 
@@ -87,4 +88,4 @@ def test_the_verdict_stands_in_every_format():
 def test_findings_of_all_terms_are_gathered_once():
     finding = {"key": "gravity", "says": "9.8 for 9.81"}
     terms = {k: TermResult(status="differs", findings=[finding]) for k in ("rnea", "gravity")}
-    assert Report([RobotResult("r", False, False, 1, 1, 0, True, terms)]).findings == [finding]
+    assert Report([RobotResult("r", False, False, 1, 1, 0, True, terms)]).findings == [Finding.of(finding)]

@@ -170,7 +170,7 @@ class Case:
             if xs[k] is None:
                 plain.append(k)
         forced = [self._with_forces(term, *together[k]) for k in plain]
-        for k, x in zip(plain, self._batch(question, [v for v in forced]), strict=True):
+        for k, x in zip(plain, self._batch(question, forced), strict=True):
             xs[k] = x
         needs = {"bias": "crba", "coriolis": "crba", "six_rate": "jacobian"}.get(question.form)
         turning = [k for k, (_, view) in enumerate(together) if view.layout.turns] if needs else []
@@ -277,7 +277,7 @@ def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance
 
 
 def scaled(x: np.ndarray, reference: np.ndarray) -> float:
-    """The largest over the samples (and frames) of max|x - ref| / max(1, max|ref|); what is not answered is left out."""
+    """The largest over the samples (and frames) of max|x - ref| / max(1, max|ref|); unanswered ones are left out."""
     lead = x.ndim - _tail(x)
     a, b = x.reshape(int(np.prod(x.shape[:lead])), -1), reference.reshape(int(np.prod(x.shape[:lead])), -1)
     have = ~np.isnan(a).all(axis=1)
@@ -299,6 +299,10 @@ def _near(x: np.ndarray, reference: np.ndarray, tolerance: float) -> tuple[float
     if not have.any():
         return 0.0, float("inf")
     with np.errstate(all="ignore"):
-        scale = np.maximum(1.0, np.abs(reference).max(axis=axes, keepdims=True)) if axes else np.maximum(1.0, np.abs(reference))
+        scale = (
+            np.maximum(1.0, np.abs(reference).max(axis=axes, keepdims=True))
+            if axes
+            else np.maximum(1.0, np.abs(reference))
+        )
         apart = np.abs(x - reference)
         return float((apart <= tolerance * scale)[have].mean()), float(np.sqrt(np.mean(apart[have] ** 2)))

@@ -50,7 +50,7 @@ class Body:
 
     @property
     def parameters(self) -> np.ndarray:
-        """Mass, first moment, and inertia about the centre in the link's axes: what decides whether an edit changed anything."""
+        """Mass, first moment, and inertia about the centre in the link's axes: what tells two bodies apart."""
         return np.concatenate([[self.mass], self.mass * self.com, self.in_link.ravel()])
 
 
@@ -153,7 +153,7 @@ def turn(axis: int, angle: float) -> np.ndarray:
     return R
 
 
-def fixed_axes(rpy: Sequence[float]) -> np.ndarray:
+def fixed_axes(rpy: Sequence[float] | np.ndarray) -> np.ndarray:
     """Rz(yaw) Ry(pitch) Rx(roll), zeros and ones exact."""
     roll, pitch, yaw = rpy
     R = turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
@@ -286,7 +286,9 @@ def _inertia(bodies: Sequence[Body | None]) -> Inertia | None:
     known = [x if x is not None else _NOTHING for x in bodies]
     X = _pose(np.array([homogeneous(x.rotation, x.com) for x in known]))
     I = np.array([x.inertia for x in known])
-    about_com = Inertia(_scalar(np.array([x.mass for x in known])), NOUGHT, Matrix3(*(_vector(I[:, r]) for r in range(3))))
+    about_com = Inertia(
+        _scalar(np.array([x.mass for x in known])), NOUGHT, Matrix3(*(_vector(I[:, r]) for r in range(3)))
+    )
     found: Inertia = X @ about_com
     return found
 

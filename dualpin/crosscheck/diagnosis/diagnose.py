@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ..findings import Finding
@@ -61,7 +61,8 @@ def _history(case: Case) -> list[Finding]:
     return [
         Finding(
             "history", "the same state asked twice gives other numbers: the answer depends on what was asked before",
-            [term], apart, apart, fix="compute everything from the arguments of the call", evidence={term: [apart, apart]},
+            [term], apart, apart, fix="compute everything from the arguments of the call",
+            evidence={term: [apart, apart]},
         )
         for term, apart in case.answers.history.items()
     ]  # fmt: skip
@@ -152,8 +153,9 @@ def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
     if math.prod(len(x) for x in lists) > COMBINATIONS:
         return _greedy(options)
 
-    def total(combination: Sequence[Story]) -> tuple[float, float]:
-        return cost({h.identity: h for s in combination for h in s}.values()), sum(cost(s) for s in combination)
+    def total(combination: Iterable[Story]) -> tuple[float, float]:
+        stories = list(combination)
+        return cost({h.identity: h for s in stories for h in s}.values()), sum(cost(s) for s in stories)
 
     return dict(zip(terms, min(itertools.product(*lists), key=total), strict=True))
 

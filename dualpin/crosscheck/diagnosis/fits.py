@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-
 import numpy as np
 
 from ...boundary import call
@@ -48,22 +47,24 @@ def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
     if term not in (*WEIGHED, "potential_energy") or keys & {"gravity", "no_gravity_in_bias"}:
         return []
 
-    def under(g: Sequence[float]) -> Hypothesis:
+    def under(g: Sequence[float] | np.ndarray) -> Hypothesis:
         return gravity_of(case, g)
 
     units = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
     told = case.predictions(term, [ordered((*story, under(g))) for g in units])
-    if any(y is None or not np.isfinite(y).all() for y in told):
+    answers = [y for y in told if y is not None and np.isfinite(y).all()]
+    if len(answers) < len(units):
         return []
-    A = np.stack([y - told[0] for y in told[1:]], -1)[train].reshape(-1, 3)
-    g, *_ = np.linalg.lstsq(A, (case.observed[term] - told[0])[train].ravel(), rcond=None)
+    nothing = answers[0]
+    A = np.stack([y - nothing for y in answers[1:]], -1)[train].reshape(-1, 3)
+    g, *_ = np.linalg.lstsq(A, (case.observed[term] - nothing)[train].ravel(), rcond=None)
     blind = np.abs(A).max(axis=0) < 1e-12 * max(1.0, np.abs(A).max())  # no weight along this axis can be felt
     g = np.where(blind, np.array(case.asking.gravity), g)
     snapped, _ = _snapped(g)
     return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
 
 
-def gravity_of(case: Case, g: Sequence[float]) -> Hypothesis:
+def gravity_of(case: Case, g: Sequence[float] | np.ndarray) -> Hypothesis:
     """Gravity is g."""
     vector, words = _snapped(np.asarray(g, float))
     here = ", ".join(f"{x:g}" for x in case.asking.gravity)
@@ -187,7 +188,8 @@ def _rotors(case: Case, term: str, story: Story, keys: set[str], train: np.ndarr
 
     terms = ("crba", "rnea", "aba", "minv", "kinetic_energy")
     yield Hypothesis(
-        "rotor_fit", "a rotor's inertia (armature)", terms, "edit", edit, "leave the armature out, or give it to the robot",
+        "rotor_fit", "a rotor's inertia (armature)", terms, "edit", edit,
+        "leave the armature out, or give it to the robot",
         _names(case, np.where(np.abs(k) > 0, k, 0)), _listed(np.array(list(rotors.values()))), 1.5,
     )  # fmt: skip
 
@@ -303,6 +305,3 @@ def _body(case: Case, joint: str, delta: np.ndarray) -> Hypothesis:
     says = "the body has other inertial parameters (about the joint's moving frame)"
     fix = "compare the mass, centre and inertia of the links that this joint moves with the file"
     return Hypothesis("one_link", says, INERTIAL, "edit", edit, fix, (joint,), ", ".join(words), 1.9, single=True)
-
-
-

@@ -22,7 +22,7 @@ from ..subjects.questions import QUESTIONS
 from .description import Body, Description, Part
 
 if TYPE_CHECKING:
-    from .case import Case, View
+    from .case import Case
 
 PLACES = ("word", "edit", "state", "formula", "force", "change", "answer")
 ALL = tuple(QUESTIONS)
@@ -30,8 +30,8 @@ SIX = ("jacobian", "frame_velocity", "jacobian_dot")
 FORCED = ("bias", "rnea", "aba")
 WEIGHED = ("gravity", *FORCED)
 INERTIAL = (
-    "gravity", "crba", "com", "com_jacobian", "centroidal_momentum_matrix", "kinetic_energy", "potential_energy", *FORCED,
-    "minv", "coriolis",
+    "gravity", "crba", "com", "com_jacobian", "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
+    *FORCED, "minv", "coriolis",
 )  # fmt: skip
 MASSIVE = ("crba", "centroidal_momentum_matrix", "kinetic_energy", *FORCED, "minv", "coriolis")
 """Terms in which inertia about the centre of mass counts."""
@@ -92,7 +92,11 @@ class Hypothesis:
         return self.key, self.says, self.items, self.values
 
     def __str__(self) -> str:
-        return self.says + (f" [{', '.join(self.items)}]" if self.items else "") + (f": {self.values}" if self.values else "")
+        return (
+            self.says
+            + (f" [{', '.join(self.items)}]" if self.items else "")
+            + (f": {self.values}" if self.values else "")
+        )
 
 
 Story = tuple[Hypothesis, ...]

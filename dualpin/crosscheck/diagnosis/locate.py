@@ -26,12 +26,23 @@ def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
     if not nearly and e.left.share < e.before.share + BETTER:
         return None
     story = " and ".join(map(str, e.nearest))
-    left = f"leaves {e.left.error:.0e}" if nearly else f"puts {e.left.share:.0%} of the entries right ({e.before.share:.0%} before)"
+    left = (
+        f"leaves {e.left.error:.0e}"
+        if nearly
+        else f"puts {e.left.share:.0%} of the entries right ({e.before.share:.0%} before)"
+    )
     says = f"{'nearly' if nearly else 'partly'}: {story} {left}" + (f"; {where}" if where else "")
     items = list(dict.fromkeys(i for h in e.nearest for i in h.items))
     fix = "; ".join(dict.fromkeys(h.fix for h in e.nearest if h.fix))
     return Finding(
-        "partly", says, [term], e.before.error, e.left.error, items, fix=fix, evidence={term: [e.before.error, e.left.error]}
+        "partly",
+        says,
+        [term],
+        e.before.error,
+        e.left.error,
+        items,
+        fix=fix,
+        evidence={term: [e.before.error, e.left.error]},
     )
 
 
@@ -83,7 +94,11 @@ def located(case: Case, term: str, e: Explanation) -> str:
     form = QUESTIONS[term].form
     limit = 10 * case.tolerance
     if QUESTIONS[term].framed:
-        off = [f for f, y in zip(case.frames, np.nanmax(d.reshape(len(d), len(case.frames), -1), axis=(0, 2)), strict=True) if y > limit]
+        off = [
+            f
+            for f, y in zip(case.frames, np.nanmax(d.reshape(len(d), len(case.frames), -1), axis=(0, 2)), strict=True)
+            if y > limit
+        ]
         return f"off for {len(off)} of {len(case.frames)} frames" + _some(off)
     if form in ("matrix", "inverse", "coriolis"):
         bad = np.nanmax(d, axis=0) > limit

@@ -163,7 +163,9 @@ class NewtonEuler:
             links.append(self._next(parent, number[part.parent], part, joint, q, v, a))
         return links
 
-    def _next(self, up: _Link, parent: int, part: Part, joint: Joint | None, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> _Link:
+    def _next(
+        self, up: _Link, parent: int, part: Part, joint: Joint | None, q: np.ndarray, v: np.ndarray, a: np.ndarray
+    ) -> _Link:
         R, at = up.R @ part.rotation, up.p + product(up.R, part.position)
         w, alpha, zero = up.w, up.alpha, np.zeros_like(up.p)
         if joint is None:
@@ -181,7 +183,9 @@ class NewtonEuler:
         else:
             p, acc = at, self._carried(up, at - up.p)
             turning = np.cross(w, z * xd)
-            turning = -turning if self.without("axis_rate_sign") else 0 * turning if self.without("axis_rate") else turning
+            turning = (
+                -turning if self.without("axis_rate_sign") else 0 * turning if self.without("axis_rate") else turning
+            )
             w, alpha = w + z * xd, alpha + z * xdd + turning
             K = cross_matrix(axis)
             R = R @ (np.eye(3) + np.sin(x)[..., None] * K + (1 - np.cos(x))[..., None] * (K @ K))
@@ -222,4 +226,3 @@ def _lump(link: int, group: list[tuple[float, np.ndarray, np.ndarray]]) -> Lump:
         r = c - com
         inertia = inertia + I + m * (r @ r * np.eye(3) - np.outer(r, r))
     return Lump(link, mass, com, inertia)
-

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-
 from math import acos, degrees
 
 import numpy as np
@@ -56,9 +55,25 @@ def _base(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int]) -> list
         return []
     link = _link_at(case, B)
     words = _words(B) + (f" (the base's pose is given to {link})" if link else "")
-    fix = f"give the pose to {case.description.root}, not to {link}" if link else "place the robot's base at the world's origin"
+    fix = (
+        f"give the pose to {case.description.root}, not to {link}"
+        if link
+        else "place the robot's base at the world's origin"
+    )
     says = "the base stands elsewhere"
-    return [Hypothesis("base_offset", says, SEEN, "change", lambda view, term, x: _moved(term, x, B), fix, (), words, 1.0 if link else 1.5)]
+    return [
+        Hypothesis(
+            "base_offset",
+            says,
+            SEEN,
+            "change",
+            lambda view, term, x: _moved(term, x, B),
+            fix,
+            (),
+            words,
+            1.0 if link else 1.5,
+        )
+    ]
 
 
 def _link_at(case: Case, B: np.ndarray) -> str:
@@ -96,7 +111,11 @@ def _tools(case: Case, x: np.ndarray, p: np.ndarray, off: Sequence[int]) -> list
     frames = tuple(case.frames[k] for k in tools)
     words = "; ".join(_words(T) for T in list(tools.values())[:3])
     says, fix = "frames stand elsewhere on their links", "use the link's own frame, at its joint"
-    return [Hypothesis("tool_offset", says, ("fk", *SIX), "change", _tooled(tools), fix, frames, words, 1.6 + 0.2 * len(tools))]
+    return [
+        Hypothesis(
+            "tool_offset", says, ("fk", *SIX), "change", _tooled(tools), fix, frames, words, 1.6 + 0.2 * len(tools)
+        )
+    ]
 
 
 def _tooled(tools: Mapping[int, np.ndarray]) -> Callable[[View, str, np.ndarray], np.ndarray]:
@@ -116,7 +135,7 @@ def _tooled(tools: Mapping[int, np.ndarray]) -> Callable[[View, str, np.ndarray]
 
 
 def _origins(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int], off: Sequence[int]) -> list[Hypothesis]:
-    """One joint (or fixed joint) whose origin stands elsewhere: every frame below it is moved alike, seen from there."""
+    """One joint (or fixed joint) whose origin stands elsewhere: every frame below it is moved alike."""
     view = case.view(())
     if view is None:
         return []
@@ -141,7 +160,9 @@ def _origin(part: Part, D: np.ndarray) -> Hypothesis:
 
     turn = f", {_words(D)}"
     says, fix = "the origin of a joint stands elsewhere", "compare the joint's <origin> and zero position with the file"
-    return Hypothesis("origin_fit", says, ALL, "edit", edit, fix, (part.joint,), turn.removeprefix(", "), 1.5, single=True)
+    return Hypothesis(
+        "origin_fit", says, ALL, "edit", edit, fix, (part.joint,), turn.removeprefix(", "), 1.5, single=True
+    )
 
 
 def _below(case: Case) -> dict[str, set[str]]:
@@ -168,6 +189,3 @@ def _joint_sides(case: Case, view: View) -> dict[str, np.ndarray]:
             links[p.parent] = call(robot, "frame_pose", {"q": q}, engine="numpy", frame=robot.frame(p.parent))
         out[p.joint] = links[p.parent] @ p.pose
     return out
-
-
-

@@ -7,5 +7,20 @@ from .convention import Convention, Subject
 from .layout import Layout
 from .questions import QUESTIONS, Question
 from .resolve import resolve, shipped
+from .starter import LANGUAGES, write_starter
 
-__all__ = ["QUESTIONS", "Answers", "Asking", "Command", "Convention", "Layout", "Question", "Subject", "asking", "resolve", "shipped"]
+__all__ = [
+    "LANGUAGES",
+    "QUESTIONS",
+    "Answers",
+    "Asking",
+    "Command",
+    "Convention",
+    "Layout",
+    "Question",
+    "Subject",
+    "asking",
+    "resolve",
+    "shipped",
+    "write_starter",
+]

@@ -52,7 +52,7 @@ class Answers:
             else:
                 self.silent[term] = wrong
         elif note.get("absent"):
-            self.silent[term] = "not offered"
+            self.silent[term] = next(iter(errors.values()), "not offered")
         else:
             self.silent[term] = next(iter(errors.values()), "no answer")
         if term in self.terms and errors:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from lxml import etree
@@ -71,7 +72,9 @@ class Asking:
         """The same robot with some joints fixed where they are zero: those a subject does not know of."""
         robot = _read(_fixed(self.text, joints), self.name, self.floating, self.mimic)
         robot = robot.with_gravity(self.gravity)
-        return replace(self, robot=robot, text=_fixed(self.text, joints), states=_states(robot, self.samples, self.seed))
+        return replace(
+            self, robot=robot, text=_fixed(self.text, joints), states=_states(robot, self.samples, self.seed)
+        )
 
 
 def _is_ground(f: Frame) -> bool:
@@ -79,7 +82,13 @@ def _is_ground(f: Frame) -> bool:
 
 
 def asking(
-    robot: str | Path | Robot, samples: int, seed: int, terms: tuple[str, ...], *, floating: bool = False, mimic: bool = False
+    robot: str | Path | Robot,
+    samples: int,
+    seed: int,
+    terms: tuple[str, ...],
+    *,
+    floating: bool = False,
+    mimic: bool = False,
 ) -> Asking:
     """Everything a subject is given, of a robot by name or path, or of the robot itself."""
     if isinstance(robot, Robot):
@@ -137,7 +146,9 @@ def _text_of(robot: Robot) -> str:
 
 
 def _same(a: Robot, b: Robot) -> bool:
-    return a.joint_names == b.joint_names and all(np.array_equal(x, y) for x, y in zip(_numbers(a), _numbers(b), strict=True))
+    return a.joint_names == b.joint_names and all(
+        np.array_equal(x, y) for x, y in zip(_numbers(a), _numbers(b), strict=True)
+    )
 
 
 def _numbers(robot: Robot) -> Iterable[np.ndarray]:
@@ -166,7 +177,7 @@ def compute(robot: Robot, question: Question, s: States, frames: Sequence[str], 
     inputs = {k: s[k] for k in question.inputs}
     if not question.framed:
         return call(robot, question.source, inputs, engine="numpy")
-    options = {} if question.term == "fk" else {"reference": reference}
+    options: dict[str, Any] = {} if question.term == "fk" else {"reference": reference}
     answers = [call(robot, question.source, inputs, engine="numpy", frame=robot.frame(f), **options) for f in frames]
     return np.stack(answers, axis=1)
 

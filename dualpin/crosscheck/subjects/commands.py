@@ -60,7 +60,8 @@ def ask_command(command: Command, asking: Asking, tick: Callable[[str], None]) -
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as at:
         folder = Path(at)
-        waiting, blamed = list(asking.terms), {}
+        waiting = list(asking.terms)
+        blamed: dict[str, str] = {}
         while waiting:
             exchange.write(asking, folder, waiting)
             tick(", ".join(waiting[:1]))

@@ -28,7 +28,12 @@ from .layout import Layout
 from .questions import FRAMED, QUESTIONS
 
 FORMAT = 1
-ENTRIES = {"com": ("x", "y", "z"), "kinetic_energy": ("value",), "potential_energy": ("value",), "frame_velocity": BASE_V}
+ENTRIES = {
+    "com": ("x", "y", "z"),
+    "kinetic_energy": ("value",),
+    "potential_energy": ("value",),
+    "frame_velocity": BASE_V,
+}
 ROWS = {
     "jacobian": BASE_V, "jacobian_dot": BASE_V, "centroidal_momentum_matrix": BASE_V, "com_jacobian": ("x", "y", "z")
 }  # fmt: skip
@@ -78,7 +83,9 @@ def asked(folder: Path) -> dict[str, Any]:
     except (OSError, ValueError) as e:
         raise ArgumentError(f"judge: {folder / 'ask.json'} cannot be read ({e}); `dualpin ask` writes it") from None
     if not isinstance(ask, dict) or ask.get("format") != FORMAT:
-        raise ArgumentError(f"judge: {folder / 'ask.json'} is of another format than {FORMAT}; write it anew with `dualpin ask`")
+        raise ArgumentError(
+            f"judge: {folder / 'ask.json'} is of another format than {FORMAT}; write it anew with `dualpin ask`"
+        )
     return ask
 
 
@@ -88,8 +95,12 @@ def with_states(asking: Asking, folder: Path) -> Asking:
     for what, ours in (("q", q), ("v", v)):
         if list(ours) != ask.get(what):
             theirs = ask.get(what) or []
-            odd = next((n for n in theirs if n not in ours), None) or next((n for n in ours if n not in theirs), "the order")
-            raise ArgumentError(f"judge: {folder} was written for another robot than {asking.name}: {what} differs in {odd}")
+            odd = next((n for n in theirs if n not in ours), None) or next(
+                (n for n in ours if n not in theirs), "the order"
+            )
+            raise ArgumentError(
+                f"judge: {folder} was written for another robot than {asking.name}: {what} differs in {odd}"
+            )
     rows = _rows(folder / "states.csv")
     states = {
         k: np.array([[_number(r, f"{k}.{n}", folder / "states.csv") for n in names] for r in rows])
@@ -131,7 +142,9 @@ def read(asking: Asking, folder: Path, name: str = "") -> Answers:
             answers.remarks[term] = remark
     unknown = [p.stem for p in sorted((folder / "answers").glob("*.csv")) if p.stem not in QUESTIONS]
     if unknown:
-        answers.remarks[""] = f"answers/{unknown[0]}.csv is of no term; {nearest(unknown[0], QUESTIONS, 'terms', most=99)}"
+        answers.remarks[""] = (
+            f"answers/{unknown[0]}.csv is of no term; {nearest(unknown[0], QUESTIONS, 'terms', most=99)}"
+        )
     return answers
 
 
@@ -159,7 +172,9 @@ def _subject(folder: Path) -> dict[str, Any]:
         raise ArgumentError(f"judge: {path} is not JSON ({e})") from None
     if not isinstance(said, dict):
         raise ArgumentError(f"judge: {path} must hold one object, with name, version, rows, ...")
-    return {k: x for k, x in said.items() if k in ("name", "version", "q", "v", "rows", "angular", "linear", "reference")}
+    return {
+        k: x for k, x in said.items() if k in ("name", "version", "q", "v", "rows", "angular", "linear", "reference")
+    }
 
 
 def _rows(path: Path) -> list[dict[str, str]]:
@@ -174,7 +189,8 @@ def _rows(path: Path) -> list[dict[str, str]]:
 
 def _number(row: dict[str, str], name: str, path: Path) -> float:
     try:
-        return float(row[name])
+        x = float(row[name])
+        return float("inf") if x != x else x  # not a number is an answer too, and a wrong one
     except KeyError:
         raise ArgumentError(f"{path.name} has no column {name!r}; {nearest(name, row, 'columns', most=40)}") from None
     except ValueError:
@@ -212,7 +228,11 @@ def _answer(term: str, path: Path, answers: Answers) -> tuple[np.ndarray, str]:
     if entries == ["value"]:
         x = x[..., 0]
     missing_rows = int(np.isnan(x.reshape(asking.samples, -1)).any(axis=1).sum())
-    remark = f"{path.name} holds {asking.samples - missing_rows} of {asking.samples} samples whole" if missing_rows or cut else ""
+    remark = (
+        f"{path.name} holds {asking.samples - missing_rows} of {asking.samples} samples whole"
+        if missing_rows or cut
+        else ""
+    )
     return x, remark
 
 

@@ -75,7 +75,9 @@ class Layout:
         self.point = None if point is None else np.asarray(point, float)
         self.base = base_of(robot)
         names = columns(robot)
-        self.to_q, self.to_v = (_places(w, ours, theirs) for w, ours, theirs in zip("qv", names, (how.q, how.v), strict=True))
+        self.to_q, self.to_v = (
+            _places(w, ours, theirs) for w, ours, theirs in zip("qv", names, (how.q, how.v), strict=True)
+        )
         self.signs = np.array([-1.0 if n in turned else 1.0 for n in how.v])
         self.rows = [BASE_V.index(r) for r in how.rows]
 
@@ -148,7 +150,9 @@ class Layout:
         return self.base is not None and (self.how.angular != "body" or self.how.linear != "body")
 
 
-def _force(to: Layout, x: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+def _force(
+    to: Layout, x: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
+) -> np.ndarray:
     return product(transposed(np.linalg.inv(G)), x)
 
 
@@ -165,32 +169,44 @@ def _acceleration(
     return product(G, a) + product(D, v)
 
 
-def _matrix(to: Layout, M: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+def _matrix(
+    to: Layout, M: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
+) -> np.ndarray:
     H = np.linalg.inv(G)
     return transposed(H) @ M @ H
 
 
-def _inverse(to: Layout, W: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+def _inverse(
+    to: Layout, W: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
+) -> np.ndarray:
     return G @ W @ transposed(G)
 
 
-def _coriolis(to: Layout, C: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, M: np.ndarray | None) -> np.ndarray:
+def _coriolis(
+    to: Layout, C: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, M: np.ndarray | None
+) -> np.ndarray:
     H = np.linalg.inv(G)
     if M is not None:
         C = C - M @ H @ D
     return transposed(H) @ C @ H
 
 
-def _columns(to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+def _columns(
+    to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
+) -> np.ndarray:
     H = np.linalg.inv(G)
     return J @ (H if J.ndim == 3 else H[:, None])
 
 
-def _six(to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+def _six(
+    to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
+) -> np.ndarray:
     return _columns(to, J[..., to.rows, :], G, D, v, None)
 
 
-def _six_rate(to: Layout, Jd: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, J: np.ndarray | None) -> np.ndarray:
+def _six_rate(
+    to: Layout, Jd: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, J: np.ndarray | None
+) -> np.ndarray:
     if J is not None:
         Jd = Jd - J @ (np.linalg.inv(G) @ D)[:, None]
     return _six(to, Jd, G, D, v, None)
@@ -206,7 +222,10 @@ FORMS: dict[str, Callable[..., np.ndarray]] = {
 def _places(what: str, ours: Sequence[str], theirs: Sequence[str]) -> list[int]:
     unknown = [n for n in theirs if n not in ours]
     if unknown:
-        raise ArgumentError(f"the subject's {what} names {unknown[0]!r}, which is no column of the robot; {nearest(unknown[0], ours, 'columns', most=40)}")
+        raise ArgumentError(
+            f"the subject's {what} names {unknown[0]!r}, which is no column of the robot; "
+            + nearest(unknown[0], ours, "columns", most=40)
+        )
     missing = [n for n in ours if n not in theirs]
     if missing:
         raise ArgumentError(f"the subject's {what} lacks {', '.join(missing)}")

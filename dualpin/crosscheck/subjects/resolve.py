@@ -24,7 +24,9 @@ def shipped() -> list[str]:
     return sorted(p.stem for p in ADAPTERS.glob("*.py") if not p.stem.startswith("_"))
 
 
-def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> Callable[[Asking, Callable[[str], None]], Answers]:
+def resolve(
+    subject: Any, *, python: str | None = None, limit: float = 60.0
+) -> Callable[[Asking, Callable[[str], None]], Answers]:
     """A function that asks the subject.
 
     Raises

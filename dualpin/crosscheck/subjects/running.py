@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -25,6 +26,8 @@ from .questions import FRAMED, QUESTIONS
 
 SECONDS = 20.0
 """What all states of one term may take before a slow subject is asked fewer of them."""
+LOADING = 120.0
+"""What a subject may take to start: libraries of a gigabyte are imported."""
 Tick = Callable[[str], None]
 
 
@@ -124,16 +127,16 @@ class _Child:
                 stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True,
             )  # fmt: skip
 
-    def _waited(self, done: Callable[[], bool], since: Callable[[], float]) -> str:
+    def _waited(self, done: Callable[[], bool], since: Callable[[], float], limit: float) -> str:
         """Until `done`, the process ends, or `limit` seconds have passed since `since`; what went wrong."""
         pause = 0.002
         while not done():
             code = self.process.poll()
             if code is not None:
                 return "" if done() or code == 0 else ended(code, self.log)
-            if time.time() - since() > self.limit:
+            if time.time() - since() > limit:
                 stop(self.process)
-                return f"no answer within {self.limit:g} s"
+                return f"no answer within {limit:g} s"
             time.sleep(pause)
             pause = min(2 * pause, 0.05)
         return ""
@@ -141,7 +144,7 @@ class _Child:
     def introduced(self) -> Answers:
         """Who the subject says it is; or why it does not even start."""
         path, start = self.folder / "subject.json", time.time()
-        wrong = self._waited(path.exists, lambda: start)
+        wrong = self._waited(path.exists, lambda: start, LOADING)
         name = self.spec.rpartition("/")[2]
         if not path.exists():
             answers = Answers(name, "", Convention.of(self.asking.robot), self.asking, {})
@@ -161,12 +164,12 @@ class _Child:
             stop(self.process)
             self._write_ask(self.asking.terms)
             self.process = self._started()
-            self._waited(path.exists, time.time)
+            self._waited(path.exists, time.time, LOADING)
         return answers
 
     def asked(self, answers: Answers, tick: Tick) -> None:
         """All terms; a term in which the process dies or hangs is left out of the next."""
-        np.savez(self.folder / "states.npz", **answers.sent)
+        np.savez(self.folder / "states.npz", **answers.sent)  # type: ignore[arg-type]
         waiting = list(self.asking.terms)
         while waiting:
             wrong = self._session(tick)
@@ -193,7 +196,7 @@ class _Child:
         """One process from its introduction to its end; what went wrong, if anything."""
         subject, now = self.folder / "subject.json", self.folder / "now.json"
         start = time.time()
-        wrong = self._waited(subject.exists, lambda: start)
+        wrong = self._waited(subject.exists, lambda: start, LOADING)
         if wrong:
             return wrong
         try:
@@ -214,7 +217,7 @@ class _Child:
             except OSError:
                 return begun
 
-        return self._waited(lambda: self.process.poll() is not None and self.process.returncode == 0, since)
+        return self._waited(lambda: self.process.poll() is not None and self.process.returncode == 0, since, self.limit)
 
 
 def _json(path: Path) -> dict[str, Any]:
@@ -232,10 +235,8 @@ def stop(process: subprocess.Popen) -> None:
         except (OSError, AttributeError):
             process.kill()
     if process.stdin:
-        try:
+        with contextlib.suppress(OSError):
             process.stdin.close()
-        except OSError:
-            pass
     process.wait()
 
 

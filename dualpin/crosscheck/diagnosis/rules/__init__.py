@@ -1,3 +1,3 @@
 """The rules, by what they are about.  Importing this package registers them all in `RULES`."""
 
-from . import answers, formulas, joints, links, merging, writing  # noqa: F401
+from . import answers, forces, formulas, joints, links, matrices, merging, writing  # noqa: F401

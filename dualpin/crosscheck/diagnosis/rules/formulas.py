@@ -59,7 +59,9 @@ def _mass_matrix(model: NewtonEuler, q: np.ndarray, none: np.ndarray) -> np.ndar
     "write the equations in full",
 )  # fmt: skip
 def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    if case.robot.coupled or any(p.moves and p.kind not in ("revolute", "continuous", "prismatic") for p in case.description.parts):
+    if case.robot.coupled or any(
+        p.moves and p.kind not in ("revolute", "continuous", "prismatic") for p in case.description.parts
+    ):
         return []
     slides = any(p.kind == "prismatic" for p in case.description.parts)
     merges = any(not p.moves and p.body is not None and p.body.mass > 0 for p in case.description.parts)
@@ -161,5 +163,3 @@ def check(view: View) -> float:
     model = NewtonEuler(view.robot, view.description, "")
     apart = model.forces(s["q"], s["v"], s["a"], model.gravity) - view.compute("rnea")
     return float(np.abs(apart).max())
-
-

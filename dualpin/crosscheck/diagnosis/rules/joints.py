@@ -91,7 +91,9 @@ def prismatic_as_revolute(p: Part, d: Description) -> Part:
     return replace(p, kind="revolute") if p.kind == "prismatic" else p
 
 
-@joint_rule("fixed_parent", "a joint on a fixed link loses the fixed link's placement", "multiply the poses of fixed joints in")
+@joint_rule(
+    "fixed_parent", "a joint on a fixed link loses the fixed link's placement", "multiply the poses of fixed joints in"
+)
 def fixed_parent(p: Part, d: Description) -> Part:
     """On the moving link itself: what lies between is undone."""
     if not p.moves:
@@ -104,6 +106,8 @@ def fixed_parent(p: Part, d: Description) -> Part:
     return p.placed(np.linalg.inv(between) @ p.pose)
 
 
-@joint_rule("fixed_placement", "placements of fixed joints are ignored", "multiply the poses of fixed joints in", cost=1.1)
+@joint_rule(
+    "fixed_placement", "placements of fixed joints are ignored", "multiply the poses of fixed joints in", cost=1.1
+)
 def fixed_ignored(p: Part, d: Description) -> Part:
     return p if p.moves else p.placed(homogeneous(np.eye(3), np.zeros(3)))

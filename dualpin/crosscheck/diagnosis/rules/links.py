@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..description import Body, Description, fixed_axes, steiner, turn
+from ..description import Body, Description, Part, fixed_axes, steiner, turn
 from ..hypothesis import ALL, INERTIAL, MASSIVE, Hypothesis, link_rule, proposer
 
 READ = "read <inertial> as URDF means it: mass, centre (xyz), and inertia about that centre in axes turned by rpy"
@@ -48,7 +48,12 @@ def xyz_sign(b: Body) -> Body:
     return replace(b, com=-b.com)
 
 
-@link_rule("about_link_origin", "<inertia> is taken about the link's origin", READ + ", so Steiner's term is to be added", MASSIVE)
+@link_rule(
+    "about_link_origin",
+    "<inertia> is taken about the link's origin",
+    READ + ", so Steiner's term is to be added",
+    MASSIVE,
+)
 def about_link_origin(b: Body) -> Body:
     return b.turned(b.in_link - steiner(b.mass, b.com))
 
@@ -119,7 +124,9 @@ ORDERS = {
 }
 
 
-@proposer("inertia_order", "the six numbers of <inertia> are read in another order", "read ixx ... izz by name, not by place")
+@proposer(
+    "inertia_order", "the six numbers of <inertia> are read in another order", "read ixx ... izz by name, not by place"
+)
 def inertia_order(h: Hypothesis, case: object) -> list[Hypothesis]:
     def one(order: str) -> Hypothesis:
         def edit(d: Description, items: Sequence[str]) -> Description:
@@ -173,7 +180,9 @@ def from_shapes(b: Body) -> Body:
     return replace(b, inertia=b.mass * 2e-6 / 3 * np.eye(3))  # a box with half a millimetre of margin each way
 
 
-@proposer("default_mass", "links without <inertial> weigh 1 kg, with inertia 1", "a link without <inertial> has no mass")
+@proposer(
+    "default_mass", "links without <inertial> weigh 1 kg, with inertia 1", "a link without <inertial> has no mass"
+)
 def default_mass(h: Hypothesis, case: object) -> list[Hypothesis]:
     unit = Body(1.0, np.zeros(3), np.zeros(3), np.eye(3), np.eye(3))
 
@@ -196,12 +205,12 @@ def file_in_single_precision(h: Hypothesis, case: object) -> list[Hypothesis]:
         rpy = single(b.rpy)
         return Body(float(np.float32(b.mass)), single(b.com), rpy, fixed_axes(rpy), single(b.inertia))
 
-    def edit(d: Description, items: Sequence[str]) -> Description:
-        def part(p: object, _: Description) -> object:
-            rpy = single(p.rpy)  # type: ignore[attr-defined]
-            axis = None if p.axis is None else single(p.axis)  # type: ignore[attr-defined]
-            return replace(p, position=single(p.position), rpy=rpy, rotation=fixed_axes(rpy), axis=axis)  # type: ignore[attr-defined, type-var]
+    def part(p: Part, _: Description) -> Part:
+        rpy = single(p.rpy)
+        axis = None if p.axis is None else single(p.axis)
+        return replace(p, position=single(p.position), rpy=rpy, rotation=fixed_axes(rpy), axis=axis)
 
-        return d.with_bodies(body).with_parts(part)  # type: ignore[arg-type]
+    def edit(d: Description, items: Sequence[str]) -> Description:
+        return d.with_bodies(body).with_parts(part)
 
     return [replace(h, place="edit", act=edit, terms=ALL)]

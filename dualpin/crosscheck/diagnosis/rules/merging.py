@@ -58,7 +58,11 @@ def merge_tensor_unturned(p: Part, d: Description) -> Part:
     return _standing(p, lambda b: replace(b, rotation=p.rotation.T @ b.rotation))
 
 
-@proposer("merge_steiner", "bodies of several links are merged without Steiner's term", "merging adds m (r.r 1 - r r^T) of each link")
+@proposer(
+    "merge_steiner",
+    "bodies of several links are merged without Steiner's term",
+    "merging adds m (r.r 1 - r r^T) of each link",
+)
 def merge_steiner(h: Hypothesis, case: object) -> list[Hypothesis]:
     """Inertias about their own centres are simply added: each lacks Steiner's term to the common centre."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ STANDS = {
 }  # fmt: skip
 
 
-def _saying(h: Hypothesis, terms: tuple[str, ...], **words: str) -> Hypothesis:
+def _saying(h: Hypothesis, terms: tuple[str, ...], **words: Any) -> Hypothesis:
     def act(w: Wording) -> Wording:
         return replace(w, how=replace(w.how, **words))
 
@@ -36,7 +37,9 @@ def rows(w: Wording) -> Wording:
     return replace(w, how=replace(w.how, rows=(*r[3:], *r[:3])))
 
 
-@proposer("reference_*", "Jacobians are of another reference: reference_world, reference_local, ...", f"{SAY} (reference=)")
+@proposer(
+    "reference_*", "Jacobians are of another reference: reference_world, reference_local, ...", f"{SAY} (reference=)"
+)
 def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(_saying(h, SIX, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
@@ -52,7 +55,9 @@ def angular(h: Hypothesis, case: Case) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-@proposer("linear_*", "the base's linear velocity is another: linear_body, linear_world, linear_origin", f"{SAY} (linear=)")
+@proposer(
+    "linear_*", "the base's linear velocity is another: linear_body, linear_world, linear_origin", f"{SAY} (linear=)"
+)
 def linear(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(_saying(h, ALL, linear=x), key=f"linear_{x}", says=f"the base's linear velocity is {STANDS[x]}")
@@ -60,7 +65,9 @@ def linear(h: Hypothesis, case: Case) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-@proposer("base_at_com", "the base's velocity is that of its centre of mass", "give the velocity of the base link's origin")
+@proposer(
+    "base_at_com", "the base's velocity is that of its centre of mass", "give the velocity of the base link's origin"
+)
 def base_at_com(h: Hypothesis, case: Case) -> list[Hypothesis]:
     base = case.description.base
     if not case.floating or base is None or not base.com.any():
@@ -86,7 +93,12 @@ def quaternion(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 
 @rule(
-    "base_order", "the base's velocity has its other part first", f"{SAY} (v=)", ALL, "word", when=lambda case: case.floating
+    "base_order",
+    "the base's velocity has its other part first",
+    f"{SAY} (v=)",
+    ALL,
+    "word",
+    when=lambda case: case.floating,
 )
 def base_order(w: Wording) -> Wording:
     v = w.how.v
@@ -135,17 +147,25 @@ def orders(d: Description, wanted: Sequence[str]) -> dict[str, list[str]]:
     return {words: [n for n in names if n in set(wanted)] for words, names in listed.items()}
 
 
-@proposer("axis_sign_v", "the sign of joint axes counts for positions, not for velocities and forces", "use <axis> with its sign throughout")
+@proposer(
+    "axis_sign_v",
+    "the sign of joint axes counts for positions, not for velocities and forces",
+    "use <axis> with its sign throughout",
+)
 def axis_sign_v(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    names = {p.joint for p, _ in case.parts() if p.kind in ("revolute", "continuous", "prismatic") and p.unit_axis.min() < -1e-12}
+    names = {
+        p.joint
+        for p, _ in case.parts()
+        if p.kind in ("revolute", "continuous", "prismatic") and p.unit_axis.min() < -1e-12
+    }
     turned = tuple(n for n in case.how.v if n in names)
     if not turned:
         return []
     each = [(n,) for n in turned] if len(turned) > 1 else []
     return [
         replace(
-            h, terms=ALL, place="word", act=lambda w, t=t: replace(w, turned=t), items=t if single else (), single=single,
-            cost=2.0 if single else 1.0, values="" if single else ", ".join(turned[:6]),
+            h, terms=ALL, place="word", act=lambda w, t=t: replace(w, turned=t), items=t if single else (),
+            single=single, cost=2.0 if single else 1.0, values="" if single else ", ".join(turned[:6]),
         )
         for t, single in [(turned, False), *((t, True) for t in each)]
     ]  # fmt: skip
@@ -169,7 +189,13 @@ def degrees(view: View) -> States:
     return {**view.states, "q": _angles(view.case, view.states["q"], np.pi / 180)}
 
 
-@rule("degrees_rates", "angles, their rates and accelerations are read as degrees", "pass them in the unit that the subject reads", ALL, "state")
+@rule(
+    "degrees_rates",
+    "angles, their rates and accelerations are read as degrees",
+    "pass them in the unit that the subject reads",
+    ALL,
+    "state",
+)
 def degrees_rates(view: View) -> States:
     s, k = view.states, np.pi / 180
     turns = view.case.per_velocity(lambda p: 1.0 if p.kind in ("revolute", "continuous") else 0.0) > 0
@@ -186,7 +212,13 @@ def degrees_everywhere(view: View) -> States:
     return {**view.states, "q": q}
 
 
-@rule("v_ignored", "velocities are ignored", "pass v, and use it", ("frame_velocity", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"), "state")
+@rule(
+    "v_ignored",
+    "velocities are ignored",
+    "pass v, and use it",
+    ("frame_velocity", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"),
+    "state",
+)
 def v_ignored(view: View) -> States:
     return {**view.states, "v": 0 * view.states["v"]}
 
@@ -202,21 +234,37 @@ def q_ignored(view: View) -> States:
     return {**view.states, "q": np.broadcast_to(view.robot.neutral, (n, view.robot.nq)).copy()}
 
 
-@rule("base_pose", "the base's pose is ignored", "pass the base's position and quaternion", ALL, "state", when=lambda case: case.floating)
+@rule(
+    "base_pose",
+    "the base's pose is ignored",
+    "pass the base's position and quaternion",
+    ALL,
+    "state",
+    when=lambda case: case.floating,
+)
 def base_pose(view: View) -> States:
     q = view.states["q"].copy()
     q[:, :7] = (0, 0, 0, 1, 0, 0, 0)
     return {**view.states, "q": q}
 
 
-@rule("base_turn", "the base's orientation is inverted", "pass the quaternion that turns the base's axes into the world's", ALL, "state", when=lambda case: case.floating)
+@rule(
+    "base_turn",
+    "the base's orientation is inverted",
+    "pass the quaternion that turns the base's axes into the world's",
+    ALL,
+    "state",
+    when=lambda case: case.floating,
+)
 def base_turn(view: View) -> States:
     q = view.states["q"].copy()
     q[:, 4:7] *= -1
     return {**view.states, "q": q}
 
 
-@rule("single_precision", "the states are rounded to single precision", "pass arrays of doubles", ALL, "state", cost=1.1)
+@rule(
+    "single_precision", "the states are rounded to single precision", "pass arrays of doubles", ALL, "state", cost=1.1
+)
 def states_in_single_precision(view: View) -> States:
     return {k: np.asarray(x, np.float32).astype(float) for k, x in view.states.items()}
 
@@ -225,7 +273,9 @@ def _mimics(case: Case) -> bool:
     return not case.robot.coupled and bool(case.description.mimics)
 
 
-@proposer("mimic", "joints with <mimic> follow their leader", "pass the followers' coordinates as they are, or say mimic=True")
+@proposer(
+    "mimic", "joints with <mimic> follow their leader", "pass the followers' coordinates as they are, or say mimic=True"
+)
 def mimic(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(multiplied: bool, shifted: bool) -> Callable[[View], States]:
         def act(view: View) -> States:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 REQUIRES = ("pin==4.1.0",)
 BASE_Q = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -15,9 +14,12 @@ BASE_V = ("vx", "vy", "vz", "wx", "wy", "wz")
 class Subject:
     """One robot in Pinocchio."""
 
-    name, version = "pinocchio", pin.__version__
+    name = "pinocchio"
 
     def __init__(self, urdf: str, floating: bool, gravity: Any) -> None:
+        import pinocchio as pin  # here, so that this file can be read without it
+
+        self.pin, self.version = pin, pin.__version__
         root = (pin.JointModelFreeFlyer(),) if floating else ()
         self.m = pin.buildModelFromUrdf(urdf, *root)
         self.m.gravity.linear = np.asarray(gravity, float)
@@ -43,59 +45,61 @@ class Subject:
         return int(self.m.getBodyId(frame))
 
     def fk(self, q: np.ndarray, frame: str) -> np.ndarray:
-        pin.framesForwardKinematics(self.m, self.d, self._q(q))
+        self.pin.framesForwardKinematics(self.m, self.d, self._q(q))
         return np.array(self.d.oMf[self._frame(frame)].homogeneous)
 
     def jacobian(self, q: np.ndarray, frame: str) -> np.ndarray:
-        pin.computeJointJacobians(self.m, self.d, self._q(q))
-        pin.updateFramePlacements(self.m, self.d)
-        return np.array(pin.getFrameJacobian(self.m, self.d, self._frame(frame), pin.LOCAL_WORLD_ALIGNED))
+        self.pin.computeJointJacobians(self.m, self.d, self._q(q))
+        self.pin.updateFramePlacements(self.m, self.d)
+        return np.array(self.pin.getFrameJacobian(self.m, self.d, self._frame(frame), self.pin.LOCAL_WORLD_ALIGNED))
 
     def jacobian_dot(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
-        pin.computeJointJacobiansTimeVariation(self.m, self.d, self._q(q), v)
-        pin.updateFramePlacements(self.m, self.d)
-        at = pin.LOCAL_WORLD_ALIGNED
-        return np.array(pin.getFrameJacobianTimeVariation(self.m, self.d, self._frame(frame), at))
+        self.pin.computeJointJacobiansTimeVariation(self.m, self.d, self._q(q), v)
+        self.pin.updateFramePlacements(self.m, self.d)
+        at = self.pin.LOCAL_WORLD_ALIGNED
+        return np.array(self.pin.getFrameJacobianTimeVariation(self.m, self.d, self._frame(frame), at))
 
     def frame_velocity(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
-        pin.forwardKinematics(self.m, self.d, self._q(q), v)
-        pin.updateFramePlacements(self.m, self.d)
-        return np.array(pin.getFrameVelocity(self.m, self.d, self._frame(frame), pin.LOCAL_WORLD_ALIGNED).vector)
+        self.pin.forwardKinematics(self.m, self.d, self._q(q), v)
+        self.pin.updateFramePlacements(self.m, self.d)
+        return np.array(
+            self.pin.getFrameVelocity(self.m, self.d, self._frame(frame), self.pin.LOCAL_WORLD_ALIGNED).vector
+        )
 
     def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-        return np.array(pin.rnea(self.m, self.d, self._q(q), v, a))
+        return np.array(self.pin.rnea(self.m, self.d, self._q(q), v, a))
 
     def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        return np.array(pin.nonLinearEffects(self.m, self.d, self._q(q), v))
+        return np.array(self.pin.nonLinearEffects(self.m, self.d, self._q(q), v))
 
     def gravity(self, q: np.ndarray) -> np.ndarray:
-        return np.array(pin.computeGeneralizedGravity(self.m, self.d, self._q(q)))
+        return np.array(self.pin.computeGeneralizedGravity(self.m, self.d, self._q(q)))
 
     def crba(self, q: np.ndarray) -> np.ndarray:
-        M = np.triu(pin.crba(self.m, self.d, self._q(q)))
+        M = np.triu(self.pin.crba(self.m, self.d, self._q(q)))
         return np.array(M + np.triu(M, 1).T)
 
     def minv(self, q: np.ndarray) -> np.ndarray:
-        W = np.triu(pin.computeMinverse(self.m, self.d, self._q(q)))
+        W = np.triu(self.pin.computeMinverse(self.m, self.d, self._q(q)))
         return np.array(W + np.triu(W, 1).T)
 
     def coriolis(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        return np.array(pin.computeCoriolisMatrix(self.m, self.d, self._q(q), v))
+        return np.array(self.pin.computeCoriolisMatrix(self.m, self.d, self._q(q), v))
 
     def aba(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        return np.array(pin.aba(self.m, self.d, self._q(q), v, tau))
+        return np.array(self.pin.aba(self.m, self.d, self._q(q), v, tau))
 
     def com(self, q: np.ndarray) -> np.ndarray:
-        return np.array(pin.centerOfMass(self.m, self.d, self._q(q)))
+        return np.array(self.pin.centerOfMass(self.m, self.d, self._q(q)))
 
     def com_jacobian(self, q: np.ndarray) -> np.ndarray:
-        return np.array(pin.jacobianCenterOfMass(self.m, self.d, self._q(q)))
+        return np.array(self.pin.jacobianCenterOfMass(self.m, self.d, self._q(q)))
 
     def centroidal_momentum_matrix(self, q: np.ndarray) -> np.ndarray:
-        return np.array(pin.computeCentroidalMap(self.m, self.d, self._q(q)))
+        return np.array(self.pin.computeCentroidalMap(self.m, self.d, self._q(q)))
 
     def kinetic_energy(self, q: np.ndarray, v: np.ndarray) -> float:
-        return float(pin.computeKineticEnergy(self.m, self.d, self._q(q), v))
+        return float(self.pin.computeKineticEnergy(self.m, self.d, self._q(q), v))
 
     def potential_energy(self, q: np.ndarray) -> float:
-        return float(pin.computePotentialEnergy(self.m, self.d, self._q(q)))
+        return float(self.pin.computePotentialEnergy(self.m, self.d, self._q(q)))

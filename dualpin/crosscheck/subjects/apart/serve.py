@@ -82,10 +82,18 @@ def _tried(f: Any, state: list[np.ndarray], frame: str | None, note: dict[str, A
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            x = np.array(f(*(s.copy() for s in state), *([] if frame is None else [frame])), dtype=float)
+            answer = f(*(s.copy() for s in state), *([] if frame is None else [frame]))
+        if answer is None:
+            raise ValueError("None returned")
+        x = np.array(answer, dtype=float)
+        x[np.isnan(x)] = np.inf  # not a number is an answer too, and a wrong one; what is not answered is nan
         if n and (x.ndim == 0 or len(x) != n):
             raise ValueError(f"a leading axis of {n} expected of a batched subject, got shape {x.shape}")
-    except Exception as e:  # noqa: BLE001 - whatever a subject raises is its answer
+    except NotImplementedError as e:
+        note["absent"] = True
+        note.setdefault("errors", {})[frame or ""] = f"not offered{': ' if str(e) else ''}{e}"[:300]
+        return None
+    except Exception as e:  # whatever a subject raises is its answer
         note.setdefault("errors", {})[frame or ""] = f"{type(e).__name__}: {e}"[:300]
         return None
     return x
@@ -113,8 +121,9 @@ def _again(f: Any, given: list[np.ndarray], frame: str | None, first: np.ndarray
     again = again[0] if batched and again is not None else again
     if again is None or again.shape != first.shape:
         return float("inf")
-    apart = float(np.nan_to_num(np.abs(again - first), nan=np.inf if np.isnan(again).any() != np.isnan(first).any() else 0.0).max(initial=0.0))
-    scaled = apart / max(1.0, float(np.nan_to_num(np.abs(first)).max(initial=0.0)))
+    with np.errstate(invalid="ignore"):
+        apart = np.where(again == first, 0.0, np.abs(again - first))
+        scaled = float(apart.max(initial=0.0) / max(1.0, np.abs(first).max(initial=0.0)))
     return scaled if scaled > ASKED_AGAIN else None
 
 

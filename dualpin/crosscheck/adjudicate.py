@@ -1,0 +1,97 @@
+"""Who is right at one state: a subject, Pinocchio or dualpin; 50 digits decide."""
+
+from __future__ import annotations
+
+import contextlib
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DualpinError
+from .exact import truth
+from .results import DUALPIN, NEITHER, ORACLE
+from .subjects.answers import Answers
+from .subjects.asking import expected
+from .subjects.layout import Layout
+from .subjects.questions import QUESTIONS, Question
+
+FORMS_WITH_MASS = ("bias", "coriolis")
+
+
+class Court:
+    """One subject's answers before the 50 digits; Pinocchio is heard where it is installed and reads the robot."""
+
+    def __init__(self, answers: Answers, layout: Layout) -> None:
+        self.answers, self.layout, self.robot = answers, layout, answers.asking.robot
+        self.pinocchio = self._witness()
+
+    def _witness(self) -> object | None:
+        from .oracles.pinocchio import Pinocchio
+
+        asking = self.answers.asking
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "robot.urdf"
+                path.write_text(asking.text, encoding="utf-8")
+                oracle = Pinocchio(self.robot.with_gravity((0.0, 0.0, -9.81)), str(path), asking.floating, asking.mimic)
+        except DualpinError:
+            return None
+        for layout in (oracle.free, oracle.coupled):
+            if layout is not None:
+                layout.model.gravity.linear = np.array(asking.gravity)
+        return oracle
+
+    def errors(self, term: str, sample: int, frame: int) -> dict[str, float]:
+        """Scaled errors of the subject ("oracle"), of dualpin and of Pinocchio against 50 digits, at one state."""
+        question, one = QUESTIONS[term], slice(sample, sample + 1)
+        states = {k: x[one] for k, x in self.answers.asking.states.items()}
+        frames = (self.answers.asking.frames[frame],) if question.framed else ()
+        exact = self._written(question, states, frames, self._truth)
+        said = {
+            "dualpin": expected(self.robot, self.layout, term, states, frames),
+            "oracle": self._answer(term, sample, frame),
+        }
+        if self.pinocchio is not None:
+            with contextlib.suppress(DualpinError, KeyError):
+                said["pinocchio"] = self._written(question, states, frames, self._heard)
+        scale = max(1.0, float(np.abs(exact).max(initial=0.0)))
+        with np.errstate(all="ignore"):
+            apart = {who: np.abs(np.where(np.isnan(x), exact, x) - exact).max(initial=0.0) for who, x in said.items()}
+        return {who: float(x) / scale if np.isfinite(x) else float("inf") for who, x in apart.items()}
+
+    def _answer(self, term: str, sample: int, frame: int) -> np.ndarray:
+        x = self.answers.terms[term][sample : sample + 1]
+        return x[:, frame : frame + 1] if QUESTIONS[term].framed else x
+
+    def _written(self, question: Question, states: dict, frames: tuple[str, ...], source: object) -> np.ndarray:
+        """A source's value in the subject's form."""
+        x, other = source(question, states, frames), None  # type: ignore[operator]
+        if self.layout.turns and question.form in FORMS_WITH_MASS:
+            other = source(QUESTIONS["crba"], states, ())  # type: ignore[operator]
+        elif self.layout.turns and question.form == "six_rate":
+            other = source(QUESTIONS["jacobian"], states, frames)  # type: ignore[operator]
+        return self.layout.answer(question.form, x, states, other)
+
+    def _options(self, question: Question, frames: tuple[str, ...]) -> list[dict]:
+        if not question.framed:
+            return [{}]
+        options: dict = {} if question.term == "fk" else {"reference": self.layout.how.reference}
+        return [{"frame": self.robot.frame(f), **options} for f in frames]
+
+    def _truth(self, question: Question, states: dict, frames: tuple[str, ...]) -> np.ndarray:
+        state = {k: states[k][0] for k in question.inputs}
+        found = [truth(self.robot, question.source, state, **o) for o in self._options(question, frames)]
+        return np.stack(found)[None] if question.framed else found[0][None]
+
+    def _heard(self, question: Question, states: dict, frames: tuple[str, ...]) -> np.ndarray:
+        state = {k: states[k] for k in question.inputs}
+        found = self.pinocchio.compute(question.source, state, self._options(question, frames))  # type: ignore[attr-defined]
+        return np.stack(found, axis=1) if question.framed else np.asarray(found[0])
+
+
+def nearer(errors: dict[str, float], tolerance: float) -> str:
+    """Who is near the truth: the subject ("oracle"), dualpin, or neither."""
+    if min(errors["dualpin"], errors["oracle"]) > tolerance:
+        return NEITHER
+    return DUALPIN if errors["dualpin"] <= errors["oracle"] else ORACLE

@@ -1,0 +1,148 @@
+"""Forces that are in the answer, or left out of it: gravity, damping, friction, constraints."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...subjects.layout import product
+from ..case import Case, View
+from ..description import Description
+from ..hypothesis import FORCED, Hypothesis, proposer, rule
+
+# --- forces --------------------------------------------------------------------------------------
+
+
+def _gravity(g: tuple[float, float, float]) -> Callable[..., Description]:
+    return lambda d, items: replace(d, gravity=g)
+
+
+@proposer("no_gravity_in_bias", "gravity is not in it", "add the gravity term, or call it C v")
+def no_gravity_in_bias(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return [replace(h, terms=("bias",), place="edit", act=_gravity((0.0, 0.0, 0.0)), cost=0.9)]
+
+
+def _has(what: str) -> Callable[[Case], bool]:
+    return lambda case: any(getattr(p, what) for p, _ in case.parts())
+
+
+@rule(
+    "damping",
+    "the file's joint damping is in it",
+    "set <dynamics damping> to 0, or subtract D v",
+    FORCED,
+    "force",
+    when=_has("damping"),
+)
+def damping(view: View) -> np.ndarray:
+    return view.case.per_velocity(lambda p: p.damping) * view.states["v"]
+
+
+@rule(
+    "damping_sign",
+    "the file's joint damping is in it with the other sign",
+    "damping opposes the motion: tau has + D v",
+    FORCED,
+    "force",
+    when=_has("damping"),
+)
+def damping_sign(view: View) -> np.ndarray:
+    return -damping(view)
+
+
+@rule(
+    "friction",
+    "the file's joint friction is in it",
+    "set <dynamics friction> to 0, or subtract f sign(v)",
+    FORCED,
+    "force",
+    when=_has("friction"),
+)
+def friction(view: View) -> np.ndarray:
+    return view.case.per_velocity(lambda p: p.friction) * np.sign(view.states["v"])
+
+
+@rule(
+    "friction_sign",
+    "the file's joint friction is in it with the other sign",
+    "friction opposes the motion: tau has + f sign(v)",
+    FORCED,
+    "force",
+    when=_has("friction"),
+)
+def friction_sign(view: View) -> np.ndarray:
+    return -friction(view)
+
+
+@rule(
+    "friction_as_damping",
+    "the file's friction is used as a viscous coefficient",
+    "<dynamics friction> is dry friction: f sign(v)",
+    FORCED,
+    "force",
+    when=_has("friction"),
+)
+def friction_as_damping(view: View) -> np.ndarray:
+    return view.case.per_velocity(lambda p: p.friction) * view.states["v"]
+
+
+@rule(
+    "damping_as_friction",
+    "the file's damping is used as dry friction",
+    "<dynamics damping> is viscous: D v",
+    FORCED,
+    "force",
+    when=_has("damping"),
+)
+def damping_as_friction(view: View) -> np.ndarray:
+    return view.case.per_velocity(lambda p: p.damping) * np.sign(view.states["v"])
+
+
+def _allowed(
+    view: View, term: str, x: np.ndarray, observed: np.ndarray, f: Callable[[np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """The prediction, and what of the rest is an allowed force; accelerations are turned into forces first."""
+    r = observed - x
+    if term != "aba":
+        return x + f(r)
+    M = view.layout.answer("matrix", view.compute("crba"), view.states)
+    return x + np.linalg.solve(M, f(product(M, r))[..., None])[..., 0]
+
+
+@rule("mimic_force", "a force along the <mimic> constraint (a soft equality)", "switch equality constraints off",
+      ("rnea", "aba"), "answer", cost=1.3,
+      when=lambda case: not case.floating and not case.robot.coupled and bool(case.description.mimics))  # fmt: skip
+def mimic_force(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    names, rows = view.case.how.v, []
+    for name, (leader, k, _) in view.case.description.mimics.items():
+        row = np.zeros(len(names))
+        row[names.index(name)] += 1
+        row[names.index(leader)] -= k
+        rows.append(row)
+    P = np.linalg.pinv(np.array(rows)) @ np.array(rows)
+    return _allowed(view, term, x, observed, lambda r: r @ P.T)
+
+
+SATURATED = 0.3
+"""A friction "within its bound" explains anything unless it stands at its bound in this share of the entries."""
+
+
+@rule(
+    "friction_bound",
+    "a friction force within the file's bound (not f sign(v))",
+    "switch friction off",
+    ("rnea", "aba"),
+    "answer",
+    cost=1.7,
+    when=_has("friction"),
+)
+def friction_bound(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    f = view.case.per_velocity(lambda p: p.friction)[view.layout.to_v] * (1 + 1e-9)
+
+    def within(r: np.ndarray) -> np.ndarray:
+        at_bound = (np.abs(np.abs(r) - f) < 1e-6 * f)[:, f > 0]
+        return np.clip(r, -f, f) if at_bound.mean() > SATURATED else 0 * r
+
+    return _allowed(view, term, x, observed, within)

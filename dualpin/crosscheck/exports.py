@@ -1,0 +1,76 @@
+"""A report for other tools: JUnit XML for test runners, SARIF for code hosts."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+from xml.etree import ElementTree
+
+from .. import __version__
+from .results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
+
+SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+def junit(report: Report) -> str:
+    """One suite a robot (and subject), one case a term: failed where it differs, skipped where it was not compared."""
+    root = ElementTree.Element("testsuites", name="dualpin")
+    for r in report.robots:
+        failed = [t for t, x in r.terms.items() if not x.passed]
+        skipped = [t for t, x in r.terms.items() if x.status == NOT_COMPARED]
+        suite = ElementTree.SubElement(
+            root, "testsuite", name=_clean(r.label), tests=str(len(r.terms)), failures=str(len(failed)),
+            skipped=str(len(skipped)), errors="1" if r.error else "0", time=f"{r.seconds:g}",
+        )  # fmt: skip
+        for term, t in r.terms.items():
+            case = ElementTree.SubElement(suite, "testcase", classname=_clean(r.label), name=term)
+            if t.status == NOT_COMPARED:
+                ElementTree.SubElement(case, "skipped", message=_clean(t.reason or NOT_COMPARED))
+            elif not t.passed:
+                failure = ElementTree.SubElement(case, "failure", type=_clean(t.verdict), message=_message(t))
+                failure.text = _clean(t.worst.get("reproduce", "") or t.remark)
+        if r.error:
+            case = ElementTree.SubElement(suite, "testcase", classname=_clean(r.label), name="robot")
+            ElementTree.SubElement(case, "error", message=_clean(r.error))
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _message(t: TermResult) -> str:
+    return _clean(f"scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed; {t.remark}")
+
+
+def _clean(text: str) -> str:
+    """Without what XML cannot hold."""
+    return "".join(c for c in str(text) if c in "\t\n" or ord(c) >= 32)
+
+
+def sarif(report: Report) -> str:
+    """One result for each finding, and for each term that differs without one."""
+    results = [x for r in report.robots for x in _results(r)]
+    rules: dict[str, Any] = {x["ruleId"]: {"id": x["ruleId"]} for x in results}
+    tool = {"name": "dualpin", "version": __version__, "rules": list(rules.values())}
+    return (
+        json.dumps(
+            {"$schema": SARIF, "version": "2.1.0", "runs": [{"tool": {"driver": tool}, "results": results}]}, indent=1
+        )
+        + "\n"
+    )
+
+
+def _results(r: RobotResult) -> list[dict[str, Any]]:
+    location = [
+        {"physicalLocation": {"artifactLocation": {"uri": r.name}}, "logicalLocations": [{"name": r.subject or r.name}]}
+    ]
+    out, seen = [], []
+    for term, t in r.terms.items():
+        for f in t.findings:
+            if f not in seen:
+                seen.append(f)
+                text = f"{f}" + (f"; fix: {f.fix}" if f.fix else "")
+                out.append({"ruleId": f.key, "level": "error", "message": {"text": text}, "locations": location})
+        if t.status == DIFFERS and not t.findings:
+            level = "warning" if t.passed else "error"
+            text = f"{term}: scaled error {t.max_scaled_error:.1e}; {t.remark or t.verdict}"
+            out.append({"ruleId": f"differs/{term}", "level": level, "message": {"text": text}, "locations": location})
+    return out

@@ -1,0 +1,269 @@
+"""Judge any dynamics code: ask it, compare every term, and say why what differs differs."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import ArgumentError, DualpinWarning
+from ..functions import bias, crba, fk
+from ..machine import versions
+from ..model.robot import Robot
+from . import tolerance
+from .adjudicate import Court, nearer
+from .findings import Finding
+from .reproduce import program
+from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
+from .subjects.answers import Answers
+from .subjects.asking import SAMPLES, Asking, asking, expected
+from .subjects.layout import Layout, States
+from .subjects.questions import QUESTIONS, wanted
+from .subjects.resolve import resolve
+from .tally import QUANTILES, scaled_error
+from .tolerance import EPS, MassMatrices
+
+LINE = 1e-9
+"""Where agreement ends: other algorithms, about other points, round up to 1e-12 or so apart; constants in single
+precision are 1e-8 off, and every mistake is more."""
+LAST_DIGITS = 1e-13
+"""A scaled error from which 50 digits are asked."""
+Tick = Callable[[str], None]
+
+
+def judge(
+    robot: str | Path | Robot,
+    subject: Any,
+    samples: int | None = None,
+    seed: int = 0,
+    *,
+    terms: Sequence[str] | None = None,
+    diagnose: bool = True,
+    floating: bool = False,
+    mimic: bool = False,
+    python: str | None = None,
+    limit: float = 60.0,
+    progress: Tick | None = None,
+) -> Report:
+    """Compare dynamics code with dualpin term by term, and say why what differs differs.
+
+    Parameters
+    ----------
+    robot : Robot, or name or path of one
+    subject : str, Path, object, mapping or Command
+        Who is judged: a shipped name ("pinocchio", ...); ``"module:attribute"`` or ``"file.py:attribute"``,
+        which runs in a process of its own; an object whose methods are terms (see
+        `dualpin.crosscheck.subjects.Subject`); a mapping such as ``{"rnea": f}``, with "writes", a
+        `Convention`, where it writes otherwise than dualpin; an exchange folder that a program of any
+        language has answered into; or a `dualpin.crosscheck.subjects.Command`.
+    samples : int, optional
+        How many states; 16 by default.  A slow subject is asked fewer.
+    seed : int
+        Of the states.
+    terms : sequence of str, optional
+        Some of `dualpin.crosscheck.subjects.QUESTIONS`; all that the subject has by default.
+    diagnose : bool
+        Look for the causes.
+    floating, mimic : bool
+        As in `dualpin.load`, where a name or path is given.
+    python : str, optional
+        The interpreter of the environment the subject lives in.
+    limit : float
+        Seconds after which a subject in a process of its own counts as hanging.
+    progress : callable, optional
+        Called with a line that says what is being done.
+
+    Returns
+    -------
+    Report
+        As of `validate`: ``.terms[name].status`` is "agrees", "differs" or "not compared",
+        ``.findings`` lists the causes, each with ``.key .says .terms .before .after .items .alternatives
+        .fix``; ``.write(folder)``.
+
+    Raises
+    ------
+    ArgumentError, UrdfError
+
+    Examples
+    --------
+    A torque that forgets gravity:
+
+    >>> import dualpin as dp
+    >>> arm = dp.load("ur5")
+    >>> light = arm.with_gravity((0, 0, 0))
+    >>> report = dp.judge(arm, {"rnea": lambda q, v, a: dp.rnea(light, q, v, a)})
+    >>> report.terms["rnea"].status, report.findings[0].key
+    ('differs', 'gravity')
+    """
+    tick = progress or (lambda what: None)
+    n = SAMPLES if samples is None else samples
+    if not isinstance(n, (int, np.integer)) or n < 2:
+        raise ArgumentError(
+            f"judge: samples is {samples!r}; a whole number from 2 expected (half of them estimate, all judge)"
+        )
+    ask = resolve(subject, python=python, limit=limit)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result
+        given = asking(robot, int(n), seed, wanted(terms), floating=floating, mimic=mimic)
+        answers = ask(given, tick)
+        result = judged(answers, given, diagnose, tick)
+    report = Report([result])
+    report.versions = versions(**({answers.name: answers.version} if answers.version else {}))
+    return report
+
+
+def judged(answers: Answers, given: Asking, diagnosing: bool = True, tick: Tick = lambda what: None) -> RobotResult:
+    """The result of one subject on one robot."""
+    start = time.perf_counter()
+    asked = answers.asking
+    notes = [r for r in (answers.remarks.get(""),) if r]
+    terms: dict[str, TermResult] = {}
+    reason = f"refused: {answers.refused}" if answers.refused else ""
+    if reason:
+        terms = {
+            t: TermResult(status=NOT_COMPARED, reason=reason, oracle=answers.name, judged="oracle") for t in given.terms
+        }
+    else:
+        layout = Layout(asked.robot, answers.how)
+        court, bounds = Court(answers, layout), _Bounds(asked.robot, asked.states)
+        for term in given.terms:
+            tick(f"{term}: compared")
+            terms[term] = _compared(term, answers, layout, court, bounds)
+        if diagnosing:
+            notes += _explain(terms, answers, tick)
+    return RobotResult(
+        given.name, given.floating, given.mimic, asked.robot.nv, asked.samples, asked.seed, True, terms, notes,
+        seconds=round(time.perf_counter() - start + answers.seconds, 3), reason=reason, engine="numpy",
+        subject=answers.name, subject_version=answers.version,
+    )  # fmt: skip
+
+
+def _compared(term: str, answers: Answers, layout: Layout, court: Court, bounds: _Bounds) -> TermResult:
+    """One term: the worst sample (and frame), who is right there, and how to see it."""
+    note = answers.remarks.get(term, "")
+    if term not in answers.terms:
+        return TermResult(
+            status=NOT_COMPARED,
+            reason=answers.silent.get(term, "not offered"),
+            oracle=answers.name,
+            note=note,
+            judged="oracle",
+        )
+    asked, x = answers.asking, answers.terms[term]
+    ours = expected(asked.robot, layout, term, asked.states, asked.frames)
+    bound = bounds.of(term, ours)
+    variants = len(asked.frames) if QUESTIONS[term].framed else 1
+    rows = x.reshape(asked.samples * variants, -1)
+    reference = ours.reshape(asked.samples * variants, -1)
+    silent = np.isnan(rows).all(axis=1)
+    error, entry = scaled_error(np.where(np.isnan(rows), reference, rows), reference)
+    error[silent | np.repeat(bounds.hopeless(term), variants)] = np.nan
+    result = TermResult(
+        oracle=answers.name, status=NOT_COMPARED, judged="oracle", note=note, tolerance_reason=bound.reason
+    )
+    result.compared = int((~np.isnan(error)).sum())
+    if not result.compared:
+        result.reason = "M is singular to working precision in every sample"
+        return result
+    ratio = np.where(np.isnan(error), -1.0, error / np.repeat(bound.value, variants))
+    worst = int(ratio.argmax())
+    sample, frame = divmod(worst, variants)
+    result.max_scaled_error, result.tolerance = float(np.nanmax(error)), float(np.repeat(bound.value, variants)[worst])
+    result.quantiles = np.quantile(error[~np.isnan(error)], QUANTILES, method="lower").tolist()
+    unit = bounds.unit(term, sample)
+    result.worst = {
+        "sample": sample, "variant": frame, "ratio": float(ratio[worst]), "entry": int(entry[worst]),
+        "where": _where(term, answers, frame, int(entry[worst])), "n_eps_cond": float(error[worst]) / unit,
+        **{k: asked.states[k][sample].tolist() for k in ("q", "v", "a")},
+    }  # fmt: skip
+    decided = AGREES if ratio[worst] <= 1.0 else DIFFERS
+    if result.max_scaled_error > LAST_DIGITS:
+        result.worst["against_50_digits"] = court.errors(term, sample, frame)
+    who = nearer(result.worst["against_50_digits"], result.tolerance) if decided == DIFFERS else ""
+    result.settle(decided, who)
+    if decided == DIFFERS:
+        result.worst["reproduce"] = program(term, answers, sample, frame, x[sample], ours[sample])
+    return result
+
+
+def _where(term: str, answers: Answers, frame: int, entry: int) -> str:
+    """The worst entry in words, in the subject's columns."""
+    v, question = list(answers.how.v), QUESTIONS[term]
+    of = f"; frame {answers.asking.frames[frame]}" if question.framed else ""
+    if term == "fk":
+        return f"{entry // 4}, {entry % 4}{of}"
+    if term == "frame_velocity":
+        return f"{answers.how.rows[entry]}{of}"
+    if term.endswith("_energy"):
+        return ""
+    if term == "com":
+        return "xyz"[entry]
+    if question.form in ("force", "bias", "acceleration"):
+        return v[entry]
+    row, column = divmod(entry, len(v))
+    rows = {"com_jacobian": list("xyz"), "six": list(answers.how.rows), "six_rate": list(answers.how.rows)}
+    names = rows.get(term) or rows.get(question.form) or v
+    return f"row {names[row]}, column {v[column]}{of}"
+
+
+class _Bounds:
+    """How far a right answer may be off, sample by sample, and why."""
+
+    def __init__(self, robot: Robot, states: States) -> None:
+        self.robot, self.states, self.n = robot, states, len(states["q"])
+        self.mass = MassMatrices(crba(robot, states["q"], engine="numpy"))
+
+    def of(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
+        found = self._derived(term, ours)
+        value = np.maximum(LINE, found.value)
+        return tolerance.Tolerance(
+            value, f"{LINE:g}, since the subject's algorithm may be any; or, if that is more, {found.reason}"
+        )
+
+    def _derived(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
+        robot, s = self.robot, self.states
+        if term == "minv":
+            return tolerance.inverse(robot, self.mass)
+        if term == "aba":
+            forces = np.abs(s["tau"]) + np.abs(bias(robot, s["q"], s["v"], engine="numpy"))
+            return tolerance.solution(robot, self.mass, forces, ours)
+        if term == "potential_energy":
+            return tolerance.weighing(robot, fk(robot, s["q"], engine="numpy")[..., :3, 3], ours)
+        return tolerance.recursion(robot, self.n)
+
+    def unit(self, term: str, sample: int) -> float:
+        """n eps, times cond(M) where a system is solved with it."""
+        unit = max(1, len(self.robot)) * EPS
+        return unit * float(self.mass.condition[sample]) if QUESTIONS[term].solves else unit
+
+    def hopeless(self, term: str) -> np.ndarray:
+        return self.mass.hopeless if QUESTIONS[term].solves else np.zeros(self.n, bool)
+
+
+def _explain(terms: dict[str, TermResult], answers: Answers, tick: Tick) -> list[str]:
+    """Findings for the terms that differ, and a remark on the search."""
+    from .diagnosis import Case, diagnose
+
+    off = [t for t, r in terms.items() if r.status == DIFFERS]
+    off += [t for t in answers.history if t not in off]
+    if not off:
+        return []
+    told = diagnose(Case(answers, LINE), tick=tick)
+    for finding in told.findings:
+        finding.subject = answers.name
+    for term in off:
+        result = terms[term]
+        result.findings = told.of(term)
+        located = told.located.get(term, "")
+        reason = _cause(result.findings) or f"cause unknown{'; ' if located else ''}{located}"
+        if result.status == DIFFERS:
+            result.settle(DIFFERS, result.nearer, reason)
+    return [f"diagnosis: {told.predictions} answers predicted in {told.seconds:.1f} s"]
+
+
+def _cause(findings: list[Finding]) -> str:
+    return "; ".join(f.says for f in findings)

@@ -1,0 +1,62 @@
+"""Skeletons of programs that answer an exchange folder, for those who write one."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from ...errors import ArgumentError, nearest
+from .asking import Asking
+from .convention import columns
+
+LANGUAGES = {"c": "answer.c", "cpp": "answer.cpp", "python": "answer.py", "matlab": "answer.m", "julia": "answer.jl"}
+
+
+def write_starter(asking: Asking, folder: Path, language: str) -> Path:
+    """A program that reads the states and writes answers, with functions to fill in.
+
+    Raises
+    ------
+    ArgumentError
+        If the language is not one of `LANGUAGES`, or the folder cannot be written.
+    """
+    if language not in LANGUAGES:
+        raise ArgumentError(f"ask: language {language!r} is not known; {nearest(language, LANGUAGES, 'languages')}")
+    path = folder / LANGUAGES[language]
+    if path.exists():
+        raise ArgumentError(f"ask: {path} is there already; it is left as it is (move it away for a new one)")
+    try:
+        path.write_text(starter(asking, language), encoding="utf-8")
+    except OSError as e:
+        raise ArgumentError(f"ask: cannot write {path} ({e.strerror or e})") from None
+    return path
+
+
+def starter(asking: Asking, language: str) -> str:
+    """Its text, with the robot's names."""
+    text = (resources.files(__package__) / "starters" / f"{LANGUAGES[language]}.in").read_text(encoding="utf-8")
+    q, v = columns(asking.robot)
+    values = {
+        "ROBOT": _plain(asking.name), "GRAVITY": ", ".join(f"{x:g}" for x in asking.gravity), "NQ": str(len(q)),
+        "NV": str(len(v)), "NF": str(len(asking.frames)), "Q": _listed(q, language), "V": _listed(v, language),
+        "FRAMES": _listed(asking.frames, language) or ('""' if language == "c" else ""),
+    }  # fmt: skip
+    for name, value in values.items():
+        text = text.replace(f"@{name}@", value)
+    return text
+
+
+def _listed(names: tuple[str, ...], language: str) -> str:
+    """Names as literals; what would end a literal is escaped, so that no name becomes code."""
+    if language == "matlab":
+        return ", ".join("'" + n.replace("'", "''") + "'" for n in names)
+    escaped = (n.replace("\\", "\\\\").replace('"', '\\"') for n in names)
+    literals = ['"' + n + '"' for n in escaped]
+    if language == "julia":
+        literals = [x.replace("$", "\\$") for x in literals]
+    return ", ".join(literals)
+
+
+def _plain(name: str) -> str:
+    """A name in a comment, which it cannot end."""
+    return "".join(c if c.isalnum() or c in "._-/ " else "_" for c in name).replace("*/", "_")

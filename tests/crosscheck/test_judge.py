@@ -1,0 +1,230 @@
+"""Subjects of all sorts are asked, and whatever they do is a result."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dualpin as dp
+from dualpin.crosscheck.results import Report
+from dualpin.crosscheck.subjects import Command, Convention, asking, exchange, write_starter
+from dualpin.crosscheck.subjects.questions import wanted
+
+HERE = Path(__file__).parent
+EXAMPLES = HERE / "subject_examples.py"
+
+
+def apart(name: str, **options) -> Report:
+    return dp.judge("ur5", f"{EXAMPLES}:{name}", 6, **options)
+
+
+def test_pinocchio_agrees_in_every_term_on_a_fixed_and_a_floating_base():
+    for robot, floating in (("panda", False), ("solo12", True)):
+        report = dp.judge(robot, "pinocchio", 6, floating=floating)
+        assert {t.status for t in report.terms.values()} == {"agrees"}
+        assert report.passed and not report.findings
+        assert max(t.max_scaled_error for t in report.terms.values()) < 1e-11
+
+
+def test_a_mapping_of_one_lambda_is_judged():
+    arm = dp.load("ur5")
+    light = arm.with_gravity((0, 0, -9.8))
+    report = dp.judge(arm, {"rnea": lambda q, v, a: dp.rnea(light, q, v, a)}, 6)
+    term = report.terms["rnea"]
+    assert term.status == "differs" and term.nearer == "dualpin" and not report.passed
+    assert [f.key for f in report.findings] == ["gravity"] and "9.8 " in report.findings[0].says
+    assert report.findings[0].before > 1e-4 and report.findings[0].after < 1e-12
+    assert report.terms["crba"].status == "not compared" and report.terms["crba"].reason == "not offered"
+    exact = term.worst["against_50_digits"]
+    assert exact["dualpin"] < 1e-14 and exact["pinocchio"] < 1e-14 and exact["oracle"] > 1e-4
+
+
+def test_the_reproducer_shows_the_difference():
+    arm = dp.load("ur5")
+    light = arm.with_gravity((0, 0, -9.8))
+    report = dp.judge(arm, {"gravity": lambda q: dp.gravity(light, q)}, 6, diagnose=False)
+    program = report.terms["gravity"].worst["reproduce"]
+    assert len(program.splitlines()) <= 10
+    scope = {"subject": type("S", (), {"gravity": staticmethod(lambda q: dp.gravity(light, q))})}
+    exec(program.replace("subject.gravity", "got = subject.gravity"), scope)
+    worst = report.terms["gravity"].worst
+    apart = np.abs(scope["got"] - dp.gravity(arm, scope["q"])).max()
+    assert np.isclose(
+        apart / max(1, np.abs(dp.gravity(arm, scope["q"])).max()), report.terms["gravity"].max_scaled_error
+    )
+    assert scope["q"].tolist() == worst["q"]
+
+
+def test_a_crash_is_a_result_and_the_other_terms_are_asked():
+    report = apart("Crashes", diagnose=False)
+    assert "crashed (SIGABRT)" in report.terms["gravity"].reason
+    assert report.terms["gravity"].status == "not compared"
+    assert report.terms["crba"].status == "agrees" and report.terms["rnea"].status == "differs"
+
+
+def test_a_hang_is_a_result_and_the_other_terms_are_asked():
+    report = apart("Hangs", diagnose=False, limit=2.0)
+    assert "no answer within 2 s" in report.terms["gravity"].reason
+    assert report.terms["crba"].status == "agrees"
+
+
+def test_a_refusal_is_a_result():
+    report = apart("Refuses")
+    assert report.robots[0].reason == "refused: ended with exit code 1: RuntimeError: no such construct"
+    assert report.status == "not compared"
+
+
+def test_a_subject_that_depends_on_its_history_is_named():
+    report = apart("Forgets", terms=["gravity"])
+    assert [f.key for f in report.findings] == ["history"]
+
+
+def test_a_slow_subject_is_asked_fewer_states(monkeypatch):
+    from subject_examples import Slow
+
+    from dualpin.crosscheck.subjects import running
+
+    monkeypatch.setattr(running, "SECONDS", 0.1)
+    arm = dp.load("ur5")
+    light = Slow.__new__(Slow)
+    light.robot = arm
+    report = dp.judge(arm, light, 12, terms=["bias"], diagnose=False)
+    assert report.terms["bias"].compared < 12 and "slow" in report.terms["bias"].note
+
+
+def test_batches_and_single_states_are_the_same():
+    arm = dp.load("ur5")
+    one = dp.judge(arm, {"crba": lambda q: dp.crba(arm, q)}, 4).terms["crba"]
+    many = dp.judge(arm, type("B", (), {"batched": True, "crba": lambda self, q: dp.crba(arm, q)})(), 4).terms["crba"]
+    assert one.status == many.status == "agrees" and one.compared == many.compared == 4
+
+
+def test_joints_a_subject_does_not_know_are_held():
+    hand, arm = dp.load("panda"), [f"panda_joint{i}" for i in range(1, 8)]
+
+    def torque(q):
+        return dp.gravity(hand, np.r_[q, 0, 0])[:7]
+
+    report = dp.judge(hand, {"gravity": torque, "writes": {"q": arm, "v": arm}}, 6)
+    assert report.terms["gravity"].status == "agrees" and report.robots[0].nv == 7
+    assert any("held at zero" in note for note in report.robots[0].notes)
+
+
+@pytest.mark.parametrize(
+    ("subject", "message"),
+    [
+        ("mujco", "shipped"), ({"rnae": len}, "did you mean 'rnea'"), ({"rnea": 3}, "must be a function"),
+        (object(), "none of the terms"), ({}, "none of the terms"), (Command("./no_such_program"), "cannot be started"),
+        ({"rnea": len, "writes": {"q": ["a"], "v": ["a"]}}, "no column of the robot"),
+    ],
+)  # fmt: skip
+def test_bad_subjects_are_refused_with_the_nearest_choice(subject, message):
+    with pytest.raises(dp.ArgumentError, match=message):
+        dp.judge("ur5", subject, 4)
+
+
+@pytest.mark.parametrize("answer", [[1, 2], "x", None, np.full(6, np.nan), np.full((2, 6), 1.0), 1j])
+def test_answers_of_no_use_are_said_not_raised(answer):
+    term = dp.judge("ur5", {"gravity": lambda q: answer}, 4, diagnose=False).terms["gravity"]
+    assert term.status == ("differs" if isinstance(answer, np.ndarray) and answer.shape == (6,) else "not compared")
+    assert term.status == "differs" or "expected" in term.reason or "Error" in term.reason
+
+
+def test_a_report_survives_being_written(tmp_path):
+    arm = dp.load("ur5")
+    report = dp.judge(arm, {"gravity": lambda q: -dp.gravity(arm, q)}, 6, terms=["gravity"])
+    paths = report.write(tmp_path, ("json", "md", "html", "junit", "sarif"))
+    assert [p.name for p in paths] == ["report.json", "report.md", "report.html", "junit.xml", "report.sarif"]
+    again = Report.from_dict(json.loads(paths[0].read_text()))
+    assert again.findings == report.findings and not again.passed
+    assert again.terms["gravity"].verdict == report.terms["gravity"].verdict
+    assert json.loads(paths[4].read_text())["runs"][0]["results"][0]["ruleId"] == report.findings[0].key
+    assert 'failures="1"' in paths[3].read_text()
+
+
+# --- exchange folders ----------------------------------------------------------------------------
+
+
+def test_answers_in_a_folder_are_read_by_name(tmp_path):
+    given = asking("solo12", 4, 0, wanted(["rnea", "crba", "jacobian", "fk", "kinetic_energy"]), floating=True)
+    exchange.write(given, tmp_path)
+    robot, s = given.robot, given.states
+    tau = dp.rnea(robot, s["q"], s["v"], s["a"])
+    names = list(reversed(Convention.of(robot).v))
+    order = [Convention.of(robot).v.index(n) for n in names]
+    lines = [f"sample,{','.join(names)}"] + [
+        f"{k}," + ",".join(f"{x:.17g}" for x in tau[k, order]) for k in (2, 0, 3, 1)
+    ]
+    (tmp_path / "answers/rnea.csv").write_text("\n".join(lines) + "\n")
+    energy = dp.kinetic_energy(robot, s["q"], s["v"])
+    (tmp_path / "answers/kinetic_energy.csv").write_text(
+        "sample,value\n" + "".join(f"{k},{e:.17g}\n" for k, e in enumerate(energy[:3])) + "3,"  # cut off
+    )
+    (tmp_path / "answers/crba.csv").write_text("sample,row\n0,a\n")
+    report = dp.judge("solo12", tmp_path, floating=True)
+    assert report.terms["rnea"].status == "agrees" and report.terms["rnea"].max_scaled_error < 1e-15
+    assert report.terms["kinetic_energy"].status == "agrees" and "3 of 4" in report.terms["kinetic_energy"].note
+    assert "has no column" in report.terms["crba"].reason and report.terms["fk"].reason == "not offered"
+    with pytest.raises(dp.ArgumentError, match="written for another robot"):
+        dp.judge("ur5", tmp_path)
+
+
+ANSWERS = {
+    "c": ("static int gravity(const State *s, double out[NV]) { (void)s, (void)out; return 0; }",
+          "static int gravity(const State *s, double out[NV]) { memcpy(out, s->q, sizeof s->q); return 1; }",
+          ["gcc", "-O1", "-Wall", "-Wextra", "-Werror", "answer.c", "-lm", "-o", "answer"]),
+    "cpp": ("std::optional<Vector> gravity(const State& s) { (void)s; return {}; }",
+            "std::optional<Vector> gravity(const State& s) { return s.q; }",
+            ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "answer.cpp", "-o", "answer"]),
+    "python": ('    """The same for v = a = 0."""\n', '    return q\n', ["cp", "answer.py", "answer"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("language", ANSWERS)
+def test_starters_run_as_they_are_and_filled_in(tmp_path, language):
+    before, after, build = ANSWERS[language]
+    if shutil.which(build[0]) is None:
+        pytest.skip(f"no {build[0]}")
+    given = asking("ur5", 4, 0, wanted(None))
+    exchange.write(given, tmp_path)
+    path = write_starter(given, tmp_path, language)
+    run = ["python3", "answer"] if language == "python" else ["./answer"]
+    subprocess.run(build, cwd=tmp_path, check=True)
+    subprocess.run([*run, "."], cwd=tmp_path, check=True)
+    assert list((tmp_path / "answers").iterdir()) == []
+    text = path.read_text()
+    assert text.count(before) == 1
+    path.write_text(text.replace(before, after))
+    subprocess.run(build, cwd=tmp_path, check=True)
+    command = Command(" ".join([*run[:-1], str(tmp_path / "answer"), "FOLDER"]))
+    report = dp.judge("ur5", command, 5, terms=["gravity", "rnea"], diagnose=False)
+    worst = report.terms["gravity"].worst
+    assert report.terms["rnea"].reason == "not offered"
+    assert report.terms["gravity"].compared == 5
+    arm = dp.load("ur5")
+    q = np.array(worst["q"])
+    error = np.abs(q - dp.gravity(arm, q)).max() / max(1, np.abs(dp.gravity(arm, q)).max())
+    assert np.isclose(report.terms["gravity"].max_scaled_error, error)
+
+
+def test_a_program_that_crashes_half_way_counts_for_what_it_wrote(tmp_path):
+    program = tmp_path / "half.py"
+    program.write_text(
+        "import sys, os, csv\nd = sys.argv[1]\nrows = list(csv.DictReader(open(d + '/states.csv')))\n"
+        "names = [n[2:] for n in rows[0] if n.startswith('q.')]\n"
+        "f = open(d + '/answers/gravity.csv', 'w')\nprint('sample', *names, sep=',', file=f)\n"
+        "for k in range(2): print(k, *('0' for n in names), sep=',', file=f)\nf.flush()\nos.abort()\n"
+    )
+    report = dp.judge("ur5", Command(f"python3 {program} FOLDER"), 6, terms=["gravity", "rnea"], diagnose=False)
+    assert report.terms["gravity"].compared == 2 and "2 of 6" in report.terms["gravity"].note
+    assert "crashed" in report.terms["rnea"].reason
+
+
+def test_a_program_that_hangs_is_stopped(tmp_path):
+    report = dp.judge("ur5", Command("sh -c 'sleep 60' FOLDER", limit=0.5), 4, terms=["gravity"])
+    assert report.robots[0].reason == "refused: no answer within 0.5 s"
