@@ -176,7 +176,7 @@ def describe(text: str, robot: Robot) -> Description:
     coupled = {j.name: j.mimic for j in robot}
     parts = []
     for frame in robot.frames:
-        if frame.kind in ("joint", "fixed_joint") and frame.name in document.joints:
+        if frame.role in ("joint", "fixed_joint") and frame.name in document.joints:
             name = frame.name
             part = _part(document.joints[name], document.links)
             parts.append(replace(part, armature=armature.get(name, ()), mimic=coupled.get(name)))

@@ -79,7 +79,7 @@ def _base(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int]) -> list
 def _link_at(case: Case, B: np.ndarray) -> str:
     """The link on the root whose frame is taken for the root's."""
     for f in case.robot.frames:
-        if f.kind == "link" and (f.joint is None or (case.floating and f.joint is case.robot.joints[0])):
+        if f.role == "link" and (f.joint is None or (case.floating and f.joint is case.robot.joints[0])):
             P = np.array([[float(c) for c in row] for row in f.placement.rows])
             if np.abs(P - np.eye(4)).max() > 1e-9 and np.abs(np.linalg.inv(P) - B).max() < 1e-9:
                 return f.name

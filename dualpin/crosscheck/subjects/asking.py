@@ -58,7 +58,7 @@ class Asking:
     @cached_property
     def frames(self) -> tuple[str, ...]:
         """Links to look at, but the root: the one with most joints under it, the last, others at random."""
-        links = [f for f in self.robot.frames if f.kind == "link" and f.joint is not None]
+        links = [f for f in self.robot.frames if f.role == "link" and f.joint is not None]
         if self.floating:
             links = [f for f in links if f.joint is not base_of(self.robot) or not _is_ground(f)]
         if not links:
