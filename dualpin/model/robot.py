@@ -272,7 +272,7 @@ class Robot:
             if not any(f is name for f in self.frames):
                 raise FrameNotFoundError(f"frame {name.name!r} is of another robot than {self.name}; give its name")
             return name
-        if isinstance(name, (int, np.integer)):
+        if isinstance(name, (int, np.integer)) and not isinstance(name, bool):
             if -len(self.frames) <= name < len(self.frames):
                 return self.frames[name]
             raise FrameNotFoundError(f"frame {name} of {self.name}: it has {len(self.frames)} frames")
