@@ -117,7 +117,7 @@ class Pair:
         if robot.source is None:
             raise ArgumentError(f"bench: {robot.name} was not read from a file, and Pinocchio needs one")
         self.robot, self.term, self.batch, self.threads = robot, TERMS[term], batch, threads
-        self.oracle = Pinocchio(robot, robot.source, robot.floating, mimic=False)
+        self.oracle = Pinocchio.of_file(robot, robot.source, robot.floating)
         q, v, a = robot.sample(batch, seed=0)
         self.states = {"q": q, "v": v, "a": a, "tau": a}
         self.options: dict[str, Any] = {}

@@ -67,7 +67,7 @@ def _terms(r: RobotResult) -> Table:
     found = table("term", "max scaled error>", "tolerance>", "verdict", "oracle", "", title=title)
     for name, t in r.terms.items():
         figures = (f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}") if t.compared else ("-", "-")
-        at = f"at {t.worst.get('where', '?')}" if t.status == "differs" else ""
+        at = f"at {t.worst['where']}" if t.status == "differs" and t.worst.get("where") else ""
         found.add_row(name, *figures, mark(t), t.oracle, _plain("; ".join(x for x in (at, t.remark) if x)))
     return found
 

@@ -34,7 +34,7 @@ class Court:
             with tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / "robot.urdf"
                 path.write_text(asking.text, encoding="utf-8")
-                oracle = Pinocchio(self.robot.with_gravity((0.0, 0.0, -9.81)), str(path), asking.floating, asking.mimic)
+                oracle = Pinocchio.of_file(self.robot, str(path), asking.floating)
         except DualpinError:
             return None
         for layout in (oracle.free, oracle.coupled):

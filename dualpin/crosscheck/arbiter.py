@@ -1,4 +1,4 @@
-"""Who is right in the last digits: the same algorithm, run with 50 digits."""
+"""Who is right where two libraries differ: each is compared with the term's definition in 50 digits and more."""
 
 from __future__ import annotations
 
@@ -7,48 +7,71 @@ from typing import Any
 
 import numpy as np
 
-from ..call import evaluate
-from ..errors import DualpinError
 from ..model.robot import Robot
-from ..scalars import Exact
-from ..terms import TERMS, flat
+from .checks import Check
+from .definitions import WORKING_DIGITS, Definitions, UndecidedError
+from .results import DUALPIN, NEITHER, ORACLE, UNDECIDED
 
-DIGITS = 50
+SECONDS = 10.0
+"""What a term may cost: entries of a 100-joint humanoid take 0.1 to 3 s."""
 
 
 def arbitrate(
-    robot: Robot, term: str, state: Mapping[str, np.ndarray], theirs: np.ndarray, **options: Any
-) -> dict[str, float]:
-    """Scaled errors of ours and of the oracle's value against 50 digits, at one state.
+    robot: Robot, check: Check, state: Mapping[str, np.ndarray], index: tuple[int, ...], ours: float, theirs: float,
+    scale: float, seconds: float = SECONDS, **options: Any,
+) -> dict[str, float]:  # fmt: skip
+    """Scaled errors of dualpin's and the oracle's value of one entry at one state.
 
-    The constants of the robot are the doubles that were read, with rotations and the quaternions of
-    q made orthonormal to 50 digits.
+    Parameters
+    ----------
+    state : mapping
+        The sampled quantities of one sample, by their names in `Check.inputs`.
+    index : tuple of int
+        The entry's place in the term's array.
+    scale : float
+        What errors are divided by.
+
+    Raises
+    ------
+    UndecidedError
+        If there is no definition, it has no value (M is singular), or time is over.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.crosscheck.arbiter import arbitrate
+    >>> from dualpin.crosscheck.checks import CHECKS
+    >>> arm, q = dp.load("ur5"), [0.1, -0.2, 0.3, 0.4, 0.5, 0.6]
+    >>> M = dp.crba(arm, q)
+    >>> errors = arbitrate(arm, CHECKS["crba"], {"q": q}, (0, 1), M[0, 1], M[0, 1] + 1e-9, 1.0)
+    >>> errors["dualpin"] < 1e-15, round(errors["oracle"], 12)
+    (True, 1e-09)
     """
-    try:
-        import mpmath
-    except ImportError:
-        raise DualpinError("arbitration computes with mpmath (pip install mpmath)") from None
-    ours = evaluate(robot, term, state, engine="numpy", **options)
-    with mpmath.workdps(DIGITS):
-        lifted = robot.lift(mpmath.mpf)
-        inputs = {key: [mpmath.mpf(float(x)) for x in np.ravel(value)] for key, value in state.items()}
-        for j in robot:
-            for r in j.quaternions if "q" in inputs else ():
-                norm = mpmath.sqrt(sum(x * x for x in inputs["q"][r]))
-                inputs["q"][r] = [x / norm for x in inputs["q"][r]]
-        truth = [
-            mpmath.mpf(x.n) if type(x) is Exact else mpmath.mpf(x)
-            for x in flat(TERMS[term].compute(lifted, *inputs.values(), **_lifted(lifted, robot, options)))
-        ]
-        scale = max(1, max((abs(x) for x in truth), default=1))
+    import mpmath
 
-        def error(values: np.ndarray) -> float:
-            pairs = zip(np.ravel(values).tolist(), truth, strict=True)
-            return float(max((abs(mpmath.mpf(x) - t) for x, t in pairs), default=0) / scale)
+    if "frame" in options:
+        options["frame"] = robot.frames.index(options["frame"])
+    with mpmath.workdps(WORKING_DIGITS):
+        try:
+            truth = Definitions(robot, state, seconds).entry(check.term, index, options)
+        except ZeroDivisionError:
+            raise UndecidedError("it has no value: M is singular") from None
 
-        return {"dualpin": error(ours), "oracle": error(theirs)}
+        def error(x: float) -> float:
+            off = float(abs(mpmath.mpf(x) - truth) / scale) if np.isfinite(x) else float("inf")
+            return off if off > 1e-50 else 0.0  # of what is zero, a difference leaves less than 50 digits
+
+        return {"dualpin": error(float(ours)), "oracle": error(float(theirs))}
 
 
-def _lifted(lifted: Robot, robot: Robot, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Frames of the robot become those of the lifted one."""
-    return {k: lifted.frames[robot.frames.index(v)] if k == "frame" else v for k, v in options.items()}
+def nearer(errors: Mapping[str, float], tolerance: float) -> str:
+    """Who is nearer the truth: one within the tolerance; the closer one if both are, neither if none is."""
+    ours, theirs = errors["dualpin"], errors["oracle"]
+    if min(ours, theirs) > tolerance:
+        return NEITHER
+    return DUALPIN if ours <= theirs else ORACLE
+
+
+def worst_of(verdicts: list[str]) -> str:
+    """Of what several samples say."""
+    return min(verdicts, key=[ORACLE, NEITHER, UNDECIDED, DUALPIN].index, default=UNDECIDED)

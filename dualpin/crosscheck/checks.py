@@ -51,6 +51,16 @@ class Check:
     weighs: bool = True
 
     @property
+    def inertial(self) -> bool:
+        """Whether inertias enter it."""
+        return self.weighs or self.term == "rnea_f_ext"
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether forces enter it, gravity among them."""
+        return self.inertial or self.term == "joint_torque_regressor"
+
+    @property
     def inputs(self) -> dict[str, str]:
         """The term's inputs, each with the sampled quantity that it is given."""
         if self.term == "difference":
@@ -86,11 +96,12 @@ def chosen(terms: Iterable[str] | None) -> list[Check]:
 
 @dataclass(frozen=True)
 class Case:
-    """A robot to validate: by name or path, or itself."""
+    """A robot to validate: by name or path, or itself; against its own file, or another."""
 
     robot: str | Robot
     floating: bool = False
     mimic: bool = False
+    against: str | None = None
 
     @property
     def name(self) -> str:

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import tempfile
 import time
-import warnings
 from collections.abc import Sequence
-from pathlib import Path
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ..call import evaluate
-from ..errors import DualpinWarning
-from ..io.urdf import load
 from ..model.robot import Robot
 from ..terms import TERMS
 from . import tolerance
-from .arbiter import arbitrate as _fifty_digits
-from .checks import CHECKS, Case, Check
+from .arbiter import arbitrate as by_definition
+from .arbiter import nearer, worst_of
+from .checks import Case, Check
+from .definitions import UndecidedError
+from .extent import Extent
 from .oracles.pinocchio import Pinocchio
-from .results import AGREES, NOT_COMPARED, RobotResult, TermResult
+from .pairing import Pair, paired
+from .reading import Difference
+from .results import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, RobotResult, TermResult
 from .sampling import batches, planar_angles, states
-from .tally import Tally, scaled_error
+from .tally import Tally
 from .tolerance import MassMatrices
 from .where import locate
 
@@ -36,44 +38,23 @@ def compare(
 ) -> RobotResult:
     """All checks of one robot."""
     start = time.perf_counter()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result
-        robot = case.robot if isinstance(case.robot, Robot) else load(case.robot, case.floating, case.mimic)
-    floating = robot.floating
-    coupled = case.mimic or robot.coupled
-    with tempfile.TemporaryDirectory() as folder:
-        oracle = Pinocchio(robot, robot.source or _written(robot, folder), floating, coupled)
-    given = states(robot, samples, seed, engine) | {"sample": np.arange(samples)}
-    weightless = robot.mass == 0
-    tallies = {c.term: Tally() for c in checks if not (weightless and c.weighs)}
-    for together in _groups([CHECKS[term] for term in tallies]):
-        largest = max(
-            int(np.prod(TERMS[c.term].shape(robot, **c.variants(robot, seed)[0]), dtype=int)) for c in together
-        )
-        for part in batches(samples, largest):
-            batch = {key: x[part] for key, x in given.items()}
-            mass = MassMatrices(*oracle.compute("crba", {"q": batch["q"]})) if together[0].solves else None
-            for check in together:
-                _gather(tallies[check.term], check, robot, oracle, batch, seed, engine, mass)
-    results = {c.term: TermResult(status=NOT_COMPARED, reason=WEIGHTLESS) for c in checks}
-    results |= {term: tally.result(oracle.source(term), given) for term, tally in tallies.items()}
-    for term, result in results.items():
-        if result.worst:
-            options = CHECKS[term].variants(robot, seed)[result.worst["variant"]]
-            result.worst["where"] = locate(robot, term, result.worst["entry"], options)
-    if arbitrate:
-        for term, result in results.items():
-            if result.max_scaled_error > LAST_DIGITS and term != "difference":
-                _arbitrate(result, CHECKS[term], robot, oracle, given, seed)
-    notes = [
-        *robot.notes,
-        *([f"mimic: {oracle.refusal}; projected from the uncoupled model"] if oracle.refusal else []),
-    ]
+    pair = paired(case)
+    if pair.oracle is None:
+        terms = {c.term: TermResult(status=NOT_COMPARED, reason="the joints are not the same") for c in checks}
+    else:
+        terms = _Comparison(pair, pair.oracle, samples, seed, engine).results(checks, arbitrate)
+    robot = pair.robot
     found = RobotResult(
-        case.name, floating, coupled, robot.nv, samples, seed, True, results, notes, engine=used_engine(engine)
-    )
-    if weightless and found.status == AGREES and any(c.weighs for c in checks):
-        found.status, found.reason = NOT_COMPARED, f"{WEIGHTLESS}: only its kinematics can be compared"
+        case.name, pair.floating, case.mimic or robot.coupled, robot.nv, samples, seed, True, terms,
+        [*robot.notes, *pair.notes, *(d.says for d in pair.apart)], engine=used_engine(engine),
+    )  # fmt: skip
+    weighing = [terms[c.term] for c in checks if c.weighs]
+    if pair.oracle is None:
+        found.passed, found.status, found.reason = False, DIFFERS, _said(pair.apart)
+    elif found.status == DIFFERS:
+        found.reason = _said(pair.apart)
+    elif found.status == AGREES and weighing and all(t.status == NOT_COMPARED for t in weighing):
+        found.status, found.reason = NOT_COMPARED, f"{weighing[0].reason}: only its kinematics can be compared"
     found.seconds = round(time.perf_counter() - start, 3)
     return found
 
@@ -91,70 +72,145 @@ def used_engine(asked: str) -> str:
     return "compiled"
 
 
-def _written(robot: Robot, folder: str) -> str:
-    path = str(Path(folder) / "robot.urdf")
-    robot.to_urdf(path)
-    return path
+@dataclass
+class _Comparison:
+    """A robot and its oracle on the same states."""
+
+    pair: Pair
+    oracle: Pinocchio
+    samples: int
+    seed: int
+    engine: str
+
+    @property
+    def robot(self) -> Robot:
+        return self.pair.robot
+
+    def results(self, checks: Sequence[Check], arbitrate: bool) -> dict[str, TermResult]:
+        """Those that cannot be compared with the reason, the others batch by batch, and the differences decided."""
+        variants = {c.term: [o for o in c.variants(self.robot, self.seed) if self.oracle.offers(o)] for c in checks}
+        hindered = {c.term: _hindrance(c, self.pair, variants[c.term]) for c in checks}
+        given = states(self.robot, self.samples, self.seed, self.engine) | {"sample": np.arange(self.samples)}
+        (poses,) = self.oracle.compute("fk", {"q": given["q"]})
+        extent = Extent(self.robot, poses[..., :3, 3], {key: given[key] for key in ("v", "a", "f_ext")})
+        tallies = {c: Tally() for c in checks if not hindered[c.term]}
+        for together in _groups(list(tallies)):
+            largest = max(int(np.prod(self._shape(c, variants[c.term][0]), dtype=int)) for c in together)
+            for part in batches(self.samples, largest):
+                batch = {key: x[part] for key, x in given.items()}
+                mass = MassMatrices(*self.oracle.compute("crba", {"q": batch["q"]})) if together[0].solves else None
+                for check in together:
+                    self._gather(tallies[check], check, variants[check.term], batch, mass, extent.part(part))
+        found = {term: TermResult(status=NOT_COMPARED, reason=reason) for term, reason in hindered.items()}
+        for check, tally in tallies.items():
+            found[check.term] = self._judged(check, tally, variants[check.term], given, arbitrate)
+        return found
+
+    def _shape(self, check: Check, options: dict[str, Any]) -> tuple[int, ...]:
+        return TERMS[check.term].shape(self.robot, **options)
+
+    def _gather(
+        self, tally: Tally, check: Check, variants: list[dict[str, Any]], batch: dict[str, np.ndarray],
+        mass: MassMatrices | None, extent: Extent,
+    ) -> None:  # fmt: skip
+        inputs = {name: batch[name] for name in check.inputs.values()}
+        named = {key: batch[name] for key, name in check.inputs.items()}
+        answers = self.oracle.compute(check.term, inputs, variants)
+        n = len(batch["q"])
+        for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
+            ours = evaluate(self.robot, check.term, named, engine=self.engine, **options)
+            bound = self._bound(check.term, batch, theirs, mass, extent)
+            left_out = None if mass is None else mass.hopeless
+            tally.add(ours.reshape(n, -1), theirs.reshape(n, -1), bound.value, batch["sample"], variant, left_out)
+            tally.reason = bound.reason
+
+    def _bound(
+        self, term: str, batch: dict[str, np.ndarray], theirs: np.ndarray, mass: MassMatrices | None, extent: Extent
+    ) -> tolerance.Tolerance:
+        """How far the two may be apart, sample by sample.
+
+        What it depends on comes from the oracle: a wrong M of ours would widen its own bound.
+        """
+        robot, oracle = self.robot, self.oracle
+        if term == "difference":
+            return tolerance.logarithm(robot, theirs[:, planar_angles(robot)])
+        if term == "potential_energy":
+            return tolerance.weighing(robot, extent.positions, theirs)
+        if mass is None:
+            return tolerance.recursion(robot, len(theirs), extent.of(term), theirs)
+        if term == "minv":
+            return tolerance.inverse(robot, mass, extent)
+        (bias,) = oracle.compute("bias", {key: batch[key] for key in ("q", "v")})
+        forces = np.abs(batch["tau"]) + np.abs(bias)
+        if term == "aba_derivatives":
+            (a,) = oracle.compute("aba", {key: batch[key] for key in ("q", "v", "tau")})
+            return tolerance.derivatives(robot, mass, forces, a, theirs, extent)
+        return tolerance.solution(robot, mass, forces, theirs, extent)
+
+    def _judged(
+        self, check: Check, tally: Tally, variants: list[dict[str, Any]], given: dict[str, np.ndarray], arbitrate: bool
+    ) -> TermResult:
+        """The verdict on a term; 50 digits of one robot say nothing about two robots."""
+        result = tally.result(self.oracle.source(check.term), given)
+        if not result.worst:
+            return result
+        result.worst["where"] = locate(self.robot, check.term, result.worst["entry"], variants[result.worst["variant"]])
+        apart = [d for d in self.pair.apart if _matters(d, check)]
+        if result.status == DIFFERS and apart:
+            result.settle(DIFFERS, UNDECIDED, _said(apart))
+        elif result.status == DIFFERS or (arbitrate and result.max_scaled_error > LAST_DIGITS):
+            self._arbitrate(result, check, tally, variants, given)
+        return result
+
+    def _arbitrate(
+        self, result: TermResult, check: Check, tally: Tally, variants: list[dict[str, Any]],
+        given: dict[str, np.ndarray],
+    ) -> None:  # fmt: skip
+        """Ask the definition of the term at its worst sample, and at some others that are out of tolerance."""
+        verdicts, reason = [], ""
+        for row in tally.rows(result.status):
+            options, state = variants[row["variant"]], {key: given[key][row["sample"]] for key in check.inputs.values()}
+            shape = self._shape(check, options)
+            index = tuple(int(i) for i in np.unravel_index(row["entry"], shape)) if shape else ()
+            try:
+                found = by_definition(
+                    self.robot, check, state, index, row["dualpin"], row["oracle"], row["scale"], **options
+                )
+            except UndecidedError as e:
+                verdicts.append(UNDECIDED)
+                reason = str(e)
+                continue
+            result.worst.setdefault("against_50_digits", found)
+            verdicts.append(nearer(found, row["bound"]))
+        if result.status == DIFFERS:
+            result.settle(DIFFERS, worst_of(verdicts), reason)
+
+
+def _hindrance(check: Check, pair: Pair, variants: list[dict[str, Any]]) -> str:
+    """Why a term cannot be compared, if it cannot."""
+    if check.weighs and pair.robot.mass == 0:
+        return WEIGHTLESS
+    if not variants:
+        return "the oracle has none of the frames"
+    links = [name for d in pair.apart for name in d.unread]
+    if not (check.inertial and links and pair.oracle):
+        return ""
+    complaints = [c for c in pair.oracle.description.complaints if "Could not parse" not in c]
+    heard = f" ({'; '.join(complaints[:3])})" if complaints else ""
+    return f"the oracle did not read {'link' if len(links) == 1 else 'links'} {', '.join(links)}{heard}"
+
+
+def _matters(difference: Difference, check: Check) -> bool:
+    """Whether a difference of two robots enters a term."""
+    return {"joint": True, "gravity": check.dynamic}.get(difference.about, check.inertial)
+
+
+def _said(apart: Sequence[Difference], most: int = 3) -> str:
+    more = f"; and {len(apart) - most} more" if len(apart) > most else ""
+    return "; ".join(d.says for d in apart[:most]) + more
 
 
 def _groups(checks: Sequence[Check]) -> list[list[Check]]:
     """Terms by themselves, but those that solve with M together: how well it can be solved with is found once."""
     solving = [c for c in checks if c.solves]
     return [[c] for c in checks if not c.solves] + ([solving] if solving else [])
-
-
-def _gather(
-    tally: Tally, check: Check, robot: Robot, oracle: Pinocchio, batch: dict[str, np.ndarray], seed: int, engine: str,
-    mass: MassMatrices | None,
-) -> None:  # fmt: skip
-    inputs = {name: batch[name] for name in check.inputs.values()}
-    named = {key: batch[name] for key, name in check.inputs.items()}
-    variants = check.variants(robot, seed)
-    answers = oracle.compute(check.term, inputs, variants)
-    n = len(batch["q"])
-    for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
-        ours = evaluate(robot, check.term, named, engine=engine, **options)
-        bound = _bound(check.term, robot, oracle, batch, theirs, mass)
-        error, where = scaled_error(ours.reshape(n, -1), theirs.reshape(n, -1))
-        if mass is not None:
-            error[mass.hopeless] = np.nan
-        tally.add(error, bound.value, where, batch["sample"], variant)
-        tally.reason = bound.reason
-
-
-def _bound(
-    term: str, robot: Robot, oracle: Pinocchio, batch: dict[str, np.ndarray], theirs: np.ndarray,
-    mass: MassMatrices | None,
-) -> tolerance.Tolerance:  # fmt: skip
-    """How far the two may be apart, sample by sample.
-
-    What it depends on comes from the oracle: a wrong M of ours would widen its own bound.
-    """
-    if term == "difference":
-        return tolerance.logarithm(robot, theirs[:, planar_angles(robot)])
-    if term == "potential_energy":
-        (poses,) = oracle.compute("fk", {"q": batch["q"]})
-        return tolerance.weighing(robot, poses[..., :3, 3], theirs)
-    if mass is None:
-        return tolerance.recursion(robot, len(theirs))
-    if term == "minv":
-        return tolerance.inverse(robot, mass)
-    (bias,) = oracle.compute("bias", {key: batch[key] for key in ("q", "v")})
-    forces = np.abs(batch["tau"]) + np.abs(bias)
-    if term == "aba_derivatives":
-        (a,) = oracle.compute("aba", {key: batch[key] for key in ("q", "v", "tau")})
-        return tolerance.derivatives(robot, mass, forces, a, theirs)
-    return tolerance.solution(robot, mass, forces, theirs)
-
-
-def _arbitrate(
-    result: TermResult, check: Check, robot: Robot, oracle: Pinocchio, given: dict[str, np.ndarray], seed: int
-) -> None:
-    """Record how far each library is from 50 digits, at the worst sample and in its variant."""
-    one = slice(result.worst["sample"], result.worst["sample"] + 1)
-    options = check.variants(robot, seed)[result.worst["variant"]]
-    state = {key: given[key][one] for key in TERMS[check.term].inputs}
-    (theirs,) = oracle.compute(check.term, state, [options])
-    result.worst["against_50_digits"] = _fifty_digits(
-        robot, check.term, {k: x[0] for k, x in state.items()}, theirs, **options
-    )

@@ -16,6 +16,7 @@ from ..machine import versions
 from ..model.robot import Robot
 from . import tolerance
 from .adjudicate import Court, nearer
+from .extent import Extent
 from .findings import Finding
 from .reproduce import program
 from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
@@ -216,6 +217,7 @@ class _Bounds:
     def __init__(self, robot: Robot, states: States) -> None:
         self.robot, self.states, self.n = robot, states, len(states["q"])
         self.mass = MassMatrices(crba(robot, states["q"], engine="numpy"))
+        self.extent = Extent(robot, fk(robot, states["q"], engine="numpy")[..., :3, 3], states)
 
     def of(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
         found = self._derived(term, ours)
@@ -227,13 +229,13 @@ class _Bounds:
     def _derived(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
         robot, s = self.robot, self.states
         if term == "minv":
-            return tolerance.inverse(robot, self.mass)
+            return tolerance.inverse(robot, self.mass, self.extent)
         if term == "aba":
             forces = np.abs(s["tau"]) + np.abs(bias(robot, s["q"], s["v"], engine="numpy"))
-            return tolerance.solution(robot, self.mass, forces, ours)
+            return tolerance.solution(robot, self.mass, forces, ours, self.extent)
         if term == "potential_energy":
-            return tolerance.weighing(robot, fk(robot, s["q"], engine="numpy")[..., :3, 3], ours)
-        return tolerance.recursion(robot, self.n)
+            return tolerance.weighing(robot, self.extent.positions, ours)
+        return tolerance.recursion(robot, self.n, self.extent.of(term), ours)
 
     def unit(self, term: str, sample: int) -> float:
         """n eps, times cond(M) where a system is solved with it."""

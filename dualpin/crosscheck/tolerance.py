@@ -1,9 +1,9 @@
 """How large an error may be, and why.
 
-Both libraries evaluate the same sums of products in different order.  A scaled error has three
+Both libraries evaluate the same sums of products in different order.  A scaled error has four
 causes: the constants (placements differ by some eps, since trigonometry of rpy is rounded), the
-recursion (each of `depth` bodies multiplies by a rotation, adding some eps), and, where a linear
-system is solved, the condition of the inertia matrix.
+recursion (each of `depth` bodies multiplies by a rotation, adding some eps), what cancels on the way
+(see `extent`), and, where a linear system is solved, the condition of the inertia matrix.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from ..model.robot import Robot
+from .extent import ORDINARY, Extent
+from .tally import size
 
 EPS = float(np.finfo(float).eps)
 CEILING = 1e-12  # of terms without a linear solve
@@ -38,13 +40,22 @@ def depth(robot: Robot) -> int:
     return max((sum(1 for _ in b.chain) for b in robot), default=1)
 
 
-def recursion(robot: Robot, n: int) -> Tolerance:
+def rounding(robot: Robot) -> float:
     """PER_BODY roundings a body along the longest path, at most the ceiling."""
-    bodies = depth(robot)
-    value = min(CEILING, PER_BODY * EPS * (bodies + 1))
-    return Tolerance(
-        np.full(n, value), f"eps x {PER_BODY} roundings a body x {bodies} bodies and the base, at most {CEILING:g}"
-    )
+    return min(CEILING, PER_BODY * EPS * (depth(robot) + 1))
+
+
+def recursion(robot: Robot, n: int, sizes: np.ndarray | None = None, reference: np.ndarray | None = None) -> Tolerance:
+    """The rounding, times what adds up over what is left of it (see `extent`), at most the ceiling.
+
+    sizes: (n,) how large what adds up is.  reference: (n, ...) the oracle's values.
+    """
+    reason = f"eps x {PER_BODY} roundings a body x {depth(robot)} bodies and the base"
+    value = np.full(n, rounding(robot))
+    if sizes is not None and reference is not None:
+        value = np.minimum(CEILING, value * np.maximum(1.0, sizes / size(reference.reshape(n, -1))))
+        reason += ", x what adds up / the largest entry (m r^2 beside I, r beside 1)"
+    return Tolerance(value, f"{reason}, at most {CEILING:g}")
 
 
 def logarithm(robot: Robot, turn: np.ndarray) -> Tolerance:
@@ -62,7 +73,7 @@ def logarithm(robot: Robot, turn: np.ndarray) -> Tolerance:
 
 
 def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Tolerance:
-    """Of a sum of weights times heights that may cancel: the recursion's, of sum |m| |g| |p| instead of the sum.
+    """Of a sum of weights times heights that may cancel: the rounding, of sum |m| |g| |p| instead of the sum.
 
     positions: (n, njoints, 3) of the bodies' frames.
     """
@@ -71,8 +82,8 @@ def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Toleran
     moment = np.array([np.linalg.norm([float(x) for x in b.inertia.moment]) for b in robot])
     weights = g * (np.linalg.norm(positions, axis=-1) @ mass + moment.sum())
     cancelled = np.maximum(1.0, weights / np.maximum(1.0, np.abs(energy)))
-    value = np.minimum(CEILING, recursion(robot, len(energy)).value * cancelled)
-    reason = "the recursion's x sum |m g p| / |sum m g p|, since heights of both signs cancel"
+    value = np.minimum(CEILING, rounding(robot) * cancelled)
+    reason = "the rounding of a recursion x sum |m g p| / |sum m g p|, since heights of both signs cancel"
     return Tolerance(value, f"{reason}, at most {CEILING:g}")
 
 
@@ -132,40 +143,59 @@ def _row_sums(A: np.ndarray) -> np.ndarray:
     return A.sum(axis=-1).max(axis=-1, initial=0.0)
 
 
-def inverse(robot: Robot, mass: MassMatrices) -> Tolerance:
-    """Of M^-1: the recursion's error of M, times its condition number.
+def inverse(robot: Robot, mass: MassMatrices, extent: Extent) -> Tolerance:
+    """Of M^-1: the rounding of M, times its condition number, or |M^-1| |dM| |M^-1| with |dM_ij| = D_i D_j.
 
-    Not the smaller one of M scaled to a unit diagonal, which our sparse factors follow: Pinocchio
-    inverts the blocks of a floating base as they are, metres beside radians (50 digits show it).
+    Not the smaller condition number of M scaled to a unit diagonal, which our sparse factors follow:
+    Pinocchio inverts the blocks of a floating base as they are, metres beside radians (50 digits show it).
     """
-    value = recursion(robot, len(mass.M)).value * mass.condition
-    return Tolerance(value, "the recursion's x cond(M)")
+    value = rounding(robot) * np.maximum(
+        mass.condition, _response(mass, extent) ** 2 / ORDINARY / _largest(mass.inverse)
+    )
+    return Tolerance(value, "the rounding of a recursion x the larger of cond(M) and (|M^-1| D)^2 / |M^-1|")
 
 
-def solution(robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray) -> Tolerance:
+def solution(robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray, extent: Extent) -> Tolerance:
     """Of a = M^-1 f, entry by entry:  |da| <= |M^-1| (|dM| |a| + |df|)  (Skeel 1979), or as `inverse`.
 
-    |dM| and |df| are the recursion's relative error of M and of the forces that cancel in f.
+    |dM| and |df| are the rounding of M and of what adds up in the forces, D_i times the accelerations
+    that D weighs, or of the forces that cancel in f.
     """
     with np.errstate(all="ignore"):
         load = forces + (np.abs(mass.M) @ np.abs(a)[..., None])[..., 0]
+        load = load + extent.weights * ((extent.push(a) + extent.swing + extent.fall) / ORDINARY)[:, None]
         error = (mass.inverse @ load[..., None])[..., 0].max(axis=-1, initial=0.0)
-        relative = error / np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
-    value = recursion(robot, len(mass.M)).value * np.maximum(mass.condition, relative)
-    return Tolerance(value, "the recursion's x the larger of cond(M) and |M^-1| (|M| |a| + |forces|) / |a|")
+    value = rounding(robot) * np.maximum(mass.condition, error / _largest(a))
+    return Tolerance(value, "the rounding of a recursion x the larger of cond(M) and |M^-1| (|M| |a| + |forces|) / |a|")
 
 
-def derivatives(robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray, X: np.ndarray) -> Tolerance:
+def derivatives(
+    robot: Robot, mass: MassMatrices, forces: np.ndarray, a: np.ndarray, X: np.ndarray, extent: Extent
+) -> Tolerance:
     """Of X = M^-1 D, with D = d tau / d(q, v) at the acceleration a that was itself solved for.
 
-    Two errors come through M^-1: the recursion's, of M and D, as in `inverse`; and that of D where a
-    is off by da.  M da is no more than the recursion's error of the forces, and dM/dq is scaled as M
+    Two errors come through M^-1: the rounding, of M and D, as in `inverse`; and that of D where a
+    is off by da.  M da is no more than the rounding of the forces, and dM/dq is scaled as M
     is, so that M^-1 (dM/dq) da is of the size of da.
     """
-    of_a = solution(robot, mass, forces, a).value * np.maximum(1.0, np.abs(a).max(axis=-1, initial=0.0))
-    scale = np.maximum(1.0, np.abs(X).reshape(len(X), -1).max(axis=-1, initial=0.0))
-    value = recursion(robot, len(X)).value * mass.condition + of_a / scale
-    return Tolerance(value, "the recursion's x cond(M) + the error of the acceleration it is taken at")
+    of_a = solution(robot, mass, forces, a, extent).value * _largest(a)
+    with np.errstate(all="ignore"):
+        swing = extent.push(a) + extent.swing + extent.fall + extent.heaviest * (1 + extent.speed)
+        carried = np.linalg.norm(np.abs(X) * extent.weights[:, None, :, None], axis=-2).max(axis=(-2, -1), initial=0.0)
+        of_D = _response(mass, extent) * (swing + carried) / ORDINARY
+    value = rounding(robot) * (mass.condition + of_D / _largest(X)) + of_a / _largest(X)
+    return Tolerance(value, "the rounding of a recursion x cond(M), + the error of the acceleration it is taken at")
+
+
+def _response(mass: MassMatrices, extent: Extent) -> np.ndarray:
+    """The largest entry of |M^-1| D: what a relative rounding of what adds up in M or forces moves."""
+    with np.errstate(all="ignore"):
+        return (mass.inverse @ extent.weights[..., None])[..., 0].max(axis=-1, initial=0.0)
+
+
+def _largest(x: np.ndarray) -> np.ndarray:
+    with np.errstate(all="ignore"):
+        return size(x.reshape(len(x), -1))
 
 
 def condition(M: np.ndarray) -> np.ndarray:

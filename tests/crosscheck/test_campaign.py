@@ -97,13 +97,12 @@ def test_where_nothing_could_be_read_nothing_passed():
 
 
 def test_a_file_that_only_pinocchio_refuses_is_not_compared(tmp_path, monkeypatch):
-    from dualpin.crosscheck import compare
-    from dualpin.crosscheck.oracles.pinocchio import OracleError
+    from dualpin.crosscheck.oracles.pinocchio import OracleError, Pinocchio
 
     def refuse(*_):
         raise OracleError("Pinocchio refuses ur5.urdf: it has had enough")
 
-    monkeypatch.setattr(compare, "Pinocchio", refuse)
+    monkeypatch.setattr(Pinocchio, "of_file", refuse)
     (robot,) = campaign([Case("ur5")], **FEW).robots
     assert (robot.status, robot.passed) == ("not compared", True)
     assert "had enough" in robot.remark

@@ -39,7 +39,7 @@ def robots(mimic: bool) -> Any:
             robot = dp.load(path, mimic=mimic)
             if mimic and not robot.coupled:
                 continue
-            yield name, robot, Pinocchio(robot, str(path), floating=False, mimic=mimic)
+            yield name, robot, Pinocchio.of_file(robot, str(path), floating=False)
         except (dp.UrdfError, OracleError) as e:
             if not mimic:
                 yield name, None, str(e).splitlines()[0]

@@ -12,62 +12,23 @@ build the coupled model or not.  Where it can, its own coupled model answers wha
 from __future__ import annotations
 
 import contextlib
-import os
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ...errors import DualpinError, nearest
+from ...algorithms.regressor import rotors
+from ...errors import nearest
 from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
+from .pinocchio_model import ANGULAR_FIRST, OracleError, assembled, build, described, import_pinocchio, read
 
-ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
-# of Pinocchio's joints: which of our coordinates and velocities come first, second, ... there
-ORDERS = {"FreeFlyer": ([0, 1, 2, 4, 5, 6, 3], ANGULAR_FIRST), "Spherical": ([1, 2, 3, 0], [0, 1, 2])}
+__all__ = ["OracleError", "Pinocchio", "build", "import_pinocchio"]
+
 # what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
 NATIVE_WITH_MIMIC = frozenset({"fk", "frame_pose", "jacobian", "rnea", "bias", "gravity", "crba"})
-
-
-class OracleError(DualpinError):
-    """The oracle is missing, or refuses the robot."""
-
-
-def import_pinocchio() -> Any:
-    try:
-        import pinocchio
-    except ImportError as e:
-        raise OracleError(f"validation needs Pinocchio (pip install pin): {e}") from None
-    return pinocchio
-
-
-@contextlib.contextmanager
-def _silent() -> Iterator[None]:
-    """urdfdom writes its complaints to the process's stderr; they come back as exceptions anyway."""
-    sys.stderr.flush()
-    saved, null = os.dup(2), os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(null, 2)
-        yield
-    finally:
-        os.dup2(saved, 2)
-        os.close(saved)
-        os.close(null)
-
-
-def build(path: str, floating: bool, mimic: bool) -> Any:
-    """Pinocchio's own model of a URDF file, or an `OracleError` with its reason."""
-    pin = import_pinocchio()
-    root = (pin.JointModelFreeFlyer(),) if floating else ()
-    with _silent():
-        try:
-            return pin.buildModelFromUrdf(path, *root, mimic=mimic)
-        except Exception as e:  # whatever the binding throws is its refusal
-            raise OracleError(f"Pinocchio refuses {Path(path).name}: {str(e).strip().splitlines()[0]}") from None
 
 
 class Layout:
@@ -82,6 +43,7 @@ class Layout:
         for i, joint in enumerate(robot, 1):
             self._add(robot, joint, model.joints[i])
         self.runs = _runs(self.G)
+        self.rotors = _rotor_columns(robot)
         # each term has data of its own, since some fill only what they need; those of a large robot take
         # longer to make than a batch, and 40 MB
         self.data = lru_cache(maxsize=4)(lambda pin, term: QUESTIONS[term].data(pin, model))
@@ -89,25 +51,28 @@ class Layout:
     def _add(self, robot: Robot, joint: Joint, pin_joint: Any) -> None:
         if pin_joint.nv == 0 or "Mimic" in pin_joint.shortname():
             return  # Pinocchio moves it with its leader
-        kind = pin_joint.shortname().removeprefix("JointModel")
         to_q, to_v = slice(pin_joint.idx_q, pin_joint.idx_q + pin_joint.nq), pin_joint.idx_v
         multiplier, offset = map(float, joint.coupling)
-        q, v = joint.q, joint.v.start
-        if kind in ORDERS:
-            order_q, order_v = ORDERS[kind]
-            order, n = [q.start + k for k in order_q], len(order_v)
-            self.G[to_v : to_v + n, v : v + n] = np.eye(n)[order_v]
+        q, v, kinds = joint.q, joint.v, joint.model.coordinates
+        if "quaternion" in kinds:  # ours begin with w, Pinocchio's end with it
+            first = q.start + kinds.index("quaternion")
+            order = [*range(q.start, first), first + 1, first + 2, first + 3, first]
+            n = pin_joint.nv
+            self.G[to_v : to_v + n, v] = np.eye(n)[ANGULAR_FIRST] if n == 6 else np.eye(n)
             self._moves.append(lambda ours, pins: pins.__setitem__((..., to_q), ours[..., order]))
-        elif kind == "Planar":
-            self.G[to_v : to_v + 3, v : v + 3] = np.eye(3)
+        elif pin_joint.nv > 1:
+            self.G[to_v : to_v + pin_joint.nv, v] = np.eye(pin_joint.nv)
+            circles = [k == "angle" and pin_joint.nq > pin_joint.nv for k in kinds]
 
-            def planar(ours: np.ndarray, pins: np.ndarray) -> None:
-                x, y, angle = np.moveaxis(ours[..., q], -1, 0)
-                pins[..., to_q] = np.stack([x, y, np.cos(angle), np.sin(angle)], -1)
+            def several(ours: np.ndarray, pins: np.ndarray) -> None:
+                columns = []
+                for x, circle in zip(np.moveaxis(ours[..., q], -1, 0), circles, strict=True):
+                    columns += [np.cos(x), np.sin(x)] if circle else [x]
+                pins[..., to_q] = np.stack(columns, -1)
 
-            self._moves.append(planar)
+            self._moves.append(several)
         else:
-            self.G[to_v, v] = multiplier
+            self.G[to_v, v.start] = multiplier
 
             def axial(ours: np.ndarray, pins: np.ndarray) -> None:
                 x = multiplier * ours[..., q] + offset
@@ -155,25 +120,54 @@ def _runs(G: np.ndarray) -> list[slice]:
     return [slice(run[0], run[-1] + 1) for run in np.split(order, np.flatnonzero(np.diff(order) != 1) + 1)]
 
 
-class Pinocchio:
-    """The terms of one robot, computed by Pinocchio from the same URDF file.
+def _rotor_columns(robot: Robot) -> list[int]:
+    """In the order of dualpin's regressor, where Pinocchio's velocities of each joint are; none without rotors."""
+    columns: list[int] = []
+    for j in robot:
+        n = j.model.nv
+        columns += [len(columns) + k for k in (ANGULAR_FIRST if n == 6 else range(n))]
+    return columns if rotors(robot) else []
 
-    Attributes
+
+class Pinocchio:
+    """The terms of one robot, computed by Pinocchio.
+
+    Parameters
     ----------
-    refusal : str or None
-        Why Pinocchio does not build the robot with mimic, if it was asked and does not.
+    model
+        Pinocchio's model, in which joints that follow another are free.
+    complaints : sequence of str
+        What was said when it was read.
+    coupled
+        Its model in which they follow, if it has one.
+    refusal : str, optional
+        Why it has none.
     """
 
-    def __init__(self, robot: Robot, path: str, floating: bool, mimic: bool) -> None:
-        self.pin, self.robot = import_pinocchio(), robot
-        self.free = Layout(robot, build(path, floating, mimic=False))
-        self.coupled: Layout | None = None
-        self.refusal: str | None = None
-        if mimic and robot.coupled:
+    def __init__(
+        self, robot: Robot, model: Any, complaints: tuple[str, ...] = (), coupled: Any = None, refusal: str = ""
+    ) -> None:
+        self.pin, self.robot, self.refusal = import_pinocchio(), robot, refusal
+        self.free = Layout(robot, model)
+        self.coupled = None if coupled is None else Layout(robot, coupled)
+        self.description = described(model, complaints)
+
+    @classmethod
+    def of_file(cls, robot: Robot, path: str, floating: bool) -> Pinocchio:
+        """As Pinocchio itself reads the URDF file of the robot."""
+        model, complaints = read(path, floating, mimic=False)
+        coupled, refusal = None, ""
+        if robot.coupled:
             try:
-                self.coupled = Layout(robot, build(path, floating, mimic=True))
+                coupled = build(path, floating, mimic=True)
             except OracleError as e:
-                self.refusal = str(e)
+                refusal = str(e)
+        return cls(robot, model, complaints, coupled, refusal)
+
+    @classmethod
+    def of_robot(cls, robot: Robot) -> Pinocchio:
+        """Put together from the robot's own joints, bodies and gravity."""
+        return cls(robot, assembled(robot))
 
     @property
     def version(self) -> str:
@@ -212,6 +206,11 @@ class Pinocchio:
                 for answer, x in zip(answers, values, strict=True):
                     answer[k] = x  # copied: what the binding returns may live in its data
             return [question.convert(a, layout).reshape(n, *s) for a, s in zip(answers, shapes, strict=True)]
+
+    def offers(self, options: Mapping[str, Any]) -> bool:
+        """Whether it has what the options name: its model may lack a frame."""
+        frame = options.get("frame")
+        return frame is None or any(f.name == frame.name for f in self.free.model.frames)
 
     def _chosen(self, m: Any, options: dict[str, Any]) -> list[Any]:
         """Options as Pinocchio's: frame's index, reference, classical."""
@@ -294,6 +293,17 @@ def _symmetric(x: np.ndarray, to: Layout) -> np.ndarray:
     return _matrix(np.where(lower, np.swapaxes(x, -1, -2), x), to)
 
 
+def _regressor(x: np.ndarray, to: Layout) -> np.ndarray:
+    """Of the bodies, and of rotors where there are any; Pinocchio's own has none, they are diag(a)."""
+    Y, bodies = to.rows(x), 10 * (to.model.njoints - 1)
+    return np.concatenate([Y[..., :bodies], Y[..., bodies:][..., to.rotors]], axis=-1)
+
+
+def _regressed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray:
+    Y = pin.computeJointTorqueRegressor(m, d, s["q"], s["v"], s["a"])
+    return np.hstack([np.reshape(Y, (m.nv, -1)), np.diag(s["a"])])
+
+
 def _derivatives(x: np.ndarray, to: Layout) -> np.ndarray:
     """By q, by v, and a symmetric matrix of which one triangle is filled."""
     return np.stack([_matrix(x[:, 0], to), _matrix(x[:, 1], to), _symmetric(x[:, 2], to)], axis=1)
@@ -369,9 +379,7 @@ QUESTIONS = {
     "com": Question(lambda pin, m, d, s: pin.centerOfMass(m, d, s["q"])),
     "com_jacobian": Question(lambda pin, m, d, s: pin.jacobianCenterOfMass(m, d, s["q"]), _columns),
     "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), _six_columns),
-    "joint_torque_regressor": Question(
-        lambda pin, m, d, s: pin.computeJointTorqueRegressor(m, d, s["q"], s["v"], s["a"]), _forces
-    ),
+    "joint_torque_regressor": Question(_regressed, _regressor),
     "rnea_derivatives": Question(
         lambda pin, m, d, s: pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])[:3], _derivatives
     ),

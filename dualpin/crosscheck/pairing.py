@@ -1,0 +1,113 @@
+"""Which model a robot is compared with: the file it came from, the URDF it writes, or the same joints again."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..errors import DualpinError, DualpinWarning
+from ..io.catalogue import find
+from ..io.urdf import load
+from ..model.robot import Robot
+from .checks import Case
+from .oracles.pinocchio import OracleError, Pinocchio
+from .oracles.pinocchio_model import described, read
+from .reading import Difference, describe, differences
+
+
+@dataclass
+class Pair:
+    """A robot and its oracle.
+
+    Attributes
+    ----------
+    notes : list of str
+        What the oracle's model was made of, where that is not the robot's own file.
+    apart : list of Difference
+        What the two do not share, found before any term is compared.
+    oracle : Pinocchio or None
+        None where joints are not the same, so that no term can be compared.
+    """
+
+    robot: Robot
+    oracle: Pinocchio | None
+    floating: bool
+    notes: list[str] = field(default_factory=list)
+    apart: list[Difference] = field(default_factory=list)
+
+
+def paired(case: Case) -> Pair:
+    """The robot of a case, with the oracle that fits.
+
+    - A robot as it was read from a file: Pinocchio reads the same file; where it refuses that, the
+      URDF that dualpin writes of it.
+    - A robot that was changed since, or built in code: a Pinocchio model put together from
+      the robot's own joints, bodies, rotors and gravity.
+    - `against` a file, whatever the robot is: Pinocchio's reading of that file.
+
+    Raises
+    ------
+    UrdfError
+        If dualpin does not read the robot.
+    OracleError
+        If there is no model to compare with.
+    """
+    robot = case.robot if isinstance(case.robot, Robot) else quietly_loaded(case.robot, case.floating, case.mimic)
+    floating = robot.floating
+    if case.against is not None:
+        path = str(find(str(case.against)))
+        whose, (model, complaints) = Path(path).name, read(path, floating, mimic=False)
+        if list(model.names)[1:] != robot.joint_names:
+            apart = differences(robot, described(model, complaints), whose)
+            return Pair(robot, None, floating, apart=apart)
+        return _checked(Pair(robot, Pinocchio.of_file(robot, path, floating), floating), whose)
+    if isinstance(case.robot, Robot) and not unchanged(robot, floating):
+        notes = ["compared with a Pinocchio model of the same joints, bodies, rotors and gravity, not with a file"]
+        return _checked(Pair(robot, Pinocchio.of_robot(robot), floating, notes), "Pinocchio's model")
+    try:
+        oracle, notes = Pinocchio.of_file(robot, str(robot.source), floating), []
+    except OracleError as refusal:
+        oracle = _of_written(robot, floating, refusal)
+        notes = [f"{refusal}; compared with the URDF that dualpin writes"]
+    if oracle.refusal:
+        notes.append(f"mimic: {oracle.refusal}; projected from the uncoupled model")
+    return _checked(Pair(robot, oracle, floating, notes), "Pinocchio's reading")
+
+
+def _checked(pair: Pair, whose: str) -> Pair:
+    if pair.oracle:
+        pair.apart = differences(pair.robot, pair.oracle.description, whose)
+    return pair
+
+
+def _of_written(robot: Robot, floating: bool, refusal: OracleError) -> Pinocchio:
+    """Pinocchio's reading of what dualpin writes, or its refusal of the file itself."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)
+        path = str(Path(folder) / "written.urdf")
+        try:
+            robot.to_urdf(path)
+            return Pinocchio.of_file(robot, path, floating)
+        except DualpinError:
+            raise refusal from None
+
+
+def quietly_loaded(name: str, floating: bool, mimic: bool) -> Robot:
+    """Loaded without warnings: its notes are in the result."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)
+        return load(name, floating, mimic)
+
+
+def unchanged(robot: Robot, floating: bool) -> bool:
+    """Whether it is what its file holds."""
+    if robot.source is None:
+        return False
+    try:
+        again = quietly_loaded(robot.source, floating, robot.coupled)
+    except DualpinError:
+        return False
+    same = [f.name for f in again.frames] == [f.name for f in robot.frames]
+    return same and not differences(robot, describe(again), "the file")
