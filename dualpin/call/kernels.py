@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..engine.jit.kernel import _lock as LOCK
 from ..errors import DualpinError, DualpinWarning
+from ..locking import LOCK
 from ..model.robot import Robot
 from ..terms import Options, Term
 

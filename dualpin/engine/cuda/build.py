@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ...locking import LOCK
 from ...model.robot import Robot
 from ...terms import Options, Term
 from ..codegen.vector import DOUBLE, SINGLE, Number
@@ -27,8 +27,6 @@ THREADS = 128
 """Of a block, at most."""
 RESIDENT = 2
 """Blocks that have room on a multiprocessor: more would leave each thread too few registers."""
-
-_lock = threading.RLock()  # one compilation at a time, and never the same one twice
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,7 @@ def built(
         If it cannot be compiled or loaded.
     """
     machine = Host(DEVICE.triple, f"sm_{where.capability}", f"{DEVICE.cpu},driver {driver.version()}", 8, True)
-    with _lock:
+    with LOCK:
         key = kernel_key(robot, term, options, np.dtype(dtype), machine, WARP)
         if key and strided:
             key += "|strided"

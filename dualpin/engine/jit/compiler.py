@@ -12,11 +12,12 @@ import json
 import os
 import subprocess
 import sys
+import weakref
 from collections.abc import Mapping, Sequence
-from functools import cache, lru_cache
 from pathlib import Path
 from typing import IO, Any, cast
 
+from ...locking import LOCK, Once, when_lost
 from . import worker
 from .host import CompilerError, Host, binding
 from .threads import get_num_threads
@@ -27,6 +28,8 @@ MOST = 4  # processes
 MANY = 64  # kernels for one linker
 
 _numbers = itertools.count()  # of what is linked: names must differ
+_linkers: list[Any] = []  # the one in use
+_in_memory: weakref.WeakSet[Any] = weakref.WeakSet()  # what was linked and is still used
 
 
 def object_code(text: str, host: Host, quick: bool = False) -> bytes:
@@ -94,11 +97,23 @@ def loaded(
         library.export_symbol(name)
     for name, address in (c_library() if imports is None else imports).items():
         library.import_symbol(name, address)
-    number = next(_numbers)
-    try:
-        return library.link(linker(number // MANY), f"dualpin{number}")
-    except RuntimeError as e:
-        raise CompilerError(f"LLVM: {e}") from e
+    with LOCK:
+        number = next(_numbers)
+        try:
+            tracker = library.link(linker(number), f"dualpin{number}")
+        except RuntimeError as e:
+            raise CompilerError(f"LLVM: {e}") from e
+        _in_memory.add(tracker)
+    return tracker
+
+
+def _leave_in_memory() -> None:
+    """Nothing that is linked is given back any more: that would ask LLVM, which this process must not."""
+    for tracker in list(_in_memory):
+        tracker.detach()
+
+
+when_lost(_leave_in_memory)
 
 
 def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
@@ -109,19 +124,19 @@ def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
     return [code[end - size : end] for size, end in zip(sizes, ends, strict=True)]
 
 
-@lru_cache(maxsize=1)
-def linker(_number: int) -> Any:
+def linker(number: int) -> Any:
     """One for many kernels: an execution engine for each would take four times as long.
 
     Not one for all: a linker remembers the names of what was linked, and ends with the last kernel it linked.
     """
-    llvm = binding()
-    return llvm.create_lljit_compiler(
-        llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
-    )
+    if number % MANY == 0 or not _linkers:
+        llvm = binding()
+        target = llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
+        _linkers[:] = [llvm.create_lljit_compiler(target)]
+    return _linkers[0]
 
 
-@cache
+@Once
 def c_library() -> dict[str, int]:
     """The C library's sine and cosine, under names of our own."""
     library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)

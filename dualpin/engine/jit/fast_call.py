@@ -12,15 +12,17 @@ into.  Attribute look-up and allocation, which may run Python code, come before 
 
 from __future__ import annotations
 
+import copyreg
 import ctypes
 import platform
 import sys
 from collections.abc import Callable, Sequence
-from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from ...locking import LOCK, Once
 from . import fast_call_ir as entry_ir
 from . import threads
 from .compiler import loaded, object_code
@@ -43,12 +45,15 @@ class Code(ctypes.Structure):
 
     def adopt(self, kernel: Kernel, many: bool) -> None:
         """From now on the entry calls this kernel by itself."""
-        if many:
-            self.many, self.most = kernel, int(threads.WORTH / kernel.seconds)
-        else:
-            self.one = kernel
-        self.scratch[many] = kernel.scratch
-        self.address[many] = kernel.address  # last: it says that the rest is there
+        with LOCK:
+            if self.address[many]:
+                return  # another thread was first; what it set may be running now
+            if many:
+                self.many, self.most = kernel, int(threads.WORTH / kernel.seconds)
+            else:
+                self.one = kernel
+            self.scratch[many] = kernel.scratch
+            self.address[many] = kernel.address  # last: it says that the rest is there
 
 
 class Spec(ctypes.Structure):
@@ -121,20 +126,43 @@ def bound(
     )  # fmt: skip
     spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
-    owner = (code, spec, method, table, at, strides, allocate_args, slow, dtype)
-    api = ctypes.pythonapi
-    new, set_context = api.PyCapsule_New, api.PyCapsule_SetContext
-    new.restype, new.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
-    set_context.restype, set_context.argtypes = ctypes.c_int, [ctypes.py_object, ctypes.c_void_p]
-    capsule = new(ctypes.addressof(spec), None, addresses()["release"])
-    api.Py_IncRef(ctypes.py_object(owner))  # given back by `release`, when the capsule goes
-    set_context(capsule, id(owner))
-    make = api.PyCFunction_NewEx
-    make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
-    return make(ctypes.addressof(method), capsule, None)
+    owner = SimpleNamespace(
+        name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(allocate_args, dtype)
+    )
+    capsule = _new_capsule(ctypes.addressof(spec), None, addresses()["release"])
+    _keep(owner)  # given back by `release`, when the capsule goes
+    _set_context(capsule, id(owner))
+    copyreg.pickle(type(capsule), _reduced)
+    return _new_function(ctypes.addressof(method), capsule, None)
 
 
-@cache
+def _reduced(capsule: Any) -> tuple[Any, ...]:
+    """How a capsule is pickled: a function of C is pickled as the attribute of that name of its `self`."""
+    if _destructor(capsule) != addresses()["release"]:
+        raise TypeError("cannot pickle 'PyCapsule' object")
+    owner = ctypes.cast(_context(capsule), ctypes.py_object).value
+    return _self_with, (owner.name, *owner.slow.__reduce__())
+
+
+def _self_with(name: str, make: Callable[..., Any], arguments: tuple[Any, ...]) -> SimpleNamespace:
+    return SimpleNamespace(**{name: make(*arguments)})
+
+
+def _api(name: str, result: Any, *arguments: Any) -> Any:
+    """A function of Python's, of our own: others may say of `ctypes.pythonapi`'s what they like."""
+    return ctypes.PYFUNCTYPE(result, *arguments)((name, ctypes.pythonapi))
+
+
+_object, _address = ctypes.py_object, ctypes.c_void_p
+_new_capsule = _api("PyCapsule_New", _object, _address, ctypes.c_char_p, _address)
+_set_context = _api("PyCapsule_SetContext", ctypes.c_int, _object, _address)
+_context = _api("PyCapsule_GetContext", _address, _object)
+_destructor = _api("PyCapsule_GetDestructor", _address, _object)
+_new_function = _api("PyCFunction_NewEx", _object, _address, _object, _address)
+_keep = _api("Py_IncRef", None, _object)
+
+
+@Once
 def addresses() -> dict[str, Any]:
     """The emitted functions; compiled once in a process."""
     api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in entry_ir.API}

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
+from ... import locking
 from ...errors import DualpinError
+from ...locking import Once
 
 
 class CompilerError(DualpinError):
@@ -39,15 +40,21 @@ class Host:
         return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}"
 
 
-@cache
 def binding() -> Any:
     """llvmlite's binding, ready to compile for this machine.
 
     Raises
     ------
     CompilerError
-        If llvmlite is missing or does not know this machine.
+        If llvmlite is missing or does not know this machine, or this process must not use it any more.
     """
+    if locking.lost:
+        raise CompilerError(locking.lost)
+    return _initialised()
+
+
+@Once
+def _initialised() -> Any:
     try:
         import llvmlite.binding as llvm
 
@@ -59,7 +66,7 @@ def binding() -> Any:
     return llvm
 
 
-@cache
+@Once
 def this_host() -> Host:
     """The machine we run on."""
     llvm = binding()

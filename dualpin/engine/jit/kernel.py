@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ...locking import LOCK
 from ...model.robot import Robot
 from ...terms import Options, Term
 from ..codegen import module as ir
@@ -28,7 +29,6 @@ log = logging.getLogger("dualpin.engine")
 QUICK = 40_000
 """Operations beyond which LLVM is asked to be quick: a third of the time to compile, for a fifth more to run."""
 
-_lock = threading.RLock()  # one compilation at a time, and never the same one twice
 _scratch = threading.local()
 
 
@@ -126,7 +126,7 @@ def build(
     machine = this_host() if host is None else host
     shape, kind = term.shape(robot, **options), np.dtype(dtype)
     lanes = 1 if single else machine.lanes(kind.itemsize)
-    with _lock:
+    with LOCK:
         key = kernel_key(robot, term, options, kind, machine, lanes)
         found = disk.load(key) if key else None
         if found is not None:

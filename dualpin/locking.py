@@ -1,0 +1,141 @@
+"""One lock for everything that owns native memory, and what a fork does to it.
+
+A forked child has one thread, the one that forked.  If another was inside LLVM at that moment, LLVM's
+memory is half changed in the child, and the locks of that thread are never released.  So a fork waits
+until no thread compiles, or imports what this package needs.  If that takes longer than `FORK_WAIT`, the
+fork goes on, and a child of a compilation knows that it must not touch LLVM any more: kernels it has
+still run, and whatever else it needs NumPy computes.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import logging  # noqa: F401  its lock is taken at a fork too: after ours, if it comes before us
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+FORK_WAIT = 20.0
+"""Seconds a fork waits for other threads: all but the longest terms of the largest robots take less to compile."""
+
+
+class Lock:
+    """A reentrant lock that a fork can wait for, and a child replace."""
+
+    def __init__(self) -> None:
+        self.inner, self.depth = threading.RLock(), 0
+        self.wanted = False  # by a fork
+
+    def __enter__(self) -> None:
+        self.inner.acquire()
+        self.depth += 1
+
+    def __exit__(self, *_: object) -> None:
+        self.depth -= 1
+        last = not self.depth
+        self.inner.release()
+        while last and self.wanted:  # or this thread might take it again before the one that forks wakes up
+            time.sleep(1e-3)
+
+
+LOCK = Lock()
+"""Held by whoever compiles, links, loads or makes anything that all threads share: one at a time."""
+
+lost = ""
+"""Why this process must not touch LLVM: it was forked while another thread was inside."""
+
+
+class Once(Generic[T]):
+    """A function without arguments that is run once in a process, by one thread; the others wait for its result.
+
+    `functools.cache` would let two threads in, and drop the native memory that one of them already uses.
+    """
+
+    def __init__(self, make: Callable[[], T]) -> None:
+        functools.update_wrapper(self, make)
+        self.make = make
+        self.made: list[T] = []
+
+    def __call__(self) -> T:
+        if not self.made:
+            with LOCK:
+                if not self.made:
+                    self.made.append(self.make())
+        return self.made[0]
+
+
+# --- forks ----------------------------------------------------------------------------------------
+
+_IMPORTED = (
+    "dualpin", "llvmlite", "lxml", "mpmath", "numpy", "pinocchio", "platformdirs", "scipy", "sympy", "yourdfpy",
+)  # fmt: skip
+
+
+class _Forking(threading.local):
+    """What a thread that forks has got, and what it has not."""
+
+    def __init__(self) -> None:
+        self.held: list[Any] = []
+        self.missed: list[Any] = []
+
+
+_mine = _Forking()
+_abandon: list[Callable[[], object]] = []
+
+
+def when_lost(action: Callable[[], object]) -> None:
+    """Call this in a child that must not touch LLVM."""
+    _abandon.append(action)
+
+
+def _before_fork() -> None:
+    LOCK.wanted, end = True, time.monotonic() + FORK_WAIT
+    _mine.held.clear()
+    _mine.missed.clear()
+    while _others_import() and time.monotonic() < end:
+        time.sleep(1e-3)
+    for find in (lambda: LOCK.inner, _llvm_lock):  # the second once nobody can load LLVM meanwhile
+        lock = find()
+        if lock is not None:
+            got = lock.acquire(timeout=max(0.0, end - time.monotonic()))
+            (_mine.held if got else _mine.missed).append(lock)
+    LOCK.wanted = False
+
+
+def _release() -> None:
+    while _mine.held:
+        _mine.held.pop().release()
+
+
+def _after_fork_in_child() -> None:
+    global lost
+    if _mine.missed:
+        lost = "another thread was compiling when this process was forked"
+        for action in _abandon:
+            action()
+    if LOCK.inner in _mine.missed:
+        LOCK.inner, LOCK.depth = threading.RLock(), 0
+    _release()
+
+
+def _others_import() -> bool:
+    """Whether another thread is importing what this package needs: in a child that would stay locked for ever."""
+    locks = getattr(importlib._bootstrap, "_module_locks", {})
+    needed = [lock() for name, lock in list(locks.items()) if name.partition(".")[0] in _IMPORTED]
+    return any(getattr(lock, "owner", None) not in (None, threading.get_ident()) for lock in needed)
+
+
+def _llvm_lock() -> Any:
+    """The lock that llvmlite takes around each call of LLVM, also for others that use it; None if it is not there."""
+    ffi = sys.modules.get("llvmlite.binding.ffi")
+    return getattr(getattr(getattr(ffi, "lib", None), "_lock", None), "_lock", None)
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_before_fork, after_in_parent=_release, after_in_child=_after_fork_in_child)
