@@ -16,7 +16,8 @@ import dualpin
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own layer and from those before it
 LAYERS = (
-    "locking", "errors", "renamed", "arguments", "machine", "scalars", "parts", "dual", "spatial", "algebra", "model", "io",
+    "locking", "errors",
+    "renamed", "arguments", "machine", "scalars", "parts", "dual", "spatial", "algebra", "model", "io",
     "algorithms", "terms", "engine", "interpret", "call", "boundary", "functions", "forms", "export", "integrators",
     "tracking", "mechanisms",
     "crosscheck", "bench", "bench", "report", "view", "cli",

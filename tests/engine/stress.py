@@ -22,7 +22,7 @@ import time
 import numpy as np
 
 import dualpin as dp
-from dualpin.engine import find
+from dualpin.call import find
 from dualpin.terms import TERMS
 
 PUBLIC = {"rnea": dp.rnea, "crba": dp.crba, "aba": dp.aba, "coriolis": dp.coriolis, "fk": dp.fk}
@@ -33,7 +33,7 @@ def load(name):
 
 
 def options(robot, term):
-    frame = {"frame": robot.frame(-1)}
+    frame = {"frame": robot.frames[-1]}
     if term in ("frame_pose", "frame_quaternion"):
         return frame
     if term in ("jacobian", "jacobian_dot", "frame_velocity"):

@@ -82,6 +82,7 @@ FORK = """
 import gc, os, sys, threading, time, warnings
 import numpy as np, dualpin as dp
 from dualpin import locking
+from dualpin.call import find
 
 locking.FORK_WAIT = float(sys.argv[1])
 known = dp.load("ur5")
@@ -107,7 +108,7 @@ with warnings.catch_warnings(record=True) as said:
     for _ in range(2):
         fresh = dp.load("ur5").with_gravity((0, 0, -1.6))
         M, h, one = dp.crba(fresh, q), dp.bias(fresh, q, v), dp.rnea(fresh, q[0], v[0], a[0])
-compilers = dp.engine.find(fresh, dp.terms.TERMS["crba"], {}) is not None
+compilers = find(fresh, dp.terms.TERMS["crba"], {}) is not None
 print("compiled" if compilers else "numpy", len(said), *(str(w.message) for w in said))
 assert np.abs(M - dp.crba(fresh, q, engine="numpy")).max() < 1e-12
 assert np.abs(h - dp.bias(fresh, q, v, engine="numpy")).max() < 1e-11
