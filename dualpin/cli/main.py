@@ -46,7 +46,7 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 
 def main() -> None:
     """Run the program; errors become one line on stderr and exit code 2."""
-    from . import cache, commands, forms, judging, measure, report, validation, view  # noqa: F401  (they register themselves)
+    from . import cache, commands, forms, judging, measure, report, subjects, validation, view  # noqa: F401  (they register themselves)
 
     warnings.simplefilter("ignore", DualpinWarning)  # remarks are printed where they belong
     try:

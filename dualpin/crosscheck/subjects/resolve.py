@@ -13,15 +13,10 @@ from . import exchange
 from .answers import Answers
 from .asking import Asking
 from .commands import Command, ask_command
+from .environments import ADAPTERS, interpreter, shipped
 from .running import ask_apart, ask_object
 
-ADAPTERS = Path(__file__).parent / "adapters"
 _SPEC = re.compile(r"^([\w.]+|.+\.py):[\w.]+(:.*)?$")
-
-
-def shipped() -> list[str]:
-    """The names of the subjects that come with dualpin."""
-    return sorted(p.stem for p in ADAPTERS.glob("*.py") if not p.stem.startswith("_"))
 
 
 def resolve(
@@ -34,7 +29,6 @@ def resolve(
     ArgumentError
         If nothing is known by that name.
     """
-    python = python or sys.executable
     if isinstance(subject, Command):
         return lambda asking, tick: ask_command(subject, asking, tick)
     if isinstance(subject, (str, Path)):
@@ -45,10 +39,12 @@ def resolve(
             return lambda asking, tick: exchange.read(exchange.with_states(asking, folder), folder)
         name, _, option = text.partition(":")
         if name in shipped():
-            spec = f"{ADAPTERS / name}.py:Subject:{option}"
-            return lambda asking, tick: _named(ask_apart(spec, asking, tick, python=python, limit=limit), text)
+            adapter = ADAPTERS / f"{name}.py"
+            spec, own = f"{adapter}:Subject:{option}", python or interpreter(adapter) or sys.executable
+            return lambda asking, tick: _named(ask_apart(spec, asking, tick, python=own, limit=limit), text)
         if _SPEC.match(text):
-            return lambda asking, tick: ask_apart(text, asking, tick, python=python, limit=limit)
+            own = python or interpreter(Path(name)) or sys.executable
+            return lambda asking, tick: ask_apart(text, asking, tick, python=own, limit=limit)
         raise ArgumentError(
             f"judge: subject {text!r} is no shipped name, no folder that `dualpin ask` wrote and no module:attribute; "
             + nearest(name, shipped(), "shipped")
@@ -58,4 +54,6 @@ def resolve(
 
 def _named(answers: Answers, name: str) -> Answers:
     answers.name = name
+    if "ModuleNotFoundError" in answers.refused:
+        answers.refused += f"; `dualpin subjects install {name.partition(':')[0]}` makes an environment that has it"
     return answers

@@ -1,0 +1,98 @@
+"""Drake: MultibodyPlant, with its force elements (the file's joint damping) in inverse and forward dynamics.
+
+The option "clean" sets the damping to zero.
+"""
+
+from __future__ import annotations
+
+import logging
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from _urdf import root
+
+REQUIRES = ("drake==1.51.1",)
+BASE_Q, BASE_V = ("qw", "qx", "qy", "qz", "x", "y", "z"), ("wx", "wy", "wz", "vx", "vy", "vz")
+
+
+class Subject:
+    """One robot in Drake: angular first, the base's velocity in world axes."""
+
+    name = "drake"
+
+    def __init__(self, urdf: str, floating: bool, gravity: Any, option: str = "") -> None:
+        import pydrake.all as pd
+
+        logging.getLogger("drake").setLevel(logging.ERROR)
+        self.pd, self.version = pd, version("drake")
+        p = self.p = pd.MultibodyPlant(0.0)
+        pd.Parser(p).AddModels(urdf)
+        if not floating and root(urdf) != "world":
+            p.WeldFrames(p.world_frame(), p.GetFrameByName(root(urdf)))
+        p.mutable_gravity_field().set_gravity_vector(np.asarray(gravity, float))
+        all_joints = [p.get_joint(i) for i in p.GetJointIndices()]
+        for joint in all_joints if option == "clean" else ():
+            if joint.num_velocities() == 1 and hasattr(joint, "set_default_damping"):
+                joint.set_default_damping(0.0)
+        p.Finalize()
+        self.c = p.CreateDefaultContext()
+        axial = [p.get_joint(i) for i in p.GetJointIndices() if p.get_joint(i).num_velocities() == 1]
+        names = [j.name() for j in sorted(axial, key=lambda j: j.velocity_start())]
+        self.writes = {
+            "q": [*(BASE_Q if floating else ()), *names], "v": [*(BASE_V if floating else ()), *names],
+            "angular": "world", "linear": "world",
+        }  # fmt: skip
+        self.forces, self.world, self.wrt = pd.MultibodyForces(p), p.world_frame(), pd.JacobianWrtVariable.kV
+
+    def _at(self, q: Any, v: Any = None) -> Any:
+        self.p.SetPositions(self.c, q)
+        self.p.SetVelocities(self.c, np.zeros(self.p.num_velocities()) if v is None else v)
+        return self.c
+
+    def fk(self, q: np.ndarray, frame: str) -> np.ndarray:
+        return self.p.EvalBodyPoseInWorld(self._at(q), self.p.GetBodyByName(frame)).GetAsMatrix4()
+
+    def jacobian(self, q: np.ndarray, frame: str) -> np.ndarray:
+        at = self.p.GetFrameByName(frame)
+        return self.p.CalcJacobianSpatialVelocity(self._at(q), self.wrt, at, np.zeros(3), self.world, self.world)
+
+    def frame_velocity(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
+        return self.p.EvalBodySpatialVelocityInWorld(self._at(q, v), self.p.GetBodyByName(frame)).get_coeffs()
+
+    def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        c = self._at(q, v)
+        self.forces.SetZero()
+        self.p.CalcForceElementsContribution(c, self.forces)
+        return self.p.CalcInverseDynamics(c, a, self.forces)
+
+    def crba(self, q: np.ndarray) -> np.ndarray:
+        return self.p.CalcMassMatrix(self._at(q))
+
+    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        c = self._at(q, v)
+        return self.p.CalcBiasTerm(c) - self.p.CalcGravityGeneralizedForces(c)
+
+    def gravity(self, q: np.ndarray) -> np.ndarray:
+        return -self.p.CalcGravityGeneralizedForces(self._at(q))
+
+    def aba(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        self.p.get_applied_generalized_force_input_port().FixValue(self.c, tau)
+        return self.p.get_generalized_acceleration_output_port().Eval(self._at(q, v))
+
+    def com(self, q: np.ndarray) -> np.ndarray:
+        return self.p.CalcCenterOfMassPositionInWorld(self._at(q))
+
+    def com_jacobian(self, q: np.ndarray) -> np.ndarray:
+        return self.p.CalcJacobianCenterOfMassTranslationalVelocity(self._at(q), self.wrt, self.world, self.world)
+
+    def centroidal_momentum_matrix(self, q: np.ndarray) -> np.ndarray:
+        at, units = self.com(q), np.eye(self.p.num_velocities())
+        momenta = (self.p.CalcSpatialMomentumInWorldAboutPoint(self._at(q, e), at).get_coeffs() for e in units)
+        return np.stack(list(momenta), axis=1)
+
+    def kinetic_energy(self, q: np.ndarray, v: np.ndarray) -> float:
+        return float(self.p.CalcKineticEnergy(self._at(q, v)))
+
+    def potential_energy(self, q: np.ndarray) -> float:
+        return float(self.p.CalcPotentialEnergy(self._at(q)))

@@ -1,0 +1,108 @@
+"""MuJoCo: inverse dynamics by mj_inverse, forward dynamics by mj_forward.
+
+As it comes, passive forces and equalities are part of both: the file's damping and dry friction, and the
+soft constraint that `<mimic>` becomes.  The option "clean" switches them off: what is left is the model.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from _urdf import LINEAR_FIRST, homogeneous
+
+REQUIRES = ("mujoco==4.0.0", "numpy")
+OFF = ("CONTACT", "LIMIT", "FRICTIONLOSS", "EQUALITY", "DAMPER", "SPRING")
+
+
+class Subject:
+    """One robot in MuJoCo: linear first, the base's linear velocity in world axes, its angular in its own."""
+
+    name = "mujoco"
+
+    def __init__(self, urdf: str, floating: bool, gravity: Any, option: str = "") -> None:
+        import mujoco as mj
+
+        self.mj, self.version = mj, mj.__version__
+        text, clean = Path(urdf).read_text(encoding="utf-8"), option == "clean"
+        at = text.index(">", text.index("<robot")) + 1
+        flags = 'discardvisual="false"' + (' fusestatic="false" balanceinertia="false"' if clean else "")
+        spec = mj.MjSpec.from_string(f"{text[:at]}<mujoco><compiler {flags}/></mujoco>{text[at:]}")
+        if floating:
+            next(iter(spec.worldbody.bodies)).add_freejoint()
+        self.m = m = spec.compile()
+        self.d = mj.MjData(m)
+        m.opt.gravity[:] = gravity
+        for bit in OFF if clean else ():
+            m.opt.disableflags |= getattr(mj.mjtDisableBit, f"mjDSBL_{bit}", 0)
+        names = [m.joint(i).name for i in range(m.njnt) if m.joint(i).type[0] != mj.mjtJoint.mjJNT_FREE]
+        base_q = ("x", "y", "z", "qw", "qx", "qy", "qz") if floating else ()
+        self.writes = {
+            "q": [*base_q, *names], "v": [*(LINEAR_FIRST if floating else ()), *names], "rows": LINEAR_FIRST,
+            "linear": "world",
+        }  # fmt: skip
+        self.bodies = {m.body(i).name: i for i in range(m.nbody)}
+
+    def _at(self, q: Any, v: Any = None) -> Any:
+        self.mj.mj_resetData(self.m, self.d)
+        self.d.qpos[:] = q
+        self.d.qvel[:] = 0 if v is None else v
+        self.mj.mj_fwdPosition(self.m, self.d)
+        self.mj.mj_fwdVelocity(self.m, self.d)
+        return self.d
+
+    def fk(self, q: np.ndarray, frame: str) -> np.ndarray:
+        d, i = self._at(q), self.bodies[frame]
+        return homogeneous(d.xmat[i].reshape(3, 3), d.xpos[i])
+
+    def jacobian(self, q: np.ndarray, frame: str) -> np.ndarray:
+        J = np.zeros((6, self.m.nv))
+        self.mj.mj_jacBody(self.m, self._at(q), J[:3], J[3:], self.bodies[frame])
+        return J
+
+    def jacobian_dot(self, q: np.ndarray, v: np.ndarray, frame: str) -> np.ndarray:
+        i, J, d = self.bodies[frame], np.zeros((6, self.m.nv)), self._at(q, v)
+        self.mj.mj_jacDot(self.m, d, J[:3], J[3:], d.xpos[i], i)
+        return J
+
+    def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        d = self._at(q, v)
+        d.qacc[:] = a
+        self.mj.mj_inverse(self.m, d)
+        return d.qfrc_inverse.copy()
+
+    def crba(self, q: np.ndarray) -> np.ndarray:
+        M, d = np.zeros((self.m.nv, self.m.nv)), self._at(q)
+        try:
+            self.mj.mj_fullM(self.m, d, M)
+        except TypeError:  # its signature until 3.x
+            self.mj.mj_fullM(self.m, M, d.qM)
+        return M
+
+    def bias(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return self._at(q, v).qfrc_bias.copy()
+
+    def gravity(self, q: np.ndarray) -> np.ndarray:
+        return self._at(q).qfrc_bias.copy()
+
+    def aba(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        d = self._at(q, v)
+        d.qfrc_applied[:] = tau
+        self.mj.mj_forward(self.m, d)
+        return d.qacc.copy()
+
+    def com(self, q: np.ndarray) -> np.ndarray:
+        return self._at(q).subtree_com[0].copy()
+
+    def com_jacobian(self, q: np.ndarray) -> np.ndarray:
+        J = np.zeros((3, self.m.nv))
+        self.mj.mj_jacSubtreeCom(self.m, self._at(q), J, 0)
+        return J
+
+    def centroidal_momentum_matrix(self, q: np.ndarray) -> np.ndarray:
+        A, d = np.zeros((6, self.m.nv)), self._at(q)
+        self.mj.mj_jacSubtreeCom(self.m, d, A[:3], 0)
+        A[:3] *= self.m.body_subtreemass[0]
+        self.mj.mj_angmomMat(self.m, d, A[3:], 0)
+        return A

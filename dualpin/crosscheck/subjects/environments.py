@@ -1,0 +1,181 @@
+"""Environments of subjects: a library lives in one of its own, so that its needs meet nobody else's.
+
+An adapter is a file with a tuple ``REQUIRES`` of what pip installs for it, versions named.  Its environment
+is a folder of the user's data, made with `venv`; `ready` is written last, so half an installation is none.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+import venv
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...errors import ArgumentError, nearest
+
+ADAPTERS = Path(__file__).parent / "adapters"
+_READY = "ready.json"
+
+
+@dataclass(frozen=True)
+class Environment:
+    """Where a subject's library is installed.
+
+    Attributes
+    ----------
+    name : str
+        Of the adapter: a shipped name, or the stem of its file.
+    adapter : Path
+    requires : tuple of str
+        What pip installs, versions named.
+    """
+
+    name: str
+    adapter: Path
+    requires: tuple[str, ...]
+
+    @property
+    def folder(self) -> Path:
+        return folder() / self.name
+
+    @property
+    def python(self) -> Path:
+        return self.folder / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+
+    @property
+    def ready(self) -> bool:
+        """Whether it is installed, with what the adapter asks for today."""
+        return self.facts().get("requires") == list(self.requires) and self.python.exists()
+
+    def facts(self) -> dict[str, object]:
+        """What was installed: requires, seconds, mebibytes, date; empty where nothing was."""
+        try:
+            return dict(json.loads((self.folder / _READY).read_text(encoding="utf-8")))
+        except (OSError, ValueError):
+            return {}
+
+
+def shipped() -> list[str]:
+    """The names of the subjects that come with dualpin."""
+    return sorted(p.stem for p in ADAPTERS.glob("*.py") if not p.stem.startswith("_"))
+
+
+def folder() -> Path:
+    """Where environments are: ``DUALPIN_SUBJECTS_DIR``, or the platform's folder for dualpin's data."""
+    import platformdirs
+
+    chosen = os.environ.get("DUALPIN_SUBJECTS_DIR")
+    if chosen:
+        return Path(chosen).expanduser()
+    return Path(platformdirs.user_data_dir("dualpin", appauthor=False)) / "subjects"
+
+
+def environment(name: str | Path) -> Environment:
+    """That of a shipped adapter, or of an adapter's file.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such adapter, or it does not say what it requires.
+    """
+    text = str(name)
+    path = ADAPTERS / f"{text}.py" if text in shipped() else Path(text)
+    if path.suffix != ".py" or not path.is_file():
+        raise ArgumentError(
+            f"subjects: {text!r} is no shipped subject and no adapter's file; {nearest(text, shipped(), 'shipped')}"
+        )
+    return Environment(path.stem, path, requirements(path))
+
+
+def requirements(path: Path) -> tuple[str, ...]:
+    """The literal ``REQUIRES`` of an adapter; the file is read, not run."""
+    try:
+        tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
+    except (SyntaxError, ValueError) as e:
+        raise ArgumentError(f"subjects: {path} is not Python ({e})") from None
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "REQUIRES" for t in node.targets):
+            try:
+                found = ast.literal_eval(node.value)
+            except ValueError:
+                found = None
+            if isinstance(found, tuple) and all(isinstance(x, str) for x in found):
+                return found
+            raise ArgumentError(f"subjects: REQUIRES of {path} must be a tuple of texts")
+    return ()
+
+
+def interpreter(adapter: Path) -> str | None:
+    """The Python of the adapter's environment where it is installed, else None."""
+    try:
+        found = environment(adapter)
+    except ArgumentError:
+        return None
+    return str(found.python) if found.requires and found.ready else None
+
+
+def install(name: str | Path, tick: Callable[[str], None] = lambda what: None) -> Environment:
+    """Make the environment of a subject, or make it anew where its adapter asks for something else by now.
+
+    Raises
+    ------
+    ArgumentError
+        If pip fails; it says what pip said last.
+    """
+    found = environment(name)
+    if found.ready:
+        return found
+    if not found.requires:
+        raise ArgumentError(f"subjects: {found.adapter} has no REQUIRES, so there is nothing to install")
+    start = time.perf_counter()
+    shutil.rmtree(found.folder, ignore_errors=True)
+    tick(f"{found.name}: an environment in {found.folder}")
+    try:
+        found.folder.parent.mkdir(parents=True, exist_ok=True)
+        venv.create(found.folder, with_pip=True, clear=True)
+        tick(f"{found.name}: {', '.join(found.requires)}")
+        command = [str(found.python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *found.requires]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except (OSError, subprocess.SubprocessError) as e:
+        shutil.rmtree(found.folder, ignore_errors=True)
+        raise ArgumentError(f"subjects: {found.folder} cannot be made ({e})") from None
+    except BaseException:  # interrupted: half an environment is none
+        shutil.rmtree(found.folder, ignore_errors=True)
+        raise
+    if done.returncode:
+        said = [line for line in done.stderr.splitlines() if line.strip()][-3:]
+        shutil.rmtree(found.folder, ignore_errors=True)
+        raise ArgumentError(f"subjects: pip cannot install {', '.join(found.requires)}: {' | '.join(said)}")
+    facts = {
+        "requires": list(found.requires), "seconds": round(time.perf_counter() - start, 1),
+        "python": sys.version.split()[0],
+        "mebibytes": round(sum(f.stat().st_size for f in found.folder.rglob("*") if f.is_file()) / 2**20),
+    }  # fmt: skip
+    (found.folder / _READY).write_text(json.dumps(facts), encoding="utf-8")
+    return found
+
+
+def remove(name: str | Path) -> bool:
+    """Remove an environment; whether there was one."""
+    found = environment(name)
+    there = found.folder.exists()
+    shutil.rmtree(found.folder, ignore_errors=True)
+    return there
+
+
+def terms(adapter: Path, known: tuple[str, ...]) -> list[str]:
+    """The terms that an adapter's classes define; the file is read, not run."""
+    tree = ast.parse(adapter.read_text(encoding="utf-8"), str(adapter))
+    defined = {f.name for node in tree.body if isinstance(node, ast.ClassDef) for f in node.body if hasattr(f, "name")}
+    listed = {
+        x.value for node in ast.walk(tree) if isinstance(node, ast.Dict) for x in node.keys
+        if isinstance(x, ast.Constant) and isinstance(x.value, str)
+    }  # fmt: skip
+    return [t for t in known if t in defined | listed]
