@@ -13,6 +13,7 @@ import numpy as np
 from .call.arguments import check_robot
 from .engine.graph.trace import Sym, Trace, trace
 from .errors import ArgumentError
+from .model import frames
 from .model.robot import Robot
 from .terms import Term, flat
 from .terms import term as term_named
@@ -201,7 +202,7 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
     settled = chosen.settled(robot, given)
     exact = robot.lift(fraction)
     if "frame" in settled:
-        settled["frame"] = exact.frames[robot.frames.index(settled["frame"])]
+        settled["frame"] = exact.frame(frames.key(robot, settled["frame"]))
     entries = [sympy.sympify(x) for x in flat(chosen.compute(exact, *inputs, **settled))]
     if simplify:
         entries = [sympy.simplify(x) for x in entries]

@@ -183,6 +183,11 @@ def _aba(robot: Robot, q: Any, v: Any, tau: Any, f_ext: Any = None) -> Any:
     return aba.aba(robot, q, v, tau, None if f_ext is None else wrenches(f_ext))
 
 
+def _joint_wrenches(robot: Robot, q: Any, v: Any, a: Any, f_ext: Any = None) -> Any:
+    pushed = None if f_ext is None else wrenches(f_ext)
+    return [wrench_entries(F) for F in rnea.joint_wrenches(robot, q, v, a, pushed)]
+
+
 def _fk(robot: Robot, q: Any) -> Any:
     world = kinematics.forward_kinematics(robot, q)
     return [world[b].rows for b in robot]
@@ -276,6 +281,8 @@ FRAME_VELOCITY = Term("frame_velocity", (Q, V), _frame_velocity, _twist, (FRAME,
 FRAME_ACCELERATION = Term("frame_acceleration", (Q, V, A), _frame_acceleration, _twist, (FRAME, REFERENCE, CLASSICAL))
 RNEA = Term("rnea", (Q, V, A), _rnea, _vector)
 RNEA_F_EXT = Term("rnea_f_ext", (Q, V, A, F_EXT), _rnea, _vector)
+JOINT_WRENCHES = Term("joint_wrenches", (Q, V, A), _joint_wrenches, lambda r: (len(r), 6))
+JOINT_WRENCHES_F_EXT = Term("joint_wrenches_f_ext", (Q, V, A, F_EXT), _joint_wrenches, lambda r: (len(r), 6))
 BIAS = Term("bias", (Q, V), rnea.bias, _vector)
 GRAVITY = Term("gravity", (Q,), rnea.gravity, _vector)
 CRBA = Term("crba", (Q,), crba.crba, _square)

@@ -8,7 +8,7 @@ it is the classical Newton-Euler recursion, reached by choosing an observer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ..model.robot import Joint, Robot
 from ..scalars import ZERO, Scalar
@@ -46,17 +46,16 @@ def motions(
     return V, A
 
 
-def rnea(
+def transmitted(
     robot: Robot,
     q: Sequence[Scalar],
     v: Sequence[Scalar],
     a: Sequence[Scalar],
     f_ext: Sequence[Vector3] | None = None,
-) -> list[Scalar]:
-    """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
+) -> Iterator[tuple[Joint, Vector3]]:
+    """(b, F_b), leaves first: the wrench that each body gets from its parent, through its joint.
 
         F = I A + V x I V - F_ext + sum X F_children
-        tau = S . F + rotor a
 
     f_ext: a wrench for each body, in its own frame.
     """
@@ -67,11 +66,38 @@ def rnea(
         F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
         if f_ext is not None:
             F[b] = F[b] - f_ext[b.index]
-    tau: list[Scalar] = [ZERO] * robot.nv
     for b in reversed(robot):
-        for k, s, rotor in b.driven:
-            tau[k] = tau[k] + power(s, F[b]) + a[k] * rotor
+        yield b, F[b]
         F[b.parent] = F[b.parent] + X[b] @ F[b]
+
+
+def joint_wrenches(
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    f_ext: Sequence[Vector3] | None = None,
+) -> list[Vector3]:
+    """The wrenches F of `transmitted`, in the joints' order, each about and in the joint's moving frame."""
+    F = dict(transmitted(robot, q, v, a, f_ext))
+    return [F[b] for b in robot]
+
+
+def rnea(
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    f_ext: Sequence[Vector3] | None = None,
+) -> list[Scalar]:
+    """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
+
+        tau = S . F + rotor a               F as in `transmitted`
+    """
+    tau: list[Scalar] = [ZERO] * robot.nv
+    for b, F in transmitted(robot, q, v, a, f_ext):
+        for k, s, rotor in b.driven:
+            tau[k] = tau[k] + power(s, F) + a[k] * rotor
     return tau
 
 

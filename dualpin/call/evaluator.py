@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..interpret import interpret
+from ..model import frames
 from ..model.memory import memory
 from ..model.robot import Robot
 from ..terms import Options, Term, term
@@ -64,7 +65,7 @@ class Evaluator:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # what it is for; code and memory are this process's
-        options = {key: self.robot.frames.index(x) if key == "frame" else x for key, x in self.options.items()}
+        options = {key: frames.key(self.robot, x) if key == "frame" else x for key, x in self.options.items()}
         return _restored, (self.robot, self.term.name, self.dtype, options, self.engine)
 
 

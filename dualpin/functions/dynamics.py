@@ -20,6 +20,8 @@ from ..terms import (
     CRBA,
     GRAVITY,
     JOINT_TORQUE_REGRESSOR,
+    JOINT_WRENCHES,
+    JOINT_WRENCHES_F_EXT,
     LINK_TERMS,
     MINV,
     RNEA,
@@ -66,6 +68,57 @@ def rnea(
     if f_ext is None:
         return evaluator(robot, RNEA, engine)(q, v, a, out)
     return evaluator(robot, RNEA_F_EXT, engine)(q, v, a, f_ext, out)
+
+
+def joint_wrenches(
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    f_ext: ArrayLike | None = None,
+    *,
+    out: np.ndarray | None = None,
+    engine: str = "auto",
+) -> np.ndarray:
+    """What each body gets from its parent through its joint: the load of bearings, and the actuator's share.
+
+        F_b = I_b A_b + V_b x I_b V_b - f_ext_b + sum of F over the children of b
+
+    Its component along the joint's screws is the torque of `rnea`, but for the rotors' inertia.
+
+    Parameters
+    ----------
+    q : array_like, shape (..., nq)
+    v, a : array_like, shape (..., nv)
+    f_ext : array_like, shape (..., njoints, 6), optional
+        As in `rnea`.
+
+    Returns
+    -------
+    ndarray, shape (..., njoints, 6)
+        Wrenches [n; f] (moment [N m], force [N]) that the parent exerts on the body, about the origin
+        and in the axes of the joint's moving frame, in the order of ``robot.joint_names``.  A sensor
+        on the parent's side reads the opposite.
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+
+    References
+    ----------
+    Luh, Walker & Paul (1980); Featherstone (2008), 5.3, where it is f_i.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot = dp.load("ur5")
+    >>> f = dp.joint_wrenches(robot, np.zeros(6), np.zeros(6), np.zeros(6))
+    >>> f.shape, bool(np.isclose(f[0, 5], 9.81 * robot.mass))  # the first joint carries the weight
+    ((6, 6), True)
+    """
+    if f_ext is None:
+        return evaluator(robot, JOINT_WRENCHES, engine)(q, v, a, out)
+    return evaluator(robot, JOINT_WRENCHES_F_EXT, engine)(q, v, a, f_ext, out)
 
 
 def bias(

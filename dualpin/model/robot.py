@@ -7,18 +7,17 @@ import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from math import inf
 from typing import Any
 
 import numpy as np
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
-from ..renamed import Renamed
 from ..scalars import Exact, Scalar, exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import JointModel
+from .tree import Frame, Joint, Limits, Link, Mimic
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 BASE = "root_joint"
@@ -30,6 +29,7 @@ _HOMES = {
     "_bounds": ("dualpin.model.limits", "position_limits"),
     "_repr_html_": ("dualpin.report.notebook", "robot_html"),
     "attach": ("dualpin.model.attach", "attached"),
+    "frame": ("dualpin.model.frames", "find"),
     "kernel": ("dualpin.call", "kernel"),
     "lift": ("dualpin.model.lift", "lifted"),
     "sample": ("dualpin.model.sampling", "sample"),
@@ -43,129 +43,6 @@ def _home(method: str) -> Callable[..., Any]:
     module, function = _HOMES[method]
     found: Callable[..., Any] = getattr(importlib.import_module(module), function)
     return found
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Bounds as the description states them; `lower` and `upper` have one entry a coordinate."""
-
-    lower: tuple[float, ...] = ()
-    upper: tuple[float, ...] = ()
-    velocity: float = inf
-    effort: float = inf
-    damping: float = 0.0
-    friction: float = 0.0
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """A joint whose coordinate is  multiplier * (coordinate of `joint`) + offset."""
-
-    joint: str
-    multiplier: float = 1.0
-    offset: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """A joint and the body it moves.
-
-    Attributes
-    ----------
-    placement : Pose
-        Of the joint's fixed side in the parent's moving frame.
-    inertia : Inertia
-        Of everything rigidly attached, about this joint's moving frame.
-    q, v : slice
-        Where its coordinates and velocities lie in the robot's.
-    """
-
-    name: str
-    model: JointModel
-    parent: Joint | None
-    placement: Pose
-    inertia: Inertia
-    q: slice
-    v: slice
-    index: int
-    limits: Limits = field(default_factory=Limits)
-    mimic: Mimic | None = None
-    armature: tuple[Scalar, ...] = ()
-    """Inertia of its rotors, each felt at the joint's own coordinate [kg m^2, or kg of a slide]."""
-
-    def __repr__(self) -> str:
-        return f"<Joint {self.name!r}: {self.kind}, q{_span(self.q)}, v{_span(self.v)}>"
-
-    @property
-    def kind(self) -> str:
-        return self.model.kind
-
-    @property
-    def damping(self) -> float:
-        """Viscous friction of the description [N m s/rad or N s/m]; no term takes it by itself."""
-        return self.limits.damping
-
-    @property
-    def friction(self) -> float:
-        """Dry friction of the description [N m or N]; no term takes it by itself."""
-        return self.limits.friction
-
-    @cached_property
-    def dofs(self) -> list[tuple[int, Vector3]]:
-        """(index in v, screw) of each degree of freedom."""
-        return list(zip(range(self.v.start, self.v.stop), self.model.screws, strict=True))
-
-    @property
-    def coupling(self) -> tuple[Scalar, Scalar]:
-        """(multiplier, offset): its own coordinate is  multiplier * q + offset  of the q it may share with others."""
-        return self.model.coupling
-
-    @cached_property
-    def driven(self) -> list[tuple[int, Vector3, Scalar]]:
-        """(index in v, screw, rotor inertia felt there) of each degree of freedom.
-
-        A rotor turns `multiplier` times as fast as the shared coordinate, so its energy grows with
-        the square of the multiplier.
-        """
-        multiplier, _ = self.coupling
-        return [(k, s, r * multiplier * multiplier) for (k, s), r in zip(self.dofs, self.armature, strict=True)]
-
-    @property
-    def quaternions(self) -> list[slice]:
-        """Where its unit quaternions, scalar first, lie in q."""
-        return [slice(self.q.start + i, self.q.start + i + 4) for i in self.model.quaternions]
-
-    @property
-    def chain(self) -> Iterator[Joint]:
-        """This joint, its parent, ... up to the root."""
-        joint: Joint | None = self
-        while joint is not None:
-            yield joint
-            joint = joint.parent
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """A named frame, fixed to the body that `joint` moves (None: the ground)."""
-
-    name: str
-    role: str
-    """ "universe", "joint", "fixed_joint", "link" or "frame"."""
-    joint: Joint | None
-    placement: Pose
-    parent: int = 0
-    """Index of the frame it was described in."""
-    kind = Renamed("role")
-
-
-@dataclass(frozen=True, eq=False)
-class Link:
-    """A link as it was described: its own inertia in its own frame, and where that frame is fixed."""
-
-    name: str
-    inertia: Inertia
-    joint: Joint | None
-    placement: Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,27 +137,9 @@ class Robot:
         why = "is fixed, it has no coordinates;" if fixed else "is not a joint of"
         raise FrameNotFoundError(f"joint {name!r} {why} {self.name}; {nearest(name, self.joint_names, 'joints')}")
 
-    @cached_property
-    def _frame_index(self) -> dict[str, Frame]:
-        # where a link and a joint share a name, the link's frame is meant; of joints the one that moves
-        order = sorted(self.frames, key=lambda f: (f.role == "link", f.role != "fixed_joint"))
-        return {f.name: f for f in order}
-
     def frame(self, name: str | int | Frame) -> Frame:
-        """The frame of that name (a link's before a joint's) or index, or a `FrameNotFoundError`."""
-        if isinstance(name, Frame):
-            if not any(f is name for f in self.frames):
-                raise FrameNotFoundError(f"frame {name.name!r} is of another robot than {self.name}; give its name")
-            return name
-        if isinstance(name, (int, np.integer)) and not isinstance(name, bool):
-            if -len(self.frames) <= name < len(self.frames):
-                return self.frames[name]
-            raise FrameNotFoundError(f"frame {name} of {self.name}: it has {len(self.frames)} frames")
-        if not isinstance(name, str):
-            raise ArgumentError(f"frame: a name, an index or a Frame expected, got {type(name).__name__}")
-        found = self._frame_index.get(name)
-        if found is None:
-            raise FrameNotFoundError(f"frame {name!r} not in {self.name}; {nearest(name, self.frame_names, 'frames')}")
+        """The frame of that name (a link's before a joint's, "com:LINK" at a link's centre of mass) or index."""
+        found: Frame = _home("frame")(self, name)
         return found
 
     # limits and configurations
@@ -396,5 +255,4 @@ def gravity_vector(gravity: Sequence[float]) -> Vector3:
     return Vector3(*map(exact, g.tolist()))
 
 
-def _span(s: slice) -> str:
-    return f"[{s.start}]" if s.stop == s.start + 1 else f"[{s.start}:{s.stop}]"
+__all__ = ["BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "gravity_vector"]

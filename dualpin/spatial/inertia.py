@@ -33,9 +33,14 @@ class Inertia:
         return Pose(position=Vector3(*map(exact, com))) @ cls(exact(mass), NOUGHT, J)
 
     @property
+    def massless(self) -> bool:
+        """Whether its mass is the number zero."""
+        return exact(self.mass) is ZERO
+
+    @property
     def central(self) -> tuple[Vector3, Matrix3]:
         """Centre of mass, and the rotational inertia about it; of a body without mass, about the origin."""
-        c = NOUGHT if exact(self.mass) is ZERO else self.moment / self.mass
+        c = NOUGHT if self.massless else self.moment / self.mass
         return c, (Pose(position=-c) @ self).rotational
 
     def __call__(self, twist: Vector3) -> Vector3:
