@@ -15,7 +15,8 @@ FUNCTIONS = {
     "frame_acceleration": ("q", "v", "a"), "rnea": ("q", "v", "a"), "bias": ("q", "v"), "gravity": ("q",),
     "crba": ("q",), "coriolis": ("q", "v"), "aba": ("q", "v", "a"), "minv": ("q",), "kinetic_energy": ("q", "v"),
     "potential_energy": ("q",), "com": ("q",), "com_jacobian": ("q",), "centroidal_momentum_matrix": ("q",),
-    "joint_torque_regressor": ("q", "v", "a"), "integrate": ("q", "v"), "difference": ("q", "q"),
+    "joint_torque_regressor": ("q", "v", "a"), "joint_wrenches": ("q", "v", "a"),
+    "integrate": ("q", "v"), "difference": ("q", "q"),
 }  # fmt: skip
 OPTIONS = {name: {"frame": "tool"} for name in ("jacobian", "jacobian_dot", "frame_velocity", "frame_acceleration")}
 TAIL = {
@@ -24,7 +25,7 @@ TAIL = {
     "coriolis": lambda r: (r.nv, r.nv), "minv": lambda r: (r.nv, r.nv), "kinetic_energy": lambda r: (),
     "potential_energy": lambda r: (), "com": lambda r: (3,), "com_jacobian": lambda r: (3, r.nv),
     "centroidal_momentum_matrix": lambda r: (6, r.nv), "integrate": lambda r: (r.nq,),
-    "joint_torque_regressor": lambda r: (r.nv, 10 * len(r)),
+    "joint_torque_regressor": lambda r: (r.nv, 10 * len(r)), "joint_wrenches": lambda r: (len(r), 6),
 }  # fmt: skip
 
 functions = pytest.mark.parametrize("name", FUNCTIONS)

@@ -92,7 +92,7 @@ def rnea(
 ) -> list[Scalar]:
     """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
 
-        tau = S . F + rotor a               F as in `transmitted`
+    tau = S . F + rotor a               F as in `transmitted`
     """
     tau: list[Scalar] = [ZERO] * robot.nv
     for b, F in transmitted(robot, q, v, a, f_ext):

@@ -11,6 +11,7 @@ from ..algorithms import regressor
 from ..model.robot import Frame, Robot
 from ..terms import TERMS
 
+WRENCH = ("nx", "ny", "nz", "fx", "fy", "fz")
 TWIST = ("wx", "wy", "wz", "vx", "vy", "vz")
 MOMENTUM = ("lx", "ly", "lz", "px", "py", "pz")
 PARAMETERS = ("mass", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
@@ -65,7 +66,9 @@ def locate(robot: Robot, term: str, entry: int, options: Mapping[str, Any] | Non
 def _label(robot: Robot, term: str, axis: int, size: int, i: int) -> str:
     """The name of index i along an axis of a term."""
     last = axis == 1
-    if term == "fk" and axis == 0:
+    if term == "joint_wrenches" and last:
+        return WRENCH[i]
+    if term in ("fk", "joint_wrenches") and axis == 0:
         return f"joint {robot.joint_names[i]}"
     if term in ("frame_pose", "fk"):
         return str(i)

@@ -38,6 +38,6 @@ from .kinematics import (
 __all__ = [
     "LinkTerm", "LinkTerms", "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian",
     "coriolis", "crba", "difference", "fk", "frame_acceleration", "frame_velocity", "gravity",
-    "inertial_parameters", "integrate", "jacobian", "jacobian_dot", "joint_torque_regressor", "joint_wrenches", "kinetic_energy",
-    "link_terms", "minv", "potential_energy", "rnea", "rnea_derivatives",
+    "inertial_parameters", "integrate", "jacobian", "jacobian_dot", "joint_torque_regressor", "joint_wrenches",
+    "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea", "rnea_derivatives",
 ]  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
@@ -53,8 +55,8 @@ def find(robot: Robot, name: str | int | Frame) -> Frame:
     return found
 
 
-def key(robot: Robot, frame: Frame) -> int | str:
-    """What `find` knows this frame by, in this robot and in others made from it: of another kind of number, unpickled."""
+def key(robot: Robot, frame: Any) -> int | str:
+    """What `find` knows a frame by, in this robot and in others made from it (of another kind of number, unpickled)."""
     return frame.name if frame.role == "com" else robot.frames.index(frame)
 
 

@@ -212,6 +212,25 @@ def test_external_wrenches_act_through_the_jacobians(case, seed):
     assert scaled(call("aba", r, q, v, tau - pushed, f), a) < solved(r, q)
 
 
+def test_joint_wrenches_are_what_holds_each_subtree(case, seed):
+    """Their power on the screws is the torque; at the roots, what changes the momentum of everything."""
+    r, q, v, a = case
+    f = np.random.default_rng(seed).uniform(-5, 5, (len(r), 6))
+    for pushed in ((), (f,)):
+        F = call("joint_wrenches", r, q, v, a, *pushed)
+        tau = rotor_inertia(r) @ a
+        for j in r:
+            S = np.array([[float(x) for x in (*s.real, *s.dual)] for s in j.model.screws])
+            tau[j.v] += S @ F[j.index]
+        assert scaled(tau, call("rnea", r, q, v, a, *pushed)) < TIGHT
+    T = call("fk", r, q)
+    total = sum(T[j.index][:3, :3] @ F[j.index][3:] for j in r if j.parent is None)
+    pushing = sum(T[j.index][:3, :3] @ f[j.index][3:] for j in r)
+    gravity = np.array([float(x) for x in r.gravity])
+    rate = along(r, "centroidal_momentum_matrix", q, v) @ v + call("centroidal_momentum_matrix", r, q) @ a
+    assert scaled(total, rate[3:] - r.mass * gravity - pushing) < TIGHT
+
+
 def test_link_terms_sum_to_the_whole(case):
     r, q, v, _ = case
     terms = call("link_terms", r, q, v)

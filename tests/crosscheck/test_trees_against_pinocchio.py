@@ -25,7 +25,7 @@ STATES = {
     "rnea": "qva", "bias": "qv", "gravity": "q", "crba": "q", "coriolis": "qv", "aba": "qvt", "minv": "q",
     "kinetic_energy": "qv", "potential_energy": "q", "com": "q", "com_jacobian": "q",
     "centroidal_momentum_matrix": "q", "rnea_derivatives": "qva", "aba_derivatives": "qvt",
-    "joint_torque_regressor": "qva",
+    "joint_torque_regressor": "qva", "joint_wrenches": "qva",
 }  # fmt: skip
 
 

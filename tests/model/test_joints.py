@@ -72,7 +72,8 @@ def test_compiled_terms_are_those_of_the_source(name, seed):
     r = robot(name)
     q, v, a = r.sample(7, seed=seed)
     for term, inputs in (
-        ("rnea", (q, v, a)), ("crba", (q,)), ("coriolis", (q, v)), ("aba", (q, v, a)), ("fk", (q,)),
+        ("rnea", (q, v, a)), ("joint_wrenches", (q, v, a)), ("crba", (q,)), ("coriolis", (q, v)),
+        ("aba", (q, v, a)), ("fk", (q,)),
         ("integrate", (q, 0.1 * v)), ("difference", (q, q[::-1])), ("rnea_derivatives", (q, v, a)),
     ):  # fmt: skip
         if term == "difference" and name == "floating_spherical":

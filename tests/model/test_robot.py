@@ -17,6 +17,7 @@ import dualpin as dp
 from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
 from dualpin.model.memory import MEMORY
 from dualpin.model.robot import _HOMES
+from dualpin.model.frames import key
 from dualpin.scalars import ONE, ZERO
 from dualpin.spatial import Pose, Vector3
 from dualpin.tracking import reach
@@ -417,6 +418,39 @@ def test_copies_are_robots_of_their_own(again):
 def test_every_delegate_finds_its_function():
     for module, function in _HOMES.values():
         assert callable(getattr(importlib.import_module(module), function))
+
+
+def test_frames_at_centres_of_mass():
+    r = dp.load("panda")
+    q, v, _ = r.sample(4, seed=1)
+    total, moment = 0.0, 0.0
+    for link in (k for k in r.links if not k.inertia.massless and k.joint is not None):
+        at = dp.fk(r, q, f"com:{link.name}")
+        T, c = dp.fk(r, q, link.name), np.array([float(x) for x in link.inertia.central[0]])
+        assert np.abs(at[:, :3, :3] - T[:, :3, :3]).max() < 1e-14
+        assert np.abs(at[:, :3, 3] - (T[:, :3, :3] @ c + T[:, :3, 3])).max() < 1e-14
+        total, moment = total + float(link.inertia.mass), moment + float(link.inertia.mass) * at[:, :3, 3]
+    assert np.abs(moment / total - dp.com(r, q)).max() < 1e-13
+    name = "com:panda_link4"
+    assert name not in r.frame_names and r.frame(name) is r.frame(name) is r.frame(r.frame(name))
+    for reference in ("world", "local", "local_world_aligned"):
+        J = dp.jacobian(r, q, name, reference)
+        assert np.abs((J @ v[..., None])[..., 0] - dp.frame_velocity(r, q, v, name, reference)).max() < 1e-13
+    again = pickle.loads(pickle.dumps(r))
+    assert np.array_equal(dp.fk(again, q, again.frame(key(r, r.frame(name)))), dp.fk(r, q, name))
+    lifted = r.lift(mpmath.mpf)
+    assert np.abs(dp.fk(lifted, q[0], name) - dp.fk(r, q[0], name)).max() < 1e-15
+    assert dp.ik(r, dp.fk(r, q, name), name).success.all()
+    with pytest.raises(dp.FrameNotFoundError, match="no link 'panda_link44'; did you mean 'panda_link4'"):
+        r.frame("com:panda_link44")
+    with pytest.raises(dp.ArgumentError, match="'panda_link8' of panda has no mass"):
+        r.frame("com:panda_link8")
+    with pytest.raises(dp.FrameNotFoundError, match="of another robot"):
+        dp.fk(dp.load("ur5"), np.zeros(6), r.frame(name))
+    b = Builder("named")
+    b.joint("j", revolute(), link="l", inertia=random_inertia(np.random.default_rng(0)))
+    b.frame("com:l", "l")
+    assert b.robot().frame("com:l").role == "frame"  # what the description names is what is meant
 
 
 def test_former_names_still_work():

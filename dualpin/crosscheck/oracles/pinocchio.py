@@ -368,6 +368,11 @@ QUESTIONS = {
     "rnea_f_ext": Question(
         _pushed, _forces, data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])
     ),
+    "joint_wrenches": Question(
+        lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]),
+        lambda x, to: x[..., ANGULAR_FIRST],
+        read=lambda pin, m, d: np.array([f.vector for f in d.f][1:]),
+    ),
     "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), _forces),
     "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), _forces),
     "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), _symmetric),
