@@ -76,8 +76,8 @@ CHECKS = {
         Check("frame_acceleration", _accelerated, weighs=False),
         Check("rnea"), Check("rnea_f_ext", weighs=False), Check("joint_wrenches"), Check("bias"), Check("gravity"),
         Check("crba"), Check("coriolis"), Check("aba", solves=True), Check("minv", solves=True),
-        Check("kinetic_energy"), Check("potential_energy"), Check("com"), Check("com_jacobian"), Check("centroidal_momentum_matrix"),
-        Check("joint_torque_regressor", weighs=False),
+        Check("kinetic_energy"), Check("potential_energy"), Check("com"), Check("com_jacobian"),
+        Check("centroidal_momentum_matrix"), Check("joint_torque_regressor", weighs=False),
         Check("rnea_derivatives"), Check("aba_derivatives", solves=True), Check("difference", weighs=False),
     )
 }  # fmt: skip

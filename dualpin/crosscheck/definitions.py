@@ -113,11 +113,14 @@ class Definitions:
         """World momenta [l0; p] of all bodies."""
         return np.array([_momentum(X, W, body) for X, W, body in zip(T, V, bodies or self.bodies, strict=True)])
 
-    def torques(
-        self, v: Array, a: Array, *, gravity: bool = True, rotors: bool = True, f_ext: Array | None = None,
-        at: Array | None = None, bodies: list[Array] | None = None,
-    ) -> Array:  # fmt: skip
-        """Newton and Euler: the rate of the momenta is what gravity, f_ext and the joints' forces make."""
+    def transmitted(
+        self, v: Array, a: Array, *, gravity: bool = True, f_ext: Array | None = None, at: Array | None = None,
+        bodies: list[Array] | None = None,
+    ) -> tuple[list[Array], list[Array]]:  # fmt: skip
+        """Poses, and the joints' world wrenches.
+
+        Newton and Euler: the rate of the momenta is what gravity, f_ext and the joints' forces make.
+        """
         at = self.zeros() if at is None else at
         bodies = bodies or self.bodies
 
@@ -135,6 +138,11 @@ class Definitions:
         for i in reversed(range(len(T))):
             if self.parents[i] >= 0:
                 forces[self.parents[i]] = forces[self.parents[i]] + forces[i]
+        return T, forces
+
+    def torques(self, v: Array, a: Array, *, rotors: bool = True, **more: Any) -> Array:
+        """What the joints' wrenches do on their screws; `more` as in `transmitted`."""
+        T, forces = self.transmitted(v, a, **more)
         tau = self.zeros()
         for i, columns in enumerate(self.columns(T)):
             for n, (column, k) in enumerate(zip(columns, self.indices[i], strict=True)):
@@ -226,6 +234,11 @@ class Definitions:
 
     def _rnea(self, i: int) -> Any:
         return self.torques(self.state["v"], self.state["a"])[i]
+
+    def _joint_wrenches(self, joint: int, i: int) -> Any:
+        T, forces = self.transmitted(self.state["v"], self.state["a"])
+        R, p, (n, f) = T[joint][:3, :3], T[joint][:3, 3], np.split(forces[joint], 2)
+        return np.concatenate([R.T @ (n - np.cross(p, f)), R.T @ f])[i]
 
     def _rnea_f_ext(self, i: int) -> Any:
         f_ext = self.state["f_ext"].reshape(-1, 6)

@@ -106,6 +106,11 @@ def _rnea(x: Extent) -> Array:
     return x.heaviest * (x.push(x.states["a"]) + x.swing + x.fall)
 
 
+def _wrenches(x: Extent) -> Array:
+    # every direction counts, not only that of a joint's screw: D of a unit twist is at most this
+    return x.mass**0.5 * np.maximum(1.0, x.reach) * (x.push(x.states["a"]) + x.swing + x.fall)
+
+
 def _moving(x: Extent) -> Array:
     return x.reach * (x.acceleration + x.speed**2)
 
@@ -119,6 +124,7 @@ SIZES: dict[str, Callable[[Extent], Array]] = {
     "frame_acceleration": _moving,
     "rnea": _rnea,
     "rnea_f_ext": lambda x: _rnea(x) + x.f_ext(),
+    "joint_wrenches": _wrenches,
     "bias": lambda x: x.heaviest * (x.swing + x.fall),
     "gravity": lambda x: x.heaviest * x.fall,
     "crba": lambda x: x.heaviest**2,

@@ -15,9 +15,9 @@ import sympy
 
 import dualpin as dp
 from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
+from dualpin.model.frames import key
 from dualpin.model.memory import MEMORY
 from dualpin.model.robot import _HOMES
-from dualpin.model.frames import key
 from dualpin.scalars import ONE, ZERO
 from dualpin.spatial import Pose, Vector3
 from dualpin.tracking import reach
