@@ -13,5 +13,6 @@ def every_joint():
     b.joint("planar", joints.Planar(), inertia=I, armature=(0.1, 0.2, 0.3))
     b.joint("cylinder", joints.cylindrical(Vector3(0.6, 0.0, 0.8)), "planar", X, I, armature=(0.2, 0.3))
     b.joint("screw", joints.helical(pitch=0.1), "cylinder", X, I)
-    b.joint("free", joints.Floating(), "screw", X, I)
+    b.joint("ball", joints.Spherical(), "screw", X, I, armature=(0.1, 0.2, 0.3))
+    b.joint("free", joints.Floating(), "ball", X, I)
     return b.robot()

@@ -100,7 +100,7 @@ def campaign(
 
 
 def _key(case: Case) -> str:
-    return f"{case.name}|{case.floating}|{case.mimic}"
+    return f"{case.name}|{case.floating}|{case.mimic}|{case.engine}"
 
 
 Settings = tuple[int, int, list[Check], str, bool]

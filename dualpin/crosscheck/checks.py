@@ -96,13 +96,27 @@ def chosen(terms: Iterable[str] | None) -> list[Check]:
 
 @dataclass(frozen=True)
 class Case:
-    """A robot to validate: by name or path, or itself; against its own file, or another."""
+    """A robot to validate: by name or path, or itself.
+
+    Attributes
+    ----------
+    against : str, optional
+        A file to compare with instead of its own.
+    engine : str
+        What computes it, where that is not what the whole campaign is computed with.
+    title : str
+        What to call it, where that is not the name or path.
+    """
 
     robot: str | Robot
     floating: bool = False
     mimic: bool = False
     against: str | None = None
+    engine: str = ""
+    title: str = ""
 
     @property
     def name(self) -> str:
+        if self.title:
+            return self.title
         return self.robot.name if isinstance(self.robot, Robot) else str(self.robot)

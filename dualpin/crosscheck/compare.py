@@ -38,7 +38,7 @@ def compare(
 ) -> RobotResult:
     """All checks of one robot."""
     start = time.perf_counter()
-    pair = paired(case)
+    pair, engine = paired(case), case.engine or engine
     if pair.oracle is None:
         terms = {c.term: TermResult(status=NOT_COMPARED, reason="the joints are not the same") for c in checks}
     else:

@@ -106,7 +106,8 @@ def attempt(
         oracles = isinstance(e, OracleError)  # what it refuses is not compared; what dualpin cannot do fails
         return RobotResult(
             case.name, case.floating, case.mimic, robot.nv, samples, seed, passed=oracles, status=NOT_COMPARED,
-            reason=str(e) if oracles else "", error="" if oracles else str(e), engine=used_engine(engine),
+            reason=str(e) if oracles else "", error="" if oracles else str(e),
+            engine=used_engine(case.engine or engine),
         )  # fmt: skip
 
 
