@@ -10,7 +10,6 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from .crosscheck.oracles.pinocchio import Pinocchio
 from .engine.jit.threads import get_num_threads, set_num_threads
 from .errors import ArgumentError, DualpinError, DualpinWarning, nearest
 from .io import load
+from .machine import package, processor
 from .model.robot import Robot
 from .terms import TERMS
 
@@ -247,25 +247,12 @@ def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: 
 
 def machine() -> dict[str, Any]:
     """What the figures depend on, for the head of a report."""
-    from importlib import metadata
-
     from .engine.jit.host import this_host
 
-    def version(package: str) -> str:
-        try:
-            return metadata.version(package)
-        except metadata.PackageNotFoundError:
-            return "-"
-
     host = this_host()
-    model = host.cpu
-    cpuinfo = Path("/proc/cpuinfo")
-    if cpuinfo.exists():
-        names = [line.partition(":")[2].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
-        model = f"{names[0]} ({host.cpu})" if names else model
     return {
-        "processor": model, "cores": os.cpu_count(), "vector_bits": 8 * host.width, "fma": host.fma,
+        "processor": f"{processor()} ({host.cpu})", "cores": os.cpu_count(), "vector_bits": 8 * host.width, "fma": host.fma,
         "system": f"{platform.system()} {platform.machine()}", "python": platform.python_version(),
-        **{p: version(p) for p in ("dualpin", "numpy", "llvmlite", "pin")},
+        **{p: package(p) for p in ("dualpin", "numpy", "llvmlite", "pin")},
         "pin_is": "the PyPI wheel, compiled for any x86-64 (SSE2)",
     }  # fmt: skip

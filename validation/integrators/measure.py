@@ -6,13 +6,13 @@ import json
 import platform
 import warnings
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import dualpin as dp
+from dualpin.machine import package, processor
 from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import UY, Inertia, Pose, Vector3, diagonal
 from dualpin.tracking.study import METHODS, measured_stability_limit, pa10, run, seven_joint_arm
@@ -62,14 +62,8 @@ def _finite(x: Any) -> Any:
 
 def header() -> dict[str, str]:
     """Machine and versions."""
-    cpu = next((x.split(":")[1].strip() for x in _cpuinfo() if x.startswith("model name")), platform.processor())
-    versions = {name: version(name) for name in ("numpy", "scipy", "llvmlite")}
-    return {"cpu": cpu, "python": platform.python_version(), "dualpin": dp.__version__, **versions}
-
-
-def _cpuinfo() -> list[str]:
-    path = Path("/proc/cpuinfo")
-    return path.read_text().splitlines() if path.exists() else []
+    versions = {name: package(name) for name in ("numpy", "scipy", "llvmlite")}
+    return {"cpu": processor(), "python": platform.python_version(), "dualpin": dp.__version__, **versions}
 
 
 def circle(task: str) -> dp.Circle:
