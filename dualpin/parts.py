@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
+from .delegates import home
 from .errors import ArgumentError, ShapeError
 from .scalars import Exact, Scalar
 
@@ -228,7 +228,7 @@ def array_function(make: type, func: Any, args: Sequence[Any], options: dict[str
         (a, da), (b, db) = (x.arrays if isinstance(x, Parts) else (np.asarray(x), 0.0) for x in args[1:])
         return make(np.where(args[0], a, b), np.where(args[0], da, db))
     if func.__module__ == "numpy.linalg":
-        ours = getattr(importlib.import_module("dualpin.algebra"), func.__name__, None)
+        ours = getattr(home("numpy.linalg"), func.__name__, None)
         if ours is not None:
             return ours(*args, **options)
     return NotImplemented

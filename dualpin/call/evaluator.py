@@ -33,7 +33,7 @@ class Evaluator:
     def __init__(self, kernels: Kernels, engine: str) -> None:
         self.kernels, self.engine = kernels, engine
         self.robot, self.term, self.options, self.dtype = kernels.robot, kernels.term, kernels.options, kernels.dtype
-        self.shape = self.term.shape(self.robot, **self.options)
+        self.shape = kernels.shape
         self.__name__ = self.term.name
         self.__doc__ = f"{self.term.name}({', '.join(self.term.inputs)}, out=None) of {self.robot.name}"
 
@@ -92,7 +92,7 @@ def function_of(
     if general.engine != "auto":
         return general
     kept, key = memory(robot), ("function", term, dtype, *options.values())
-    return kept.get(key) or kept.setdefault(key, fast_function(general) or general)
+    return kept.get(key) or kept.setdefault(key, fast_function(general.kernels, general) or general)
 
 
 def _restored(robot: Robot, name: str, dtype: np.dtype, options: Options, engine: str) -> Evaluator:

@@ -26,6 +26,7 @@ class Kernels:
 
     def __init__(self, robot: Robot, term: Term, options: Options, dtype: np.dtype) -> None:
         self.robot, self.term, self.options, self.dtype = robot, term, options, dtype
+        self.shape = term.shape(robot, **options)
         self._found: list[Kernel | DualpinError | None] = [None, None]
         self._code: Code | None = None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from .main import Json, app, show_json
+from .app import Json, app, show_json
 
 cache = typer.Typer(help="Look at or empty the folder of compiled kernels.", no_args_is_help=True)
 app.add_typer(cache, name="cache")

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Json, Mimic, RobotName, app, show_json
+from .app import Floating, Json, Mimic, RobotName, app, show_json
 
 
 @app.command("list")

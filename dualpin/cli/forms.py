@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .main import Json, RobotName, app
+from .app import Json, RobotName, app
 
 Format = Annotated[str, typer.Option("--format", help="table, csv, json, yaml, markdown, latex, python or matlab.")]
 Base = Annotated[str | None, typer.Option("--base", help="Link the chain starts from; the root by default.")]

@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Json, Mimic, RobotName, app
+from .app import Floating, Json, Mimic, RobotName, app
 from .show import formats
 
 Terms = Annotated[str, typer.Option("--terms", help="Some terms, between commas.")]

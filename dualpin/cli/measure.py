@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Json, RobotName, app, show_json
+from .app import Floating, Json, RobotName, app, show_json
 
 
 @app.command()

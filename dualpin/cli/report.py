@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from ..errors import ArgumentError
-from .main import Json, app, show_json
+from .app import Json, app, show_json
 from .show import formats, show, show_comparison, show_rows
 
 

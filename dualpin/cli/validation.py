@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Json, Mimic, app, robot_names
+from .app import Floating, Json, Mimic, app, robot_names
 from .show import formats, show
 
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130

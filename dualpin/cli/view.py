@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from ..errors import ArgumentError
-from .main import Floating, Mimic, RobotName, app
+from .app import Floating, Mimic, RobotName, app
 
 
 @app.command()

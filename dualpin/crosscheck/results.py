@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..delegates import home
 from ..errors import ArgumentError, nearest
 from .findings import CONVENTIONS, Finding
 
@@ -326,17 +327,14 @@ class Report:
         return cls(robots, refused, data["versions"], data.get("partial", False))
 
     def to_markdown(self) -> str:
-        from .markdown import markdown
-
-        return markdown(self)
+        found: str = home("Report.to_markdown")(self)
+        return found
 
     def write(self, folder: str | Path, formats: Iterable[str] = ("json", "md")) -> list[Path]:
         """Write report.json, report.md, report.html, junit.xml, report.sarif into a folder; returns the paths."""
-        from .exports import junit, sarif
-
         writers = {
             "json": self.to_json, "md": self.to_markdown, "html": self.to_html,
-            "junit": lambda: junit(self), "sarif": lambda: sarif(self),
+            "junit": lambda: home("Report.to_junit")(self), "sarif": lambda: home("Report.to_sarif")(self),
         }  # fmt: skip
         folder = Path(folder)
         paths = []
@@ -355,14 +353,12 @@ class Report:
 
     def to_html(self) -> str:
         """One self-contained page; needs Jinja (``pip install 'dualpin[report]'``)."""
-        from ..report import page
-
-        return page(self)
+        found: str = home("Report.to_html")(self)
+        return found
 
     def _repr_html_(self) -> str:
-        from ..report.notebook import report_html
-
-        return report_html(self)
+        found: str = home("Report._repr_html_")(self)
+        return found
 
 
 def _finite(x: Any) -> Any:

@@ -11,8 +11,8 @@ _HOMES = {
     "build_screws": ("from_screws",),
     "dh": ("to_dh",),
     "khalil": ("KhalilRow", "KhalilTable"),
-    "screw_tree": ("ScrewTree",),
-    "screws": ("Screws", "to_screws"),
+    "screw_tree": ("ScrewTree", "to_screws"),
+    "screws": ("Screws",),
     "table": ("DHEnd", "DHRow", "DHStep", "DHTable"),
 }
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}

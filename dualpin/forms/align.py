@@ -21,11 +21,13 @@ from math import atan2 as angle_of
 
 from ..dual import Dual, atan2, sqrt
 from ..spatial.pose import Pose
-from ..spatial.vector import Vector3, motor
+from ..spatial.vector import NOUGHT, Vector3, motor
+from .chain import Axis
 
 Step = tuple[Dual, Dual]
 """theta + eps d about and along z, then alpha + eps a about and along x."""
 
+NONE = Dual(0.0, 0.0)
 PARALLEL = 1e-14  # sine of the angle that rounding in a product of rotations leaves between parallel axes
 NEAR = 0.02  # below it d grows like 1/sine and loses as many digits: then a fixed row is inserted
 MEETING = 1e-13  # metres: axes this close intersect or coincide, an order above rounding of positions of metres
@@ -126,3 +128,20 @@ def _nearly_parallel(line: Vector3) -> list[Step]:
     ux, uy = c * u.x + s * u.y, c * u.y - s * u.x
     beta, alpha = asin(max(-1.0, min(1.0, ux))), angle_of(-uy, u.z)
     return [(Dual(theta, 0.0), Dual(alpha - pi / 2, a)), (Dual(beta, 0.0), Dual(pi / 2, 0.0))]
+
+
+def ahead(axis: Axis, X: Pose) -> Vector3:
+    """The axis in the frame X; a prismatic one, whose place is free, through X's origin."""
+    line = X.inverse @ axis.line
+    return motor(line.real, NOUGHT) if axis.letter == "P" else line
+
+
+def numeric(X: Pose) -> Pose:
+    """The same pose in plain floats."""
+    return Pose.from_rows(X.array.tolist())
+
+
+def remaining(rest: Pose, rules: Rules) -> Dual:
+    """The dual angle about z that is left when the z axes agree."""
+    c, s, _ = (float(row.x) for row in rest.rotation.rows)
+    return rules.cleaned(Dual(float(atan2(s, c)), float(rest.position.z)))

@@ -20,6 +20,7 @@ from ..spatial.pose import Pose
 from ..spatial.rotation import Matrix3
 from ..spatial.vector import AXES, Vector3
 from .build import homogeneous
+from .screws import carried
 
 UNIT = 1e-6  # how far a screw's length may be from 1: six printed digits
 PITCH = 1e-12  # metres per radian: rounding in w . v of a line some metres away
@@ -86,8 +87,6 @@ def from_screws(
             f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite"
         )
     if frame == "body":
-        from .screws import carried
-
         S = carried(tip, S)
     bodies = _bodies(Mlist, Glist, S.shape[1])
     b = Builder(name, gravity)

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..arguments import choice
-from ..dual import Dual, atan2
+from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
 from ..model.robot import Frame, Robot
 from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT, UZ, Vector3, motor
-from .align import CLEAN, NEAR, PARALLEL, Rules, step
+from ..spatial.vector import NOUGHT, UZ, motor
+from .align import CLEAN, NEAR, NONE, PARALLEL, Rules, ahead, numeric, remaining, step
 from .chain import Axis, Chain, chain
+from .khalil import KhalilTable, khalil_table
 from .table import CONVENTIONS, DHEnd, DHRow, DHStep, DHTable
 
-if TYPE_CHECKING:
-    from .khalil import KhalilTable
-
 TREE = "khalil-kleinfinger"
-NONE = Dual(0.0, 0.0)
 
 
 def to_dh(
@@ -108,17 +105,9 @@ def _rules(snap: float | tuple[float, float] | None, near: float) -> Rules:
 
 
 def _tree(robot: Robot, rules: Rules, snapped: bool) -> KhalilTable:
-    from .khalil import khalil_table
-
     if snapped:
         raise ArgumentError(f"to_dh: snap is for chains; {TREE} is exact only")
     return khalil_table(robot, rules)
-
-
-def ahead(axis: Axis, X: Pose) -> Vector3:
-    """The axis in the frame X; a prismatic one, whose place is free, through X's origin."""
-    line = X.inverse @ axis.line
-    return motor(line.real, NOUGHT) if axis.letter == "P" else line
 
 
 def _alternating(links: Chain, rules: Rules, convention: str) -> tuple[list[tuple[Dual, Axis | None]], list[Dual]]:
@@ -143,17 +132,6 @@ def _alternating(links: Chain, rules: Rules, convention: str) -> tuple[list[tupl
         axis = following
     z.append((remaining(here.inverse @ links.home, rules), None))
     return z, x
-
-
-def numeric(X: Pose) -> Pose:
-    """The same pose in plain floats."""
-    return Pose.from_rows(X.array.tolist())
-
-
-def remaining(rest: Pose, rules: Rules) -> Dual:
-    """The dual angle about z that is left when the z axes agree."""
-    c, s, _ = (float(row.x) for row in rest.rotation.rows)
-    return rules.cleaned(Dual(float(atan2(s, c)), float(rest.position.z)))
 
 
 def row(theta: Dual, alpha: Dual, axis: Axis | None, convention: str) -> DHRow:

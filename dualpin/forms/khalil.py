@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algorithms.kinematics import frame_pose
+from ..delegates import home
 from ..dual import Dual
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..functions import fk
@@ -22,10 +23,9 @@ from ..renamed import Renamed
 from ..scalars import Scalar
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, UX, UZ, motor
-from .align import Rules, Step, step
+from .align import NONE, Rules, Step, ahead, numeric, remaining, step
 from .build import model, placed
-from .chain import Axis, axes_of, homes, leaves, root, whole_q
-from .dh import NONE, ahead, numeric, remaining
+from .chain import Axis, axes_of, chain, homes, leaves, root, whole_q
 from .text import write
 
 
@@ -172,8 +172,6 @@ class KhalilTable:
     @cached_property
     def residual(self) -> float:
         """Largest entry of |T_table - T_robot| over all tips and 16 random q."""
-        from .chain import chain
-
         worst = 0.0
         for tip in self.tips:
             links = chain(self.source, None, tip)
@@ -187,9 +185,7 @@ class KhalilTable:
 
     def export(self, format: str = "table", *, degrees: bool = False, digits: int | None = None) -> str:
         """The table as text: "table", "csv", "json", "yaml", "markdown" or "latex"."""
-        from .export import khalil_text
-
-        return khalil_text(self, format, degrees, digits)
+        return home("KhalilTable.export")(self, format, degrees, digits)
 
     def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("csv")` to a file."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import choice
+from ..delegates import home
 from ..errors import FrameNotFoundError, nearest
 from ..model.robot import Frame, Robot
 from .chain import leaves
-from .screws import Screws, to_screws
+from .screws import FRAMES, Screws, screws_of
 
 
 class ScrewTree(Mapping[str, Screws]):
@@ -44,7 +47,7 @@ class ScrewTree(Mapping[str, Screws]):
     def __getitem__(self, link: str) -> Screws:
         if link not in self._made:
             try:
-                self._made[link] = to_screws(self.robot, link, self.frame, base=self.base)
+                self._made[link] = screws_of(self.robot, link, self.frame, self.base)
             except FrameNotFoundError:
                 raise FrameNotFoundError(f"{link!r} is no tip; {nearest(link, self._tips, 'tips')}") from None
         return self._made[link]
@@ -85,6 +88,45 @@ class ScrewTree(Mapping[str, Screws]):
 
     def export(self, format: str = "table", *, degrees: bool = False, digits: int | None = None) -> str:
         """The forms of all tips as text, as `Screws.export` writes them."""
-        from .export_screws import tree_text
+        return home("ScrewTree.export")(self, format, degrees, digits)
 
-        return tree_text(self, format, degrees, digits)
+
+def to_screws(
+    robot: Robot, tip: str | Frame | None = None, frame: str = "space", *, base: str | Frame | None = None
+) -> Any:
+    """Product of exponentials of a chain, or of a whole tree.
+
+        T(q) = exp(S_1 q_1) ... exp(S_n q_n) M
+
+    Parameters
+    ----------
+    tip, base : str or Frame, optional
+        Links (or frames); base is the root by default.  Without a tip: the only leaf, or, of a
+        robot that branches, all of them.
+    frame : "space" or "body"
+        Screws about the base frame's origin in its axes, or the tip's in its own.
+
+    Returns
+    -------
+    Screws or ScrewTree
+        ``.home`` (4, 4), ``.screws`` (6, n) with columns [w; v] in rad, m, ``.fk(q)``, ``.jacobian(q)``.
+
+    Raises
+    ------
+    FrameNotFoundError, ArgumentError
+
+    References
+    ----------
+    Brockett (1984); Lynch & Park (2017), 4.1.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> poe = dp.to_screws(dp.load("panda"), tip="panda_hand")
+    >>> poe.screws.shape, poe.residual < 1e-14
+    ((6, 7), True)
+    """
+    choice("to_screws: frame", frame, FRAMES)
+    if tip is None and isinstance(robot, Robot) and len(leaves(robot)) > 1:
+        return ScrewTree(robot, base, frame)
+    return screws_of(robot, tip, frame, base)

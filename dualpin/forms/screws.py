@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algorithms.kinematics import frame_pose
-from ..arguments import choice
+from ..delegates import home
 from ..errors import ArgumentError
 from ..functions import fk, jacobian
 from ..model.joints import Planar
@@ -21,7 +21,7 @@ from ..scalars import Scalar
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
 from ..spatial.vector import Vector3, motor
-from .chain import Chain, chain, leaves, whole_q
+from .chain import Chain, chain, homes, whole_q
 from .text import write
 
 FRAMES = ("space", "body")
@@ -144,9 +144,7 @@ class Screws:
     @cached_property
     def robot(self) -> Robot:
         """The product of exponentials as a robot of its own, one joint for each screw."""
-        from .build_screws import from_screws
-
-        return from_screws(self.home, self.Slist, name=self.chain.robot.name, unit=False)
+        return home("Screws.robot")(self.home, self.Slist, name=self.chain.robot.name, unit=False)
 
     def pose(self, q: Sequence[Scalar]) -> Pose:
         """T(q) over any scalar; q of the whole robot."""
@@ -215,9 +213,7 @@ class Screws:
         Code holds M, Slist, Blist, Mlist, Glist as the Modern Robotics packages take them.  With
         `degrees`, screws are per degree: w and v of a revolute joint times pi / 180.
         """
-        from .export_screws import screws_text
-
-        return screws_text(self, format, degrees, digits)
+        return home("Screws.export")(self, format, degrees, digits)
 
     def to_csv(self, path: str | PathLike[str], **options: Any) -> None:
         """Write `export("csv")` to a file."""
@@ -229,51 +225,11 @@ class Screws:
 
 
 def _home_of(links: Chain, joint: Joint | None) -> Pose:
-    from .chain import homes
-
     return homes(links.robot, [] if joint is None else list(joint.chain)[::-1])[joint]
 
 
-def to_screws(
-    robot: Robot, tip: str | Frame | None = None, frame: str = "space", *, base: str | Frame | None = None
-) -> Any:
-    """Product of exponentials of a chain, or of a whole tree.
-
-        T(q) = exp(S_1 q_1) ... exp(S_n q_n) M
-
-    Parameters
-    ----------
-    tip, base : str or Frame, optional
-        Links (or frames); base is the root by default.  Without a tip: the only leaf, or, of a
-        robot that branches, all of them.
-    frame : "space" or "body"
-        Screws about the base frame's origin in its axes, or the tip's in its own.
-
-    Returns
-    -------
-    Screws or ScrewTree
-        ``.home`` (4, 4), ``.screws`` (6, n) with columns [w; v] in rad, m, ``.fk(q)``, ``.jacobian(q)``.
-
-    Raises
-    ------
-    FrameNotFoundError, ArgumentError
-
-    References
-    ----------
-    Brockett (1984); Lynch & Park (2017), 4.1.
-
-    Examples
-    --------
-    >>> import dualpin as dp
-    >>> poe = dp.to_screws(dp.load("panda"), tip="panda_hand")
-    >>> poe.screws.shape, poe.residual < 1e-14
-    ((6, 7), True)
-    """
-    choice("to_screws: frame", frame, FRAMES)
-    if tip is None and isinstance(robot, Robot) and len(leaves(robot)) > 1:
-        from .screw_tree import ScrewTree
-
-        return ScrewTree(robot, base, frame)
+def screws_of(robot: Robot, tip: str | Frame | None, frame: str, base: str | Frame | None) -> Screws:
+    """The product of exponentials of a chain; see `to_screws`."""
     links = chain(robot, base, tip, "to_screws")
     S: list[list[float]] = []
     names: list[str] = []

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algorithms.kinematics import frame_pose
+from ..delegates import home
 from ..dual import Dual
 from ..errors import ArgumentError
 from ..functions import fk
@@ -222,9 +223,7 @@ class DHTable:
         return f"<DHTable {self.name!r}: {self.convention}, {kinds or 'no joints'}>"
 
     def _repr_html_(self) -> str:
-        from ..report.notebook import dh_html
-
-        return dh_html(self)
+        return home("DHTable._repr_html_")(self)
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -244,9 +243,7 @@ class DHTable:
     @cached_property
     def robot(self) -> Robot:
         """The chain as a robot of its own, with a joint for each row that moves, and no masses."""
-        from .build import assembled
-
-        return assembled(self)
+        return home("DHTable.robot")(self)
 
     @cached_property
     def _wiring(self) -> tuple[list[int], list[float]]:
@@ -340,9 +337,7 @@ class DHTable:
         ArgumentError
             For an unknown format, or one that cannot hold the table.
         """
-        from .export import dh_text
-
-        return dh_text(self, format, degrees, digits)
+        return home("DHTable.export")(self, format, degrees, digits)
 
     def _write(self, path: str | PathLike[str], format: str, **options: Any) -> None:
         write(path, self.export(format, **options))

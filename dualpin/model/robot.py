@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..delegates import home
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import Exact, Scalar, exact
 from ..spatial.inertia import Inertia
@@ -23,26 +23,6 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 BASE = "root_joint"
 """The joint of a base that floats, as Pinocchio calls it."""
 _serials = itertools.count()
-
-# what a robot offers besides its data is written elsewhere: method -> module, function
-_HOMES = {
-    "_bounds": ("dualpin.model.limits", "position_limits"),
-    "_repr_html_": ("dualpin.report.notebook", "robot_html"),
-    "attach": ("dualpin.model.attach", "attached"),
-    "frame": ("dualpin.model.frames", "find"),
-    "kernel": ("dualpin.call", "kernel"),
-    "lift": ("dualpin.model.lift", "lifted"),
-    "sample": ("dualpin.model.sampling", "sample"),
-    "summary": ("dualpin.model.describe", "summary"),
-    "to_urdf": ("dualpin.io.write", "to_urdf"),
-    "velocity_limit": ("dualpin.model.limits", "velocity_limits"),
-}
-
-
-def _home(method: str) -> Callable[..., Any]:
-    module, function = _HOMES[method]
-    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
-    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +119,7 @@ class Robot:
 
     def frame(self, name: str | int | Frame) -> Frame:
         """The frame of that name (a link's before a joint's, "com:LINK" at a link's centre of mass) or index."""
-        found: Frame = _home("frame")(self, name)
+        found: Frame = home("Robot.frame")(self, name)
         return found
 
     # limits and configurations
@@ -155,7 +135,7 @@ class Robot:
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        found: tuple[np.ndarray, np.ndarray] = _home("_bounds")(self)
+        found: tuple[np.ndarray, np.ndarray] = home("Robot._bounds")(self)
         return found
 
     @property
@@ -171,12 +151,12 @@ class Robot:
     @cached_property
     def velocity_limit(self) -> np.ndarray:
         """Shape (nv,); inf where there is none."""
-        found: np.ndarray = _home("velocity_limit")(self)
+        found: np.ndarray = home("Robot.velocity_limit")(self)
         return found
 
     def sample(self, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Random states q, v, a within the limits, shapes (n, nq), (n, nv), (n, nv); see `dualpin.model.sampling`."""
-        return _home("sample")(self, n, seed)
+        return home("Robot.sample")(self, n, seed)
 
     # variants
 
@@ -195,28 +175,28 @@ class Robot:
         name: str = "payload",
     ) -> Robot:
         """A new robot that carries a payload on the frame `on`; see `dualpin.model.attach`."""
-        return _home("attach")(self, payload, on, placement or GROUND, passive=passive, joint=joint, name=name)
+        return home("Robot.attach")(self, payload, on, placement or GROUND, passive=passive, joint=joint, name=name)
 
     def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
         """The same robot with every constant x replaced by scalar(x); see `dualpin.model.lift`."""
-        return _home("lift")(self, scalar)
+        return home("Robot.lift")(self, scalar)
 
     # what other rooms make of it
 
     def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
         """One term as a callable for loops, (*arrays, out=None) -> array; see `dualpin.call.kernel`."""
-        return _home("kernel")(self, name, dtype, **options)
+        return home("Robot.kernel")(self, name, dtype, **options)
 
     def to_urdf(self, path: Any = None) -> str:
         """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`."""
-        return _home("to_urdf")(self, path)
+        return home("Robot.to_urdf")(self, path)
 
     def summary(self) -> str:
         """The tree, the order of q and v, limits, and what was assumed, as text."""
-        return _home("summary")(self)
+        return home("Robot.summary")(self)
 
     def _repr_html_(self) -> str:
-        return _home("_repr_html_")(self)
+        return home("Robot._repr_html_")(self)
 
     # description
 

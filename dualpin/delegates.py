@@ -1,0 +1,43 @@
+"""Methods whose work is done in a room above, as `Robot.to_urdf`: found by this table when they are called.
+
+This is the only place where a name points upward; everywhere else a module imports downward.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+HOMES = {
+    "DHTable._repr_html_": "dualpin.report.notebook.dh_html",
+    "DHTable.export": "dualpin.forms.export.dh_text",
+    "DHTable.robot": "dualpin.forms.build.assembled",
+    "KhalilTable.export": "dualpin.forms.export.khalil_text",
+    "Report._repr_html_": "dualpin.report.notebook.report_html",
+    "Report.to_html": "dualpin.report.page.page",
+    "Report.to_junit": "dualpin.crosscheck.exports.junit",
+    "Report.to_markdown": "dualpin.crosscheck.markdown.markdown",
+    "Report.to_sarif": "dualpin.crosscheck.exports.sarif",
+    "Robot._bounds": "dualpin.model.limits.position_limits",
+    "Robot._repr_html_": "dualpin.report.notebook.robot_html",
+    "Robot.attach": "dualpin.model.attach.attached",
+    "Robot.kernel": "dualpin.call.kernel",
+    "Robot.lift": "dualpin.model.lift.lifted",
+    "Robot.sample": "dualpin.model.sampling.sample",
+    "Robot.summary": "dualpin.model.describe.summary",
+    "Robot.to_urdf": "dualpin.io.write.to_urdf",
+    "Robot.velocity_limit": "dualpin.model.limits.velocity_limits",
+    "ScrewTree.export": "dualpin.forms.export_screws.tree_text",
+    "Screws.export": "dualpin.forms.export_screws.screws_text",
+    "Screws.robot": "dualpin.forms.build_screws.from_screws",
+    "numpy.linalg": "dualpin.algebra",
+}
+"""Method -> module and function; NumPy's functions on dual arrays -> the module that has them."""
+
+
+def home(method: str) -> Callable[..., Any]:
+    """The function that does the work of a method."""
+    module, _, function = HOMES[method].rpartition(".")
+    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
+    return found
