@@ -22,6 +22,7 @@ HOMES = {
     "Robot._bounds": "dualpin.model.limits.position_limits",
     "Robot._repr_html_": "dualpin.report.notebook.robot_html",
     "Robot.attach": "dualpin.model.attach.attached",
+    "Robot.frame": "dualpin.model.frames.find",
     "Robot.kernel": "dualpin.call.kernel",
     "Robot.lift": "dualpin.model.lift.lifted",
     "Robot.sample": "dualpin.model.sampling.sample",

@@ -12,18 +12,23 @@ from pathlib import Path
 import pytest
 
 import dualpin
+from dualpin.delegates import HOMES, home
 
 PACKAGE = Path(dualpin.__file__).parent
-# from the bottom up; a module may import from its own layer and from those before it
+# from the bottom up; a module may import from its own room and from those before it
 LAYERS = (
-    "locking", "errors",
-    "renamed", "arguments", "machine", "scalars", "parts", "dual", "spatial", "algebra", "model", "io",
-    "algorithms", "terms", "engine", "interpret", "call", "boundary", "functions", "forms", "export", "integrators",
-    "tracking", "mechanisms",
-    "crosscheck", "bench", "bench", "report", "view", "cli",
+    "errors", "locking", "renamed", "delegates", "arguments", "machine",
+    "scalars", "parts", "dual", "spatial", "algebra",  # numbers, and the vocabulary over them
+    "model", "io", "algorithms", "terms",  # robots, and what is computed of them
+    "engine", "interpret", "call", "boundary", "functions",  # how it is computed on arrays
+    "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck", "bench",  # what is done with it
+    "report", "view", "cli",  # how it is shown
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
+UNDER_WAY = {("engine", "call")}
+ASKING = {"model", "crosscheck"}
+BY_NAME = {"__init__.py", "delegates.py", "forms/__init__.py"}  # tables of names that are imported when used
 
 
 def modules() -> list[Path]:
@@ -36,35 +41,47 @@ def layer_of(path: Path) -> str:
 
 
 def imported(path: Path) -> list[tuple[int, str]]:
-    """(line, layer) of what a file imports from the package when it is imported itself.
-
-    Imports inside functions, and those for type checkers only, run later or never.
-    """
+    """(line, room) of all that a file imports from the package: at once, in a function, or for type checkers."""
     package = ["dualpin", *path.relative_to(PACKAGE).parts[:-1]]
     found: list[tuple[int, str]] = []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            module = [*base, *(node.module.split(".") if node.module else [])]
+            if module[0] == "dualpin":
+                names = [module[1]] if len(module) > 1 else [a.name for a in node.names]
+                found.extend((node.lineno, name) for name in names)
+        elif isinstance(node, ast.Import):
+            parts = [a.name.split(".") for a in node.names]
+            found.extend((node.lineno, p[1]) for p in parts if p[0] == "dualpin" and len(p) > 1)
+    return [(line, SAME.get(name, name)) for line, name in found]
 
-    def visit(body: list[ast.stmt]) -> None:
-        for node in body:
-            if isinstance(node, ast.ImportFrom):
-                base = package[: len(package) - node.level + 1] if node.level else []
-                module = [*base, *(node.module.split(".") if node.module else [])]
-                if module[0] == "dualpin":
-                    names = [module[1]] if len(module) > 1 else [a.name for a in node.names]
-                    found.extend((node.lineno, name) for name in names)
-            elif isinstance(node, ast.Import):
-                for a in node.names:
-                    parts = a.name.split(".")
-                    if parts[0] == "dualpin" and len(parts) > 1:
-                        found.append((node.lineno, parts[1]))
-            elif isinstance(node, ast.ClassDef):
-                visit(node.body)
-            elif isinstance(node, ast.If) and "TYPE_CHECKING" not in ast.dump(node.test):
-                visit([*node.body, *node.orelse])
-            elif isinstance(node, ast.Try):
-                visit([*node.body, *(s for h in node.handlers for s in h.body), *node.orelse, *node.finalbody])
 
-    visit(ast.parse(path.read_text()).body)
+def rooms() -> dict[str, dict[str, str]]:
+    """Each room with those it imports, and a place where it does."""
+    found: dict[str, dict[str, str]] = {name: {} for name in LAYERS}
+    for path in modules():
+        here = layer_of(path)
+        for line, other in imported(path):
+            if here in found and other in found and other != here and (here, other) not in UNDER_WAY:
+                found[here].setdefault(other, f"{path.relative_to(PACKAGE)}:{line}")
     return found
+
+
+def circles(arrows: dict[str, dict[str, str]]) -> list[list[str]]:
+    """Rooms from which one comes back, the shortest way round first."""
+    found = []
+    for start in arrows:
+        ways, seen = [[start]], {start}
+        while ways:
+            way = ways.pop(0)
+            for other in arrows[way[-1]]:
+                if other == start:
+                    found.append([*way, start])
+                elif other not in seen:
+                    seen.add(other)
+                    ways.append([*way, other])
+    return sorted(found, key=len)
 
 
 def test_every_module_has_a_layer():
@@ -75,23 +92,67 @@ def test_every_module_has_a_layer():
 def test_nothing_imports_upward():
     order = {name: i for i, name in enumerate(LAYERS)}
     upward = [
-        f"{path.relative_to(PACKAGE)}:{line} imports {other}"
-        for path in modules()
-        if layer_of(path) in order
-        for line, other in imported(path)
-        if order.get(SAME.get(other, other), -1) > order[layer_of(path)]
+        f"{where}: {room} imports {other}"
+        for room, others in rooms().items()
+        for other, where in others.items()
+        if order[other] > order[room]
     ]
     assert upward == []
 
 
-def test_the_check_itself_sees_upward_imports(tmp_path, monkeypatch):
+def test_no_rooms_import_each_other_in_a_circle():
+    assert circles(rooms()) == []
+
+
+def test_names_point_upward_in_one_table_only():
+    """`importlib.import_module` of our own modules: the tables of names, nothing else."""
+    for path in modules():
+        here = path.relative_to(PACKAGE).as_posix()
+        if here in BY_NAME:
+            continue
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+                what = ast.unparse(node.args[0])
+                assert "dualpin" not in what and "__name__" not in what, f"{here}:{node.lineno} imports {what}"
+
+
+def test_every_delegate_finds_its_function_and_is_used():
+    text = "".join(p.read_text() for p in modules())
+    for method, where in HOMES.items():
+        assert home(method) is not None, where
+        assert f'home("{method}")' in text, f"{method} is nobody's"
+
+
+def test_only_models_ask_what_kind_a_joint_is():
+    """Elsewhere a joint says how it behaves: `additive`, `quaternions`, `velocity_names`, `written`, `drawn`."""
+    asked = [
+        f"{path.relative_to(PACKAGE)}:{node.lineno}: {ast.unparse(node)}"
+        for path in modules()
+        if layer_of(path) not in ASKING
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Compare)
+        and any(ast.unparse(x).endswith(".kind") and not ast.unparse(x).endswith("dtype.kind") for x in _sides(node))
+    ]
+    assert asked == []
+
+
+def _sides(node: ast.Compare) -> list[ast.expr]:
+    return [node.left, *node.comparators]
+
+
+def test_the_checks_themselves_see_what_they_should(tmp_path, monkeypatch):
     monkeypatch.setattr(sys.modules[__name__], "PACKAGE", tmp_path)
-    (tmp_path / "model").mkdir()
+    for folder in ("model", "terms", "io"):
+        (tmp_path / folder).mkdir()
     file = tmp_path / "model" / "robot.py"
     file.write_text(
         "from ..terms import Term\nfrom dualpin.cli import main\nimport dualpin.engine\nfrom .. import io\n"
+        "if TYPE_CHECKING:\n    from ..report import page\ndef f():\n    from ..view import show\n"
     )
-    assert [name for _, name in imported(file)] == ["terms", "cli", "engine", "io"]
+    assert [name for _, name in imported(file)] == ["terms", "cli", "engine", "io", "report", "view"]
+    (tmp_path / "terms" / "term.py").write_text("def f():\n    import dualpin.io\n")
+    (tmp_path / "io" / "file.py").write_text("from ..model.robot import Robot\n")
+    assert ["model", "io", "model"] in circles(rooms()) and ["terms", "io", "model", "terms"] in circles(rooms())
 
 
 def test_only_one_module_knows_each_library():

@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import dataclasses
 import gc
-import importlib
 import pickle
 
 import mpmath
@@ -17,7 +16,6 @@ import dualpin as dp
 from dualpin.model import Builder, Floating, Limits, Mimic, Planar, cylindrical, helical, prismatic, revolute
 from dualpin.model.frames import key
 from dualpin.model.memory import MEMORY
-from dualpin.model.robot import _HOMES
 from dualpin.scalars import ONE, ZERO
 from dualpin.spatial import Pose, Vector3
 from dualpin.tracking import reach
@@ -413,11 +411,6 @@ def test_copies_are_robots_of_their_own(again):
     assert np.array_equal(dp.rnea(other, q, v, a), tau)
     heavier = dataclasses.replace(robot, gravity=robot.gravity * 2)
     assert not np.array_equal(dp.gravity(heavier, q), dp.gravity(robot, q))
-
-
-def test_every_delegate_finds_its_function():
-    for module, function in _HOMES.values():
-        assert callable(getattr(importlib.import_module(module), function))
 
 
 def test_frames_at_centres_of_mass():
