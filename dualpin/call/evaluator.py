@@ -73,13 +73,13 @@ def evaluator_of(
     robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
 ) -> Evaluator:
     """The robot's evaluator for a term whose options are settled; made at first use."""
+    if engine == "auto" and robot.numbers != "double":
+        engine = "numpy"  # constants of more digits are no machine numbers
     kept, key = memory(robot), (term, dtype, *options.values())
     found: Evaluator | None = kept.get((engine, *key))
     if found is None:
         constants = kept.get("constants") or kept.setdefault("constants", replace(robot))
         kernels = kept.setdefault(("kernels", *key), Kernels(constants, term, options, dtype))
-        if engine == "auto" and robot.numbers != "double":
-            engine = "numpy"  # constants of more digits are no machine numbers
         found = kept.setdefault((engine, *key), Evaluator(kernels, engine))
     return found
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .main import Json, app, show_json
+from .app import Json, app, show_json
 
 subjects = typer.Typer(
     help="List, install and remove the libraries that `dualpin judge` knows by name.", no_args_is_help=True
