@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 # tests share the cores by files; a benchmark or a campaign takes them alone
 JOBS   ?= 2
 
-.PHONY: help venv validate test lint campaign papers integrators dh bench docs wheel clean
+.PHONY: help venv validate test lint campaign papers integrators referee dh bench docs wheel clean
 
 help:            ## print the targets
 	@grep -E '^[a-z]+: *[^#]*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 14
@@ -39,6 +39,9 @@ papers: $(STAMP)     ## the papers' tables, examples and claims: writes validati
 
 integrators: $(STAMP) ## the study of integrators: writes validation/integrators
 	$(BIN)/python -m validation.integrators
+
+referee: $(STAMP)    ## libraries judged on twenty robots: writes validation/referee
+	$(BIN)/python -m validation.referee
 
 dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
 	$(BIN)/python validation/dh/campaign.py

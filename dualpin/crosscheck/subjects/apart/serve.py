@@ -140,6 +140,9 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
         module = importlib.util.module_from_spec(made)
         sys.modules[module.__name__] = module
         made.loader.exec_module(module)
+        same = importlib.util.find_spec(path.stem)
+        if same is not None and same.origin == str(path):  # the library is not there: its adapter is no stand-in
+            sys.path.remove(str(path.parent))
     else:
         sys.path.insert(0, "")
         module = importlib.import_module(where)
