@@ -1,10 +1,11 @@
-"""The way into kernels: a Python function written in LLVM IR.
+"""The fast call: a function of machine code that Python calls, and that calls a kernel.
 
 For a robot of a few joints the kernel takes less time than any Python code around it, for one
-configuration and for thousands.  So the function that Python calls is emitted too: one for all
-kernels, told about its own by a `Spec` in the capsule that is its `self`.  It takes exactly what is
-certain - float64 (or float32) arrays, C-contiguous, of the right shape or with one batch axis before it -
-and leaves everything else to a Python function that converts, allocates, spreads over threads or explains.
+configuration and for thousands.  So the function that Python calls is compiled too, from
+`codegen.fast_call`: one for all kernels, told about its own by a `Spec` in the capsule that is its
+`self`.  It takes exactly what is certain - float64 (or float32) arrays, C-contiguous, of the right shape
+or with one batch axis before it - and leaves everything else to a Python function that converts,
+allocates, spreads over threads or explains.
 
 Only the stable ABI of CPython 3.11 and later is used: no structure of NumPy's or Python's is looked
 into.  Attribute look-up and allocation, which may run Python code, come before the first buffer is held.
@@ -23,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from ...locking import LOCK, Once
-from . import fast_call_ir as entry_ir
+from ..codegen import fast_call as source
 from . import threads
 from .compiler import loaded, object_code
 from .host import this_host
@@ -31,9 +32,7 @@ from .kernel import Kernel
 
 STACK = 4 * 1024
 """Bytes of scratch taken from the stack; more comes from the heap.  No more than a page: the guard below is one."""
-_MOST, _AXES = 6, 4  # arrays a call can have, and axes one of them for one sample
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
-_READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
 
 
 class Code(ctypes.Structure):
@@ -91,8 +90,8 @@ def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
         platform.python_implementation() == "CPython"
         and sys.version_info >= (3, 11)
         and ctypes.sizeof(ctypes.c_void_p) == 8
-        and len(shapes) <= _MOST
-        and all(len(shape) <= _AXES for shape in shapes)
+        and len(shapes) <= source.MOST
+        and all(len(shape) <= source.AXES for shape in shapes)
     )
 
 
@@ -113,7 +112,7 @@ def bound(
     alone : bool
         Whether any batch is computed on this thread; else `slow` gets those worth several.
     """
-    table = np.zeros((len(shapes), 2 + _AXES), np.int64)  # ndim, bytes, axes
+    table = np.zeros((len(shapes), 2 + source.AXES), np.int64)  # ndim, bytes, axes
     for row, shape in zip(table, shapes, strict=True):
         row[0], row[1] = len(shape), int(np.prod(shape, dtype=int)) * dtype.itemsize
         row[2 : 2 + len(shape)] = shape
@@ -165,9 +164,8 @@ _keep = _api("Py_IncRef", None, _object)
 @Once
 def addresses() -> dict[str, Any]:
     """The emitted functions; compiled once in a process."""
-    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in entry_ir.API}
+    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in source.API}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
-    numbers = {"MOST": _MOST, "READ": _READ, "WRITE": _WRITE, "STACK": STACK, "ROW": 2 + _AXES}
     names = ("entry", "release")
-    code = loaded([object_code(entry_ir.text(fields, numbers), this_host())], names, api)
+    code = loaded([object_code(source.text(fields, STACK), this_host())], names, api)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory

@@ -23,8 +23,7 @@ _SOURCES = (
 )  # fmt: skip
 # what only calls it
 _CALLERS = {
-    f"engine/{name}.py"
-    for name in ("bind", "reference", "jit/cache", "jit/fast_call", "jit/fast_call_ir", "jit/threads")
+    f"engine/{name}.py" for name in ("jit/cache", "codegen/c_like", "codegen/fast_call", "jit/fast_call", "jit/threads")
 }
 
 
