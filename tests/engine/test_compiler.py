@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.engine import tuning
 from dualpin.engine.jit import compiler
 from dualpin.engine.jit import kernel as kernels
 from dualpin.engine.jit.host import CompilerError, this_host
@@ -18,7 +19,7 @@ from dualpin.terms import TERMS
 
 @pytest.fixture
 def three_processes(monkeypatch):
-    monkeypatch.setattr(compiler, "LARGE", 0)
+    monkeypatch.setattr(tuning, "PROCESSES_FROM", 0)
     dp.set_num_threads(3)
     yield
     dp.set_num_threads(None)
@@ -34,7 +35,7 @@ def coriolis(lanes=None):
 @pytest.mark.parametrize("lanes", [1, None])
 def test_several_processes_make_the_same_code(three_processes, monkeypatch, lanes):
     several, result = coriolis(lanes)
-    monkeypatch.setattr(compiler, "LARGE", 10**9)
+    monkeypatch.setattr(tuning, "PROCESSES_FROM", 10**9)
     one, expected = coriolis(lanes)
     assert (len(several), len(one)) == (3, 1)
     assert np.array_equal(result.view("u8"), expected.view("u8"))

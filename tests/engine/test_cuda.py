@@ -14,7 +14,7 @@ import pytest
 from random_robots import tree
 
 import dualpin as dp
-from dualpin.engine.codegen.vector import DOUBLE, SINGLE
+from dualpin.engine.codegen.number import DOUBLE, SINGLE
 from dualpin.engine.cuda import arrays, dlpack, driver, far, layout, program, resources
 from dualpin.engine.cuda import kernel as device_kernel
 from dualpin.engine.cuda.build import Plan, plan

@@ -12,9 +12,9 @@ import pytest
 import dualpin as dp
 from dualpin.call import evaluate as call
 from dualpin.call import find
-from dualpin.engine.codegen import cacheline as lines
+from dualpin.engine import tuning
 from dualpin.engine.codegen import module as ir
-from dualpin.engine.codegen.vector import DOUBLE, SINGLE
+from dualpin.engine.codegen.number import DOUBLE, SINGLE
 from dualpin.engine.graph.schedule import schedule
 from dualpin.engine.graph.trace import LIBRARY, Graph, Trace, UntraceableError
 from dualpin.engine.jit import kernel as kernels
@@ -218,7 +218,7 @@ def test_results_fill_their_rows_and_nothing_else(dtype, term):
 @pytest.mark.parametrize(("term", "width"), [("crba", 81), ("fk", 144)])  # rows that end within a line, and with one
 def test_large_results_past_the_caches_are_the_same(term, width, dtype):
     robot = dp.load("panda")
-    n = lines.STREAMED // (width * np.dtype(dtype).itemsize) + 5
+    n = tuning.STREAM_FROM // (width * np.dtype(dtype).itemsize) + 5
     q = robot.sample(n, seed=0)[0].astype(dtype)
     kernel = kernels.build(robot, TERMS[term], {}, dtype)
     item = np.dtype(dtype).itemsize
@@ -346,9 +346,7 @@ def test_robots_over_other_numbers_stay_with_numpy():
 
 
 def test_a_term_that_is_too_long_stays_with_numpy(monkeypatch):
-    from dualpin.engine.graph import trace
-
-    monkeypatch.setattr(trace, "LARGEST", 100)
+    monkeypatch.setattr(tuning, "LARGEST_GRAPH", 100)
     robot = dp.load("ur5").with_gravity((0.1, 0, -9.81))  # not kept by any other test
     with pytest.raises(UntraceableError, match="100 operations"):
         dp.coriolis(robot, np.zeros((2, 6)), np.ones((2, 6)), engine="compiled")

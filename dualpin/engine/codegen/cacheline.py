@@ -9,38 +9,37 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from .. import tuning
 from ..graph.schedule import Schedule
-from ..jit.host import Host
-from .sincos import Angles
-from .transpose import Array, Rows
-from .vector import Lanes, Number
-
-STREAMED = 8 << 20  # bytes of results from which they go past the caches
-FEW = 4  # vectors in a row from which lines pay
+from .host import Host
+from .number import Number
+from .sincos import SinCos
+from .transpose import Array, TileTransfer
+from .vector import VectorWriter
 
 Line = tuple[str, str]
 """Where the line begins that an address is in, and how many numbers before it."""
 
 
-def rows_of(plan: Schedule, number: Number, width: int, host: Host) -> Rows:
+def transfer_for(plan: Schedule, number: Number, width: int, host: Host) -> TileTransfer:
     """The way in and out that takes this host the least time."""
     vectors, rest = divmod(len(plan.outputs), width)
-    if width * number.size < 64 or vectors < FEW:
-        return Rows(plan, number, width, host)
-    return (Shifted if rest else Lines)(plan, number, width, host)
+    if width * number.size < 64 or vectors < tuning.WHOLE_LINES_FROM:
+        return TileTransfer(plan, number, width, host)
+    return (ShiftedTransfer if rest else CacheLineTransfer)(plan, number, width, host)
 
 
-class Lines(Rows):
-    """Rows of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
+class CacheLineTransfer(TileTransfer):
+    """TileTransfer of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
 
     A row goes on where the row before it ends, also across tiles: nothing but whole lines is written,
-    except by the first tile and the last, since what lies around all results is not ours.  Lines wait
+    except by the first tile and the last, since what lies around all results is not ours.  CacheLineTransfer wait
     for memory; sines and cosines of the next tile are made meanwhile.
     """
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         super().__init__(plan, number, width, host)
-        self.angles = Angles(plan, number, width, host)
+        self.angles = SinCos(plan, number, width, host)
         self.ahead = self.angles.ahead
 
     @property
@@ -52,7 +51,7 @@ class Lines(Rows):
         """The end of the tile before."""
         return 1
 
-    def store(self, e: Lanes, array: Array, first: str, last: str) -> None:
+    def store(self, e: VectorWriter, array: Array, first: str, last: str) -> None:
         W, spare = self.width, self.plan.output_slots
         address = e.value(f"ptrtoint ptr {array.pointer} to i64")
         aligned = e.value(f"icmp eq i64 {e.value(f'and i64 {address}, {self.number.size - 1}')}, 0")
@@ -74,7 +73,7 @@ class Lines(Rows):
         e.label("middle")
         lines = self._lines(e, array, base, line, aligned)
         whole = e.value(f"mul i64 {e.value(f'add i64 {last}, 1')}, {array.stride}")
-        past = e.value(f"and i1 {aligned}, {e.value(f'icmp ugt i64 {whole}, {STREAMED}')}")
+        past = e.value(f"and i1 {aligned}, {e.value(f'icmp ugt i64 {whole}, {tuning.STREAM_FROM}')}")
         e.do(f"br i1 {past}, label %past.first, label %cached.first")
         for tag, how in ("past", f"align {e.align}, !nontemporal !0"), ("cached", f"align {self.number.size}"):
             e.label(f"{tag}.first")
@@ -82,32 +81,34 @@ class Lines(Rows):
             e.do("br label %rest")
         e.label("rest")
 
-    def _line(self, e: Lanes, base: str, aligned: str) -> Line:
+    def _line(self, e: VectorWriter, base: str, aligned: str) -> Line:
         """If numbers lie across the borders of lines, there are none: rows begin where they begin."""
         within = e.value(f"select i1 {aligned}, i64 {e.align - 1}, i64 0")
         offset = e.value(f"and i64 {e.value(f'ptrtoint ptr {base} to i64')}, {within}")
         back = e.value(f"lshr i64 {offset}, {self.number.size.bit_length() - 1}")
         return e.at(base, e.value(f"sub i64 0, {back}")), back
 
-    def _lines(self, e: Lanes, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
+    def _lines(self, e: VectorWriter, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
         """Of the rows and the one after them."""
         return [(place, line[1]) for place in self._places(e, array, line[0])]
 
-    def _places(self, e: Lanes, array: Array, place: str) -> list[str]:
+    def _places(self, e: VectorWriter, array: Array, place: str) -> list[str]:
         """A place in the first row, in those after it, and in the one after them."""
         places = [place]
         for _ in range(self.width):
             places.append(e.value(f"getelementptr i8, ptr {places[-1]}, i64 {array.stride}"))
         return places
 
-    def _ends(self, e: Lanes, line: Line) -> tuple[list[str], str]:
+    def _ends(self, e: VectorWriter, line: Line) -> tuple[list[str], str]:
         """Of each row the vector that the next goes on from, and how many numbers before that it begins.
 
         The end of the row and, as if this were the next, the beginning: one vector for the two lines.
         """
         return self._results(e, e.value(f"sub i64 0, {line[1]}"), self.width), line[1]
 
-    def _middle(self, e: Lanes, tag: str, how: str, lines: list[Line], before: list[str], ends: list[str]) -> None:
+    def _middle(
+        self, e: VectorWriter, tag: str, how: str, lines: list[Line], before: list[str], ends: list[str]
+    ) -> None:
         """All lines that end in these rows, given what `_ends` said of the rows before them and of them."""
         W, back = self.width, lines[0][1]
         lanes, kind = e.constants([str(lane) for lane in range(W)], "i64"), f"<{W} x i64>"
@@ -125,7 +126,7 @@ class Lines(Rows):
         else:
             self._loop(e, tag, W, self.columns, W, body)
 
-    def _with_angles(self, e: Lanes, tag: str, body: Callable[[str], None]) -> None:
+    def _with_angles(self, e: VectorWriter, tag: str, body: Callable[[str], None]) -> None:
         """body(j) for the vectors of a row but the first, and an angle with each."""
         W, near = self.width, f"%{tag}.near"
 
@@ -151,7 +152,7 @@ class Lines(Rows):
         self.angles.some(e, 0, self.columns // W - 1)
 
 
-class Shifted(Lines):
+class ShiftedTransfer(CacheLineTransfer):
     """Other rows: a line is the end of one vector of a row and the beginning of the next."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
@@ -162,13 +163,15 @@ class Shifted(Lines):
     def lead(self) -> int:
         return 0
 
-    def _lines(self, e: Lanes, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
+    def _lines(self, e: VectorWriter, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
         return [self._line(e, place, aligned) for place in self._places(e, array, base)]
 
-    def _ends(self, e: Lanes, line: Line) -> tuple[list[str], str]:
+    def _ends(self, e: VectorWriter, line: Line) -> tuple[list[str], str]:
         return self._results(e, self.columns - self.width, self.width), str(self.width)
 
-    def _middle(self, e: Lanes, tag: str, how: str, lines: list[Line], before: list[str], ends: list[str]) -> None:
+    def _middle(
+        self, e: VectorWriter, tag: str, how: str, lines: list[Line], before: list[str], ends: list[str]
+    ) -> None:
         W = self.width
         stop = self.columns // W * W
         picks = [self._pick(e, back) for _, back in lines]
@@ -196,7 +199,7 @@ class Shifted(Lines):
             e.do(f"br label %{tag}.ended{k}")
             e.label(f"{tag}.ended{k}")
 
-    def _pick(self, e: Lanes, back: str) -> str:
+    def _pick(self, e: VectorWriter, back: str) -> str:
         """Which numbers of two vectors are in the line of the second."""
         kind = f"i{self.number.bits}"
         resized = e.value(f"ptrtoint ptr {e.value(f'inttoptr i64 {back} to ptr')} to {kind}")

@@ -149,9 +149,9 @@ def _entry(fields: Mapping[str, str], stack: int) -> str:
         start = result.buf.to("ptrtoint", "i64")
         end = start + result.len
         with c.for_(inputs) as k:
-            x = buffer(k)
-            begin = x.buf.to("ptrtoint", "i64")
-            with c.if_((begin + x.len > start) & (end > begin)):
+            y = buffer(k)
+            begin = y.buf.to("ptrtoint", "i64")
+            with c.if_((begin + y.len > start) & (end > begin)):
                 hand_on(with_out)
 
     # quaternions of norm 1, or the general call says which is not

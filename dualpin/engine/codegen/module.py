@@ -11,13 +11,15 @@ are rolled loops; only the robot's own arithmetic is a straight line.
 
 from __future__ import annotations
 
+from ..graph.bytecode import encoded
 from ..graph.schedule import Schedule, Step, exactly
-from ..jit.host import Host
-from .bytecode import tape, teller, walker
-from .cacheline import rows_of
-from .sincos import Angles
+from .cacheline import transfer_for
+from .host import Host
+from .interpreter import constants_loop, interpreter_loop
+from .number import Number
+from .sincos import SinCos
 from .transpose import Array
-from .vector import Lanes, Number
+from .vector import VectorWriter
 
 _LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
@@ -34,22 +36,22 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     """
     emit = _Emission(plan, number, lanes, host)
     widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
-    declarations = [*(Lanes(number, w, host).declarations for w in widths), _LIBRARY]
+    declarations = [*(VectorWriter(number, w, host).declarations for w in widths), _LIBRARY]
     main, chunks, calls = [emit.rows.tables(), emit.angles.tables()], dict[str, str](), list[str]()
     linkage = "internal" if parts == 1 else ""
     for k, stage in enumerate(plan.stages):
-        if plan.tape:
-            steps = tape(plan, stage)
+        if plan.bytecode:
+            steps = encoded(plan, stage)
             text = "\\" + steps.hex("\\")
-            main.append(f'@tape{k} = internal constant [{len(steps)} x i8] c"{text}", align 16\n')
-            calls.append(f"call void @walk(ptr %scratch, ptr @tape{k})")
-        for c, chunk in enumerate([] if plan.tape else stage.chunks):
+            main.append(f'@bytecode{k} = internal constant [{len(steps)} x i8] c"{text}", align 16\n')
+            calls.append(f"call void @interpret(ptr %scratch, ptr @bytecode{k})")
+        for c, chunk in enumerate([] if plan.bytecode else stage.chunks):
             name = f"chunk{k}_{c}"
             chunks[name] = emit.chunk(name, chunk, linkage)
             calls.append(f"call void @{name}(ptr %scratch, ptr %out, ptr %scratch, ptr %scratch, ptr @constants)")
         calls += emit.angles.calls(k)
-    if plan.tape:
-        main += [walker(emit.lanes()), teller(emit.lanes(), plan)]
+    if plan.bytecode:
+        main += [interpreter_loop(emit.lanes()), constants_loop(emit.lanes(), plan)]
         emit.pool = {key: k for k, key in enumerate(plan.known)}
     main += emit.angles.functions()
     main += [emit.kernel(calls), emit.constant_table()]
@@ -68,18 +70,18 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
 
 def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int:
     """How much memory a kernel needs to work in, aligned to 64 bytes."""
-    return (plan.slots + plan.output_slots + rows_of(plan, number, lanes, host).spare) * lanes * number.size
+    return (plan.slots + plan.output_slots + transfer_for(plan, number, lanes, host).spare) * lanes * number.size
 
 
 class _Emission:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
-        self.rows = rows_of(plan, number, width, host)
-        self.angles = Angles(plan, number, width, host)
+        self.rows = transfer_for(plan, number, width, host)
+        self.angles = SinCos(plan, number, width, host)
         self.pool: dict[tuple[float, float], int] = {}  # numbers used by the straight lines
 
-    def lanes(self) -> Lanes:
-        return Lanes(self.number, self.width, self.host)
+    def lanes(self) -> VectorWriter:
+        return VectorWriter(self.number, self.width, self.host)
 
     # the straight lines
 
@@ -134,12 +136,12 @@ class _Emission:
         entries = [f"{self.number.name} {e.number_text(x)}" for x, _ in self.pool]
         return f"@constants = internal constant [{len(entries)} x {self.number.name}] [{', '.join(entries)}]\n"
 
-    def _constants(self, e: Lanes) -> None:
+    def _constants(self, e: VectorWriter) -> None:
         """Results that do not depend on the inputs."""
         for place, x in self.plan.constants.items():
             e.store("%out", place, e.constant(x))
 
-    def _copied(self, e: Lanes, ops: tuple[str, ...]) -> None:
+    def _copied(self, e: VectorWriter, ops: tuple[str, ...]) -> None:
         """Results that are inputs, or sines of inputs."""
         for i, places in self.plan.places.items():
             if self.plan.nodes[i][0] in ops:
@@ -157,7 +159,7 @@ class _Emission:
             arrays.append(Array(pointer, e.value(f"mul i64 {stride}, {size}")))
         if not plan.direct:
             e.do(f"%out = getelementptr {e.vector}, ptr %scratch, i64 {plan.slots}")
-        if not plan.direct and not plan.tape:
+        if not plan.direct and not plan.bytecode:
             self._constants(e)
         e.do("%last = sub i64 %n, 1")
         e.do("%any = icmp sgt i64 %n, 0")
@@ -185,8 +187,8 @@ class _Emission:
             e.do(f"%out = getelementptr i8, ptr {arrays[-1].pointer}, i64 %row")
             self.rows.copy_constants(e)
         self._copied(e, ("in",))
-        if plan.tape:  # here, since rows may be loaded beyond the slots of the inputs
-            e.do("call void @tell(ptr %scratch, ptr @constants)")
+        if plan.bytecode:  # here, since rows may be loaded beyond the slots of the inputs
+            e.do("call void @load_constants(ptr %scratch, ptr @constants)")
             self._constants(e)
         for call in calls:
             e.do(call)

@@ -1,13 +1,72 @@
-"""Sines and cosines of the angles of a stage: a loop over them, or several side by side in a vector."""
+"""Sines and cosines of the angles of a stage, by Cody and Waite's reduction and two polynomials.
+
+    batch:  for each angle of a table      slot a  ->  slot c = cos, slot c + 1 = sin      (a sample a lane)
+    single: several angles a vector        | a0 a1 a2 a3 |  ->  | cos a0 ... | sin a0 ... |  (an angle a lane)
+    far:    |angle| > reach, inf, nan      the C library, lane by lane
+
+Gain: 0.9 ns a pair on AVX-512, where NumPy's take 10 to 12 ns an element (Emerald Rapids).
+"""
 
 from __future__ import annotations
 
+import math
+
 from ..graph.schedule import Schedule
-from ..jit.host import Host
-from .vector import Lanes, Number
+from .host import Host
+from .number import Number
+from .vector import VectorWriter
 
 
-class Angles:
+def cos_sin(e: VectorWriter, x: str) -> tuple[str, str, str]:
+    """cos x, sin x, and a mask of the lanes where |x| is within reach.  (Cody & Waite 1980)
+
+    x = n pi/2 + r with |r| <= pi/4; two polynomials in r, then the octant n says which is which
+    and of what sign.  Adding 1.5 * 2^52 leaves n in the low bits.  The first product and
+    difference are exact, so r is rounded once or twice, and results are within 1.5 ulp (2 without fma).
+    """
+    c, V = e.number, e.vector
+    k = e.constant
+    shifted = e.fma(x, k(2 / math.pi), k(c.rounding))
+    octant = e.value(f"bitcast {V} {shifted} to {e.integer}")
+    minus_n = e.binary("fsub", k(c.rounding), shifted)
+    r = x
+    for part in c.half_pi if e.host.fma else c.split:
+        r = e.fma(minus_n, k(part), r)
+
+    near = e.value(f"fcmp ole {V} {e.unary('fabs', x)}, {k(c.reach)}")
+    return *turned(e, r, octant), near
+
+
+def turned(e: VectorWriter, r: str, octant: str) -> tuple[str, str]:
+    """Cosine and sine of r + octant pi/2, where |r| <= pi/4 and the octant is an integer."""
+    c, V = e.number, e.vector
+    z = e.binary("fmul", r, r)
+    sin = e.fma(e.binary("fmul", r, z), _polynomial(e, c.sin, z), r)
+    cos = _polynomial(e, (1.0, -0.5, *c.cos), z)
+
+    odd = e.value(f"trunc {e.integer} {octant} to {e.mask}")
+    s = e.value(f"select {e.mask} {odd}, {V} {cos}, {V} {sin}")
+    t = e.value(f"select {e.mask} {odd}, {V} {e.negative(sin)}, {V} {cos}")
+    return _signed(e, t, octant), _signed(e, s, octant)
+
+
+def _polynomial(e: VectorWriter, coefficients: tuple[float, ...], z: str) -> str:
+    *rest, value = (e.constant(c) for c in coefficients)
+    for c in reversed(rest):
+        value = e.fma(value, z, c)
+    return value
+
+
+def _signed(e: VectorWriter, x: str, octant: str) -> str:
+    """-x where bit 1 of the octant is set."""
+    bits, kind = e.number.bits, e.integer
+    bit = e.value(f"and {kind} {octant}, {e.every('2', f'i{bits}')}")
+    sign = e.value(f"shl {kind} {bit}, {e.every(str(bits - 2), f'i{bits}')}")
+    raw = e.value(f"bitcast {e.vector} {x} to {kind}")
+    return e.value(f"bitcast {kind} {e.value(f'xor {kind} {raw}, {sign}')} to {e.vector}")
+
+
+class SinCos:
     """IR that takes angles from their slots to the slots of their cosines and sines."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
@@ -17,7 +76,7 @@ class Angles:
     def ahead(self) -> int:
         """How many angles can be seen to while the results of the tile before leave: if all are inputs."""
         first = self.plan.stages[0] if self.plan.stages else None
-        return len(first.angles) if first and not first.chunks and not self.plan.tape and self.width > 1 else 0
+        return len(first.angles) if first and not first.chunks and not self.plan.bytecode and self.width > 1 else 0
 
     def tables(self) -> str:
         """Of each stage, where its angles are and where their cosines go."""
@@ -29,21 +88,21 @@ class Angles:
                 text += f"@angles{k} = internal constant [{len(pairs)} x i32] [{entries}]\n"
         return text
 
-    def some(self, e: Lanes, k: int, first: int) -> None:
+    def some(self, e: VectorWriter, k: int, first: int) -> None:
         """Of stage k, from the first given on."""
         count = len(self.plan.stages[k].angles) - first
         if count > 0:
             table = e.value(f"getelementptr {{i32, i32}}, ptr @angles{k}, i64 {first}")
             e.do(f"call void @cos_sin(ptr %scratch, ptr {table}, i64 {count})")
 
-    def one(self, e: Lanes, tile: str, table: str, k: str) -> tuple[str, str, str]:
+    def one(self, e: VectorWriter, tile: str, table: str, k: str) -> tuple[str, str, str]:
         """Angle k of a table: its slot, that of its cosine, before that of the sine, and whether it is within reach."""
         where = e.value(f"getelementptr {{i32, i32}}, ptr {table}, i64 {k}")
         source, target = (
             e.slot(tile, e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64"))
             for p in (where, e.value(f"getelementptr i32, ptr {where}, i64 1"))
         )
-        c, s, near = e.cos_sin(e.load(source, 0))
+        c, s, near = cos_sin(e, e.load(source, 0))
         e.store(target, 0, c)
         e.store(target, 1, s)
         bits = e.value(f"bitcast {e.mask} {near} to i{e.width}")
@@ -87,9 +146,9 @@ class Angles:
     def _cos_sin_of(self) -> str:
         """Of angles side by side: their cosines, then their sines.  Bits of `valid` say which lanes count."""
         n, size = self.plan.together, self.number.size
-        e = Lanes(self.number, n, self.host)
+        e = VectorWriter(self.number, n, self.host)
         x = e.value(f"load {e.vector}, ptr %angle, align {size}")
-        c, s, near = e.cos_sin(x)
+        c, s, near = cos_sin(e, x)
         bits = e.value(f"and i{n} {e.value(f'bitcast {e.mask} {near} to i{n}')}, %valid")
         ok = e.value(f"icmp eq i{n} {bits}, %valid")
         sines = e.slot("%result", 1)
@@ -112,7 +171,7 @@ class Angles:
 
     def _cos_sin(self) -> str:
         """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
-        e = Lanes(self.number, self.width, self.host)
+        e = VectorWriter(self.number, self.width, self.host)
         e.do("br label %loop")
         e.label("loop")
         e.do("%k = phi i64 [0, %entry], [%next, %latch]")
@@ -134,7 +193,7 @@ class Angles:
 
     def _cos_sin_far(self) -> str:
         """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
-        name, reach = self.number.name, Lanes(self.number, self.width, self.host).number_text(self.number.reach)
+        name, reach = self.number.name, VectorWriter(self.number, self.width, self.host).number_text(self.number.reach)
         lanes = self.width * self.plan.together
         widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")
         if self.number.size == 8:

@@ -10,11 +10,11 @@ import numpy as np
 from ...locking import LOCK
 from ...model.robot import Robot
 from ...terms import Options, Term
-from ..codegen.vector import DOUBLE, SINGLE, Number
+from ..codegen.host import Host
+from ..codegen.number import DOUBLE, SINGLE, Number
 from ..graph.trace import trace
 from ..jit import cache as disk
 from ..jit.fingerprint import key as kernel_key
-from ..jit.host import Host
 from . import driver, ptx, warp
 from . import layout as layouts
 from .layout import WARP, Layout

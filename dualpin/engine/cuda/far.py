@@ -11,7 +11,8 @@ from __future__ import annotations
 import math
 from functools import cache
 
-from ..codegen.vector import DOUBLE, Number
+from ..codegen.number import DOUBLE, Number
+from ..codegen.sincos import turned
 from .scalar import Scalar
 
 BITS = 1216  # of 2/pi: as many as the largest double needs
@@ -73,7 +74,7 @@ def function(number: Number) -> str:
     upper, lower = (e.value(f"uitofp i64 {_op(e, 'and', bits, mask)} to double") for mask in (-2048, 2047))
     half_pi, rest, _ = (e.constant(part) for part in DOUBLE.half_pi)
     r = e.fma(upper, half_pi, e.fma(upper, rest, e.binary("fmul", lower, half_pi)))
-    c, s = e.turned(_with_sign(e, e.binary("fmul", r, scale), above), octant)
+    c, s = turned(e, _with_sign(e, e.binary("fmul", r, scale), above), octant)
     s = _with_sign(e, s, raw)
 
     infinite = e.value(f"icmp eq i64 {exponent}, 2047")

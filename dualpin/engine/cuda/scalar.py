@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 
-from ..codegen.vector import Lanes, Number
-from ..jit.host import Host
+from ..codegen.host import Host
+from ..codegen.number import Number
+from ..codegen.vector import VectorWriter
 
 DEVICE = Host("nvptx64-nvidia-cuda", "sm_80", "+ptx70", 8, True)
 """Code for this architecture runs on it and on all that came after."""
 
 
-class Scalar(Lanes):
-    """The vocabulary of `Lanes` on plain numbers, so that both write sines, cosines and arithmetic alike."""
+class Scalar(VectorWriter):
+    """The vocabulary of `VectorWriter` on plain numbers, so that both write sines, cosines and arithmetic alike."""
 
     def __init__(self, number: Number, host: Host = DEVICE) -> None:
         super().__init__(number, 1, host)

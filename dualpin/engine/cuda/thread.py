@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from ..codegen.vector import Number
+from ..codegen.host import Host
+from ..codegen.number import Number
+from ..codegen.sincos import cos_sin
 from ..graph.schedule import Step
-from ..jit.host import Host
 from . import far
 from .layout import Layout
 from .program import Part, Program, Value, value_of
@@ -120,7 +121,7 @@ class _Part:
         """Cosines and sines side by side, and off the way those of angles beyond reach."""
         e, T = self.e, self.e.vector
         xs = [self.get(a) for a in angles]
-        fast = [e.cos_sin(x) for x in xs]
+        fast = [cos_sin(e, x) for x in xs]
         every = fast[0][2]
         for _, _, near in fast[1:]:
             every = e.value(f"and i1 {every}, {near}")

@@ -10,8 +10,8 @@ are a loop: so they are tested where there is no GPU.
 
 from __future__ import annotations
 
-from ..codegen.vector import Number
-from ..jit.host import Host
+from ..codegen.host import Host
+from ..codegen.number import Number
 from . import thread
 from .layout import WARP, Layout, row
 from .program import Program

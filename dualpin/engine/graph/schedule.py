@@ -8,7 +8,7 @@ their slots.
               sines and cosines of stage 0's angles (a loop over their slots)
     stage 1   ...
 
-Chunks are straight lines of at most `CHUNK` operations.  Compilers of straight-line code are worse
+Chunks are straight lines of at most `tuning.CHUNK` operations.  Compilers of straight-line code are worse
 than linear in its length and spill badly; cut like this, compile time is linear and the code faster.
 """
 
@@ -17,11 +17,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+from .. import tuning
 from .trace import ARITHMETIC, Node, Sym, Trace
-
-CHUNK = 250
-LONG = 200_000
-"""Operations from which a program is a `tape` instead of code: every value then has a slot."""
 
 
 def exactly(x: float) -> tuple[float, float]:
@@ -69,7 +66,7 @@ class Schedule:
     outputs : list of int
         The place of each entry of the result.
     known : dict
-        Of a tape: the slots of its numbers, which follow each other.
+        Of bytecode: the slots of its numbers, which follow each other.
     """
 
     nodes: list[Node]
@@ -87,8 +84,8 @@ class Schedule:
     known: dict[tuple[float, float], int] = field(default_factory=dict)
 
     @property
-    def tape(self) -> bool:
-        """Whether it is too long to be code."""
+    def bytecode(self) -> bool:
+        """Whether it is too long to be code: then every value has a slot."""
         return bool(self.known)
 
     @property
@@ -100,7 +97,7 @@ class Schedule:
         return 0 if self.direct else len(self.places) + len(self.constants)
 
 
-def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool = False) -> Schedule:
+def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direct: bool = False) -> Schedule:
     """Order, fuse, cut and place.
 
     `together` says how many angles are handled at a time: so many cosines lie side by side, then their sines.
@@ -109,9 +106,9 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
     steps = fused(program, order)
-    tape = len(steps) > LONG
-    direct = direct and not tape
-    stages = staged(nodes, order, steps, 1 if tape else chunk)
+    bytecode = len(steps) > tuning.BYTECODE_FROM
+    direct = direct and not bytecode
+    stages = staged(nodes, order, steps, 1 if bytecode else chunk)
 
     starts = [sum(program.sizes[:k]) for k in range(len(program.sizes) + 1)]
     slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
@@ -127,7 +124,7 @@ def schedule(program: Trace, chunk: int = CHUNK, together: int = 1, direct: bool
         if nodes[i][0] in ("sin", "cos"):
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
     known: dict[tuple[float, float], int] = {}
-    if tape:
+    if bytecode:
         numbers = {i: exactly(nodes[i][1]) for i in order if nodes[i][0] == "const"}
         keys = dict.fromkeys([*map(exactly, (1.0, 0.0, -0.0)), *numbers.values()])
         known = {key: slots + k for k, key in enumerate(keys)}

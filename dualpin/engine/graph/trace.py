@@ -17,6 +17,7 @@ from ...errors import DualpinError
 from ...model.robot import Robot
 from ...scalars import Exact, _stumpff_closed, _stumpff_series, register
 from ...terms import Options, Term, flat
+from .. import tuning
 
 Node = tuple
 """(operation, *operands): operands are indices of nodes, except those of "in" and "const"."""
@@ -27,10 +28,6 @@ ARITHMETIC = ("+", "-", "*", "inv", "neg", "sqrt", "select")
 
 class UntraceableError(DualpinError):
     """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
-
-
-LARGEST = 4_000_000
-"""Nodes beyond which a term is not traced: to trace and compile a million takes 0.8 GB."""
 
 
 class Graph:
@@ -48,8 +45,8 @@ class Graph:
         i = self._index.get(key)
         if i is None:
             i = self._index[key] = len(self.nodes)
-            if i > LARGEST:
-                raise UntraceableError(f"more than {LARGEST} operations: too long to be compiled")
+            if i > tuning.LARGEST_GRAPH:
+                raise UntraceableError(f"more than {tuning.LARGEST_GRAPH} operations: too long to be compiled")
             self.nodes.append(key)
         return i
 

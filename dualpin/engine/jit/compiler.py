@@ -18,14 +18,10 @@ from pathlib import Path
 from typing import IO, Any, cast
 
 from ...locking import LOCK, Once, when_lost
+from .. import tuning
 from . import worker
 from .host import CompilerError, Host, binding
 from .threads import get_num_threads
-
-LARGE = 30_000
-"""Nodes from which a program is worth other processes: they take a tenth of a second to begin."""
-MOST = 4  # processes
-MANY = 64  # kernels for one linker
 
 _numbers = itertools.count()  # of what is linked: names must differ
 _linkers: list[Any] = []  # the one in use
@@ -48,9 +44,9 @@ class Compilers:
         binding()
         self.host = host
         self.others: list[subprocess.Popen[bytes]] = []
-        if nodes < LARGE or not Path(sys.executable or "").name.startswith("python"):
+        if nodes < tuning.PROCESSES_FROM or not Path(sys.executable or "").name.startswith("python"):
             return  # too small, or a program that Python is only a part of
-        for _ in range(min(get_num_threads(), MOST) - 1):
+        for _ in range(min(get_num_threads(), tuning.PROCESSES) - 1):
             with contextlib.suppress(OSError):  # no more processes
                 self.others.append(
                     subprocess.Popen(
@@ -129,7 +125,7 @@ def linker(number: int) -> Any:
 
     Not one for all: a linker remembers the names of what was linked, and ends with the last kernel it linked.
     """
-    if number % MANY == 0 or not _linkers:
+    if number % tuning.KERNELS_PER_LINKER == 0 or not _linkers:
         llvm = binding()
         target = llvm.Target.from_default_triple().create_target_machine(codemodel="jitdefault", jit=True)
         _linkers[:] = [llvm.create_lljit_compiler(target)]

@@ -24,14 +24,13 @@ from typing import Any
 import numpy as np
 
 from ...locking import LOCK, Once
+from .. import tuning
 from ..codegen import fast_call as source
 from . import threads
 from .compiler import loaded, object_code
 from .host import this_host
 from .kernel import Kernel
 
-STACK = 4 * 1024
-"""Bytes of scratch taken from the stack; more comes from the heap.  No more than a page: the guard below is one."""
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
 
 
@@ -48,7 +47,7 @@ class Code(ctypes.Structure):
             if self.address[many]:
                 return  # another thread was first; what it set may be running now
             if many:
-                self.many, self.most = kernel, int(threads.WORTH / kernel.seconds)
+                self.many, self.most = kernel, int(tuning.PARALLEL_FROM / kernel.seconds)
             else:
                 self.one = kernel
             self.scratch[many] = kernel.scratch
@@ -167,5 +166,5 @@ def addresses() -> dict[str, Any]:
     api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in source.API}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     names = ("entry", "release")
-    code = loaded([object_code(source.text(fields, STACK), this_host())], names, api)
+    code = loaded([object_code(source.text(fields, tuning.STACK), this_host())], names, api)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory

@@ -1,43 +1,17 @@
-"""What the machine offers: how many numbers it works on at a time, and whether a b + c is one operation."""
+"""The machine this process runs on, as LLVM knows it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from ... import locking
 from ...errors import DualpinError
 from ...locking import Once
+from ..codegen.host import Host
 
 
 class CompilerError(DualpinError):
     """There is no working compiler on this machine."""
-
-
-@dataclass(frozen=True)
-class Host:
-    """A processor, as LLVM names it.
-
-    Attributes
-    ----------
-    width : int
-        Bytes of a vector register: 64 (AVX-512), 32 (AVX2), 16 (SSE2, NEON), 8 (one number at a time).
-    fma : bool
-        Whether a b + c is one instruction.
-    """
-
-    triple: str
-    cpu: str
-    features: str
-    width: int
-    fma: bool
-
-    def lanes(self, itemsize: int) -> int:
-        return max(1, self.width // itemsize)
-
-    @property
-    def key(self) -> str:
-        return f"{self.triple}|{self.cpu}|{self.features}|{self.width}|{self.fma}"
 
 
 def binding() -> Any:

@@ -14,8 +14,9 @@ import numpy as np
 from ...locking import LOCK
 from ...model.robot import Robot
 from ...terms import Options, Term
+from .. import tuning
 from ..codegen import module as ir
-from ..codegen.vector import DOUBLE, SINGLE
+from ..codegen.number import DOUBLE, SINGLE
 from ..graph.schedule import schedule
 from ..graph.trace import trace
 from . import cache as disk
@@ -25,9 +26,6 @@ from .host import Host, this_host
 from .threads import spread
 
 log = logging.getLogger("dualpin.engine")
-
-QUICK = 40_000
-"""Operations beyond which LLVM is asked to be quick: a third of the time to compile, for a fifth more to run."""
 
 _scratch = threading.local()
 
@@ -60,8 +58,11 @@ class Kernel:
         self._pointers, self._strides = ctypes.c_void_p * count, ctypes.c_int64 * count
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, self._pointers, self._strides)
         self._function = prototype(self.address)
-        # a rough figure, to decide on threads: two or three instructions a nanosecond, and the memory
-        self.seconds = 1e-9 + 4e-10 * self.operations / self.lanes + 3e-10 * (sum(self.sizes) + self.width)
+        self.seconds = (  # a rough figure, to decide on threads
+            tuning.CALL_SECONDS
+            + tuning.OPERATION_SECONDS * self.operations / self.lanes
+            + tuning.NUMBER_SECONDS * (sum(self.sizes) + self.width)
+        )
 
     def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Arrays (n, size) in, an array (n, width) out; rows may be strided or repeated."""
@@ -150,8 +151,8 @@ def compiled(
     together = host.lanes(number.size) if lanes == 1 else 1
     with Compilers(host, len(program.graph.nodes)) as compilers:
         plan = schedule(program, together=together, direct=lanes == 1)
-        texts = ir.modules(plan, number, host, lanes, parts=1 if plan.tape else compilers.count)
-        objects = compilers.object_codes(texts, quick=plan.operations > QUICK)
+        texts = ir.modules(plan, number, host, lanes, parts=1 if plan.bytecode else compilers.count)
+        objects = compilers.object_codes(texts, quick=plan.operations > tuning.QUICK_FROM)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
         "scratch": ir.scratch_bytes(plan, number, host, lanes), "objects": [len(x) for x in objects],

@@ -13,11 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from ...errors import ArgumentError
-
-WORTH = 300e-6
-"""Seconds of work that more than one thread is worth: waking another takes some 20 to 50 microseconds."""
-PART = 100e-6
-"""Seconds of work taken at a time: long beside the taking, short beside the waiting for the last."""
+from .. import tuning
 
 count = ctypes.c_int64(0)
 """Where machine code reads whether there is one thread (1), several (2), or nobody knows yet (0)."""
@@ -90,10 +86,10 @@ def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple:
     `seconds` is what one sample is expected to take.  Each thread takes the next part when it has
     done one, so that a slow one does not hold up the others.
     """
-    step = max(1, int(PART / seconds) // multiple) * multiple
+    step = max(1, int(tuning.PART / seconds) // multiple) * multiple
     parts = -(-n // step)
     busy = getattr(_here, "busy", False)
-    if busy or n * seconds < WORTH or parts < 2 or get_num_threads() < 2:
+    if busy or n * seconds < tuning.PARALLEL_FROM or parts < 2 or get_num_threads() < 2:
         work(0, n)
         return
     numbers, end = itertools.count(), [parts]

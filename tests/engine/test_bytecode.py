@@ -1,4 +1,4 @@
-"""A program walked as a tape and the same one compiled give the same bits."""
+"""A program run as bytecode and the same one compiled give the same bits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.engine.graph import schedule as schedules
+from dualpin.engine import tuning
 from dualpin.engine.graph.trace import LIBRARY, Graph, Trace, select
 from dualpin.engine.jit import kernel as kernels
 from dualpin.engine.jit.host import this_host
@@ -15,9 +15,9 @@ from dualpin.terms import TERMS
 from .test_kernels import narrower, options, states
 
 
-def built(monkeypatch, robot, term, dtype, host, lanes, tape):
-    """A kernel made now, as a tape or as code."""
-    monkeypatch.setattr(schedules, "LONG", 0 if tape else 10**9)
+def built(monkeypatch, robot, term, dtype, host, lanes, bytecode):
+    """A kernel made now, as bytecode or as code."""
+    monkeypatch.setattr(tuning, "BYTECODE_FROM", 0 if bytecode else 10**9)
     chosen, kind = options(robot, term), np.dtype(dtype)
     about, code = kernels.compiled(robot, TERMS[term], chosen, kind, host, lanes)
     return kernels.Kernel(about, code, TERMS[term].shape(robot, **chosen), kind)
@@ -30,28 +30,30 @@ def bits(x):
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("term", sorted(TERMS))
 @pytest.mark.parametrize(("name", "floating"), [("ur5", False), ("solo8", True)])
-def test_a_tape_has_the_bits_of_code(monkeypatch, name, floating, term, dtype):
+def test_bytecode_has_the_bits_of_code(monkeypatch, name, floating, term, dtype):
     robot, host = dp.load(name, floating=floating), this_host()
     given = states(robot, 13, seed=4)
     inputs = [given[key].reshape(13, -1).astype(dtype) for key in TERMS[term].inputs]
     for lanes in {1, host.lanes(np.dtype(dtype).itemsize)}:
-        tape, code = (built(monkeypatch, robot, term, dtype, host, lanes, tape) for tape in (True, False))
-        assert np.array_equal(bits(tape.rows(inputs)), bits(code.rows(inputs)))
+        bytecode, code = (built(monkeypatch, robot, term, dtype, host, lanes, bytecode) for bytecode in (True, False))
+        assert np.array_equal(bits(bytecode.rows(inputs)), bits(code.rows(inputs)))
 
 
 @pytest.mark.parametrize(("width", "fma"), [(32, True), (32, False), (16, False), (8, False)])
-def test_a_tape_has_the_bits_of_code_on_smaller_machines(monkeypatch, width, fma):
+def test_bytecode_has_the_bits_of_code_on_smaller_machines(monkeypatch, width, fma):
     robot, host = dp.load("panda"), narrower(width, fma)
     given = states(robot, 9, seed=5)
     for term in ("aba", "difference"):
         inputs = [given[key] for key in TERMS[term].inputs]
-        tape, code = (built(monkeypatch, robot, term, float, host, host.lanes(8), tape) for tape in (True, False))
-        assert np.array_equal(bits(tape.rows(inputs)), bits(code.rows(inputs)))
+        bytecode, code = (
+            built(monkeypatch, robot, term, float, host, host.lanes(8), bytecode) for bytecode in (True, False)
+        )
+        assert np.array_equal(bits(bytecode.rows(inputs)), bits(code.rows(inputs)))
 
 
-def test_what_a_tape_can_say(monkeypatch):
+def test_what_bytecode_can_say(monkeypatch):
     """Each operation, also as a result, on numbers that show the signs of zeros, infinities and what is no number."""
-    monkeypatch.setattr(schedules, "LONG", 0)
+    monkeypatch.setattr(tuning, "BYTECODE_FROM", 0)
     graph = Graph()
     x, y, z = graph.inputs(0, 3)
     outputs = [
@@ -81,7 +83,7 @@ def test_what_a_tape_can_say(monkeypatch):
 
 def test_constant_results_are_not_overwritten_by_long_rows(monkeypatch):
     """Rows are loaded by whole vectors, also beyond the slots of the inputs."""
-    monkeypatch.setattr(schedules, "LONG", 0)
+    monkeypatch.setattr(tuning, "BYTECODE_FROM", 0)
     graph = Graph()
     (x,) = graph.inputs(0, 1)
     monkeypatch.setattr(kernels, "trace", lambda *_: Trace(graph, [1], [LIBRARY.sqrt(x), 2.5]))

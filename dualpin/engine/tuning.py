@@ -1,0 +1,93 @@
+"""Every number of the engine that was chosen by measurement: what it decides, what was measured, and where.
+
+Machines: "Zen 4", an AMD EPYC with AVX-512, 2 shared cores; "Emerald Rapids", an Intel Xeon with AVX-512, 2 cores.
+Both ran Python 3.11, NumPy 2.4, llvmlite 0.50 and Pinocchio 4.1; batches of 4096 on one thread unless said otherwise.
+To measure again: change the number here and run `python -m validation.benchmarks`.
+"""
+
+from __future__ import annotations
+
+# --- graph ----------------------------------------------------------------------------------------
+
+CHUNK = 250
+"""Operations in one function of straight-line code.
+
+Emerald Rapids: Coriolis of tiago_dual compiles in 2.1 s instead of 12.9 as one block and runs 1.28 times as fast,
+ABA of talos 1.8 times.  Chunks of 120, 400 and 700 were up to 25 % slower.
+"""
+
+BYTECODE_FROM = 200_000
+"""Operations from which a program is bytecode for a compiled loop instead of code.
+
+LLVM takes 25 to 45 us an operation, and memory in proportion.  `aba_derivatives` of tiago_dual (500 880 operations):
+0.30 ms a sample as bytecode, 13 ms by NumPy; code would be some three times as fast (Emerald Rapids).
+"""
+
+LARGEST_GRAPH = 4_000_000
+"""Nodes beyond which a term is not compiled: tracing and compiling a million takes 0.8 GB."""
+
+# --- code generation ------------------------------------------------------------------------------
+
+UNROLLED = 64
+"""Columns of a row whose loads and stores are written out; longer rows get a loop.
+
+Talos (32 joints) and smaller robots are written out, so that no table is read; beyond, text and compile time grow.
+"""
+
+WHOLE_LINES_FROM = 4
+"""Vectors in a row of results from which it is stored as whole cache lines.
+
+Shorter rows are mostly first and last lines, which need the general store anyway.
+"""
+
+STREAM_FROM = 8 << 20
+"""Bytes of results from which whole lines go past the caches.
+
+Zen 4, all joint poses of panda 65 536 times (75 MB): 0.04 us each instead of 0.17.  From 2 MiB on: no gain.
+"""
+
+# --- compiling and linking ------------------------------------------------------------------------
+
+QUICK_FROM = 40_000
+"""Operations beyond which LLVM optimises less.
+
+A third of the time to compile, and 10 to 20 % more to run (Emerald Rapids).
+"""
+
+PROCESSES_FROM = 30_000
+"""Nodes of a graph from which several processes compile: each takes 0.1 s to begin.
+
+Emerald Rapids, two processes: Coriolis of tiago_dual 2.1 s instead of 3.7, RNEA derivatives 3.1 instead of 5.0.
+"""
+
+PROCESSES = 4
+"""Processes that compile one program, at most."""
+
+KERNELS_PER_LINKER = 64
+"""A linker (ORC) remembers the names of what it linked, 11 kB a kernel, and goes with the last of them.
+
+One linker for many kernels: 0.4 ms to link one, against 1.5 ms for an execution engine each (Emerald Rapids).
+"""
+
+# --- calling --------------------------------------------------------------------------------------
+
+PARALLEL_FROM = 300e-6
+"""Seconds of work that more than one thread is worth: waking another takes some 20 to 50 us."""
+
+PART = 100e-6
+"""Seconds of work that a thread takes at a time: long beside the taking, short beside the wait for the last.
+
+With both, two threads are 1.5 to 2.0 times as fast as one on 65 536 samples (RNEA and ABA of panda and talos).
+"""
+
+STACK = 4 * 1024
+"""Bytes of scratch that a fast call takes from the stack; more comes from the heap.
+
+No more than a page, since the page that guards a stack is one: threads of 32 KiB are safe.
+"""
+
+CALL_SECONDS, OPERATION_SECONDS, NUMBER_SECONDS = 1e-9, 4e-10, 3e-10
+"""What a sample takes, roughly: at all, for each operation of a tile (divided by its lanes), for each number in or out.
+
+Two or three instructions a nanosecond, and the memory; only used to decide on threads.
+"""
