@@ -27,14 +27,14 @@ class Value:
     """The result of an expression: its name in IR and its type there."""
 
     def __init__(self, c: Writer, name: str, kind: str) -> None:
-        self.c, self.name, self.kind = c, name, kind
+        self.c, self.name, self.type = c, name, kind
 
     def _with(self, op: str, b: Any) -> Value:
-        floating = self.kind in ("float", "double")
+        floating = self.type in ("float", "double")
         other = b.name if isinstance(b, Value) else str(b)
         if op in _COMPARISONS:
-            return self.c.value(f"{_COMPARISONS[op][floating]} {self.kind} {self.name}, {other}", "i1")
-        return self.c.value(f"{(_FLOATS if floating else _INTEGERS)[op]} {self.kind} {self.name}, {other}", self.kind)
+            return self.c.value(f"{_COMPARISONS[op][floating]} {self.type} {self.name}, {other}", "i1")
+        return self.c.value(f"{(_FLOATS if floating else _INTEGERS)[op]} {self.type} {self.name}, {other}", self.type)
 
     def __add__(self, b: Any) -> Value:
         return self._with("+", b)
@@ -73,7 +73,7 @@ class Value:
 
     def to(self, how: str, kind: str) -> Value:
         """A conversion: "sext", "zext", "fpext", "ptrtoint", "inttoptr"."""
-        return self.c.value(f"{how} {self.kind} {self.name} to {kind}", kind)
+        return self.c.value(f"{how} {self.type} {self.name} to {kind}", kind)
 
     def at(self, kind: str, i: Any) -> Value:
         """&((kind *)this)[i]"""
@@ -145,7 +145,7 @@ class Writer:
     def call(self, function: str | Value, *arguments: Value, gives: str = "void") -> Value:
         """A call; of what it gives, the result."""
         name = function.name if isinstance(function, Value) else f"@{function}"
-        text = f"call {gives} {name}({', '.join(f'{x.kind} {x.name}' for x in arguments)})"
+        text = f"call {gives} {name}({', '.join(f'{x.type} {x.name}' for x in arguments)})"
         if gives != "void":
             return self.value(text, gives)
         self._do(text)
@@ -157,10 +157,10 @@ class Writer:
         return self.value(f"alloca {kind}, i64 {n}, align {align}", "ptr")
 
     def store(self, x: Value, place: Value) -> None:
-        self._do(f"store {x.kind} {x.name}, ptr {place.name}")
+        self._do(f"store {x.type} {x.name}, ptr {place.name}")
 
     def returns(self, x: Value | None = None) -> None:
-        self._do("ret void" if x is None else f"ret {x.kind} {x.name}")
+        self._do("ret void" if x is None else f"ret {x.type} {x.name}")
         self.open = False
 
     @contextmanager
@@ -184,7 +184,7 @@ class Writer:
                 ends.append((x, self.block))
             self._jump(after)
         self._start(after)
-        kind = ends[0][0].kind
+        kind = ends[0][0].type
         return self.value(f"phi {kind} " + ", ".join(f"[{x.name}, %{block}]" for x, block in ends), kind)
 
     @contextmanager
