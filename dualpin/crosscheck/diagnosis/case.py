@@ -26,14 +26,20 @@ COLUMNS = 100_000
 
 @dataclass(frozen=True)
 class Score:
-    """How near a prediction comes: worst scaled error, share of entries that are right, root mean square."""
+    """How near a prediction comes: worst scaled error, share of entries that are right, root mean square.
+
+    `right` says whether the error is no more than rounding leaves.
+    """
 
     error: float
     share: float
     rms: float
+    right: bool = False
 
 
 FAR = Score(float("inf"), 0.0, float("inf"))
+ROUNDINGS = 64 * float(np.finfo(float).eps)
+"""What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
 
 
 class View:
@@ -224,15 +230,25 @@ class Case:
         """Forward dynamics is scored in forces: there one wrong entry moves all accelerations."""
         x, found = self.observed[term], self.predictions(term, stories)
         if term != "aba":
-            return [FAR if p is None else scored(x, p, x, p, self.tolerance) for p in found]
+            limits = [self._limit(p if term == "minv" else None) for p in found]
+            return [FAR if p is None else scored(x, p, x, p, limit) for p, limit in zip(found, limits, strict=True)]
         weights = self.predictions("crba", [tuple(h for h in s if h.place in ("word", "edit")) for s in stories])
         out = []
         for p, M in zip(found, weights, strict=True):
             if p is None or M is None or not np.isfinite(p).all():
                 out.append(FAR)
             else:
-                out.append(scored(x, p, product(M, x), product(M, p), self.tolerance))
+                out.append(scored(x, p, product(M, x), product(M, p), self._limit(M)))
         return out
+
+    def _limit(self, M: np.ndarray | None) -> float:
+        """How far a right answer may be off: more where a matrix that must be inverted is ill-conditioned."""
+        if M is None or not np.isfinite(M).all():
+            return self.tolerance
+        sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
+        with np.errstate(divide="ignore"):
+            condition = float((sizes.max(axis=-1) / sizes.min(axis=-1)).max())
+        return max(self.tolerance, min(1e-3, ROUNDINGS * (len(self.robot) + 1) * condition))
 
 
 def _tried(f: Callable[..., Any], *args: Any) -> Any:
@@ -273,7 +289,8 @@ def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance
     """The error of x against p, and share and rms of y against z."""
     if x.shape != p.shape or not np.isfinite(p).all():
         return FAR
-    return Score(scaled(x, p), *_near(y, z, tolerance))
+    error = scaled(x, p)
+    return Score(error, *_near(y, z, min(tolerance, 1e-7)), error <= tolerance)
 
 
 def scaled(x: np.ndarray, reference: np.ndarray) -> float:

@@ -73,13 +73,13 @@ def explain(
     tick: Callable[[str], None] = lambda what: None,
 ) -> Explanation:  # fmt: skip
     """Look for the stories of one term; stories that explained other terms are tried first."""
-    search = _Search(case, term, time.monotonic() + budget)
+    search = _Search(case, term, time.process_time() + budget)
     found = Explanation(term, case.score(term))
     search.consider([tuple(h for h in s if term in h.terms) for s in first])
     whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
     for depth in range(1, DEPTH + 1):
-        if depth > 1 and (search.good or search.late):
+        if search.good or search.late:
             break
         tick(f"{term}: {'single causes' if depth == 1 else f'{depth} causes together'}")
         level: list[Story] = []
@@ -116,7 +116,7 @@ class _Search:
 
     @property
     def late(self) -> bool:
-        return time.monotonic() > self.until
+        return time.process_time() > self.until
 
     def consider(self, stories: Iterable[Story]) -> list[_Near]:
         """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
@@ -132,7 +132,7 @@ class _Search:
                 break
             block = todo[start : start + 200]
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.error < self.case.tolerance:
+                if score.right:
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     claim = 0.02 * cost(story)
@@ -162,7 +162,7 @@ class _Search:
                 break
             chosen.append(rest[best])
             rms = scores[best].rms
-            if scores[best].error < self.case.tolerance:
+            if scores[best].right:
                 break
         return (_merged(chosen),) if len(chosen) > 1 else ()
 
