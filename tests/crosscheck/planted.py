@@ -153,7 +153,8 @@ class Student:
             c = R @ c
         steiner = m * (c @ c * np.eye(3) - np.outer(c, c))
         about = {
-            "about_link_origin": -steiner, "steiner_twice": steiner, "steiner_diagonal": np.diag(np.diag(steiner)) - steiner,
+            "about_link_origin": -steiner, "steiner_twice": steiner,
+            "steiner_diagonal": np.diag(np.diag(steiner)) - steiner,
             "steiner_outer": m * np.outer(c, c) - steiner, "steiner_isotropic": m * (c @ c) * np.eye(3) - steiner,
         }  # fmt: skip
         for name, more in about.items():
@@ -184,7 +185,7 @@ class Student:
         follows = None if m is None else (m.get("joint"), float(m.get("multiplier", 1)), float(m.get("offset", 0)))
         return Joint(
             e.get("name"), kind, e.find("parent").get("link"), e.find("child").get("link"), p, R, axis,
-            float(d.get("damping", 0)) if d is not None else 0.0, float(d.get("friction", 0)) if d is not None else 0.0, follows,
+            *(float(d.get(k, 0)) if d is not None else 0.0 for k in ("damping", "friction")), follows,
         )  # fmt: skip
 
     def _sort(self) -> None:
@@ -219,7 +220,7 @@ class Student:
         if self.has("one_mass"):
             one.mass *= 1.1
         if self.has("one_com"):
-            one.com = one.com + [0.01, -0.02, 0.03]
+            one.com = one.com + np.array([0.01, -0.02, 0.03])
         if self.has("one_inertia"):
             one.I = 1.5 * one.I
         if self.has("one_left_out"):
@@ -231,7 +232,7 @@ class Student:
         if self.has("one_axis_reversed"):
             third.axis = -third.axis
         if self.has("one_origin"):
-            third.p = third.p + [0.01, 0.02, -0.01]
+            third.p = third.p + np.array([0.01, 0.02, -0.01])
         if self.has("one_zero"):
             third.R = third.R @ rotation_about(third.axis, 0.1)
         if self.has("one_rpy_ignored"):
@@ -347,6 +348,12 @@ class Student:
         for j in self.joints:
             p, c = j.parent, j.child
             r = links[c][1] - links[p][1]
+            if self.has("motion_first") and j.kind in ("revolute", "continuous"):
+                # the child's origin moves with the joint itself
+                z, xd, xdd = axes[j.name][0], v[j.column], a[j.column]
+                w[c], al[c] = w[p] + z * xd, al[p] + z * xdd + np.cross(w[p], z * xd)
+                ac[c] = ac[p] + np.cross(al[c], r) + np.cross(w[c], np.cross(w[c], r))
+                continue
             tangential = 0 if self.has("no_tangential") else np.cross(al[p], r)
             centripetal = 0 if self.has("no_centripetal", "no_centripetal_link") else np.cross(w[p], np.cross(w[p], r))
             ac[c], w[c], al[c] = ac[p] + tangential + centripetal, w[p], al[p]
@@ -610,8 +617,8 @@ class Student:
         return (1.0 if self.has("energy_without_half") else 0.5) * v @ self.mass_matrix(q) @ v
 
     def coriolis(self, q, v):
-        if self.floating:
-            raise NotImplementedError("fixed bases only")
+        if self.floating or self.has("degrees", "float32_states"):
+            raise NotImplementedError("by complex steps in q as it is given, for fixed bases only")
         n, h = self.nv, 1e-30
         dM = [np.imag(self.mass_matrix(np.array(q, complex) + 1j * h * e)) / h for e in np.eye(n)]
         rate = sum(d * x for d, x in zip(dM, v, strict=True))
@@ -624,8 +631,8 @@ class Student:
         return C.T if self.has("coriolis_transposed") else C
 
     def jacobian_dot(self, q, v, frame):
-        if self.floating or self.has("jdot_not_offered"):
-            raise NotImplementedError("fixed bases only")
+        if self.floating or self.has("degrees", "float32_states"):
+            raise NotImplementedError("by complex steps in q as it is given, for fixed bases only")
         if self.has("jdot_zero"):
             return np.zeros((6, self.nv))
         h = 1e-30
@@ -643,19 +650,24 @@ _FIT = ("one_link", "massless")
 FIXED = {
     "inertial_rpy_ignored": ("inertial_rpy",), "inertial_rpy_transposed": ("inertial_rpy_transposed",),
     "inertial_rpy_order": ("inertial_rpy_order",), "com_ignored": ("inertial_xyz",),
-    "inertial_ignored": ("inertial_origin",), "com_sign": ("inertial_xyz_sign",), "com_turned": ("inertial_xyz_turned",),
+    "inertial_ignored": ("inertial_origin",), "com_sign": ("inertial_xyz_sign",),
+    "com_turned": ("inertial_xyz_turned",),
     "about_link_origin": ("about_link_origin",), "steiner_twice": ("steiner_twice",),
-    "steiner_diagonal": ("steiner_wrong",), "steiner_outer": ("steiner_wrong",), "steiner_isotropic": ("steiner_wrong",),
+    "steiner_diagonal": ("steiner_wrong",), "steiner_outer": ("steiner_wrong",),
+    "steiner_isotropic": ("steiner_wrong",),
     "products_dropped": ("products_dropped",), "products_sign": ("products_sign",),
-    "products_swapped": ("products_swapped",), "inertia_order": ("inertia_order",), "moments_swapped": ("moments_swapped",),
+    "products_swapped": ("products_swapped",), "inertia_order": ("inertia_order",),
+    "moments_swapped": ("moments_swapped",),
     "point_masses": ("no_rotational",), "principal": ("principal",), "default_mass": ("default_mass",),
-    "fixed_dropped": ("fixed_dropped", "massless"), "fixed_unturned": ("merge_turn",), "fixed_unshifted": ("merge_shift",),
+    "fixed_dropped": ("fixed_dropped", "massless"), "fixed_unturned": ("merge_turn",),
+    "fixed_unshifted": ("merge_shift",),
     "float32_file": ("single_precision",), "one_mass": _FIT, "one_com": _FIT, "one_inertia": _FIT,
     "one_left_out": ("massless", "one_link"), "one_products_sign": ("products_sign", "one_link"), "payload": _FIT,
     "one_axis_reversed": ("axis_reversed",), "one_origin": ("origin_fit",), "one_zero": ("origin_fit",),
     "one_rpy_ignored": ("rpy_ignored",), "joint_rpy_ignored": ("rpy_ignored",), "joint_rpy_order": ("rpy_order",),
     "joint_rpy_transposed": ("rpy_transposed",), "joint_xyz_ignored": ("xyz_ignored",),
-    "joint_xyz_turned": ("xyz_after_rpy",), "axis_default_z": ("axis_default_z",), "axis_always_z": ("axis_always_z",),
+    "joint_xyz_turned": ("xyz_after_rpy",), "axis_default_z": ("axis_default_z",),
+    "axis_always_z": ("axis_always_z",),
     "axis_sign": ("axis_sign",), "axis_in_parent": ("axis_in_parent",), "motion_first": ("motion_first",),
     "prismatic_as_revolute": ("prismatic_as_revolute",), "fixed_placement_ignored": ("fixed_placement",),
     "mimic": ("mimic",), "g_9.8": ("gravity",), "g_9.80665": ("gravity",), "g_float32": ("gravity",),
@@ -673,26 +685,33 @@ FIXED = {
     "fk_rotation_transposed": ("rotation_transposed",), "fk_inverse": ("inverse_pose",),
     "jacobian_world": ("reference_world",), "jacobian_local": ("reference_local",), "jacobian_at_com": ("at_com",),
     "jacobian_linear_sign": ("jacobian_linear_sign",), "rows_linear_first": ("rows",), "history": ("history",),
-    "torque_sign": ("sign",), "newton_millimetres": ("scale",), "a_ignored": ("a_ignored",), "v_ignored": ("v_ignored",),
+    "torque_sign": ("sign",), "newton_millimetres": ("scale",), "a_ignored": ("a_ignored",),
+    "v_ignored": ("v_ignored",),
     "coriolis_half": ("velocity_scale",), "coriolis_twice": ("velocity_scale",),
     "bias_without_gravity": ("no_gravity_in_bias", "gravity"), "crba_upper": ("upper",), "crba_lower": ("lower",),
     "crba_diagonal": ("diagonal",), "aba_without_bias": ("bias_ignored",), "aba_bias_sign": ("bias_sign",),
-    "com_of_origins": ("inertial_xyz", "com_of_origins"), "com_not_divided": ("scale",), "base_counts": ("base_counts",),
-    "momentum_about_origin": ("about_origin",), "energy_without_half": ("scale",), "coriolis_rate": ("coriolis_rate",),
+    "com_of_origins": ("inertial_xyz", "com_of_origins"), "com_not_divided": ("scale",),
+    "base_counts": ("base_counts",),
+    "momentum_about_origin": ("about_origin",), "energy_without_half": ("scale",),
+    "coriolis_rate": ("coriolis_rate",),
     "coriolis_other": ("coriolis_other",), "coriolis_transposed": ("transposed",), "jdot_zero": ("jdot_zero",),
     "order_alphabetical": ("order",), "order_reversed": ("order",),
 }  # fmt: skip
 FLOATING = {
     "quaternion_xyzw": ("quaternion",), "base_turn_inverted": ("base_turn",), "base_pose_ignored": ("base_pose",),
-    "gravity_in_base": ("gravity_in_base",), "base_linear_first": ("base_order",), "angular_world": ("angular_world",),
+    "gravity_in_base": ("gravity_in_base",), "base_linear_first": ("base_order",),
+    "angular_world": ("angular_world",),
     "linear_world": ("linear_world",), "linear_origin": ("linear_origin",), "seen_from_base": ("in_base",),
 }  # fmt: skip
 MISTAKES = FIXED | FLOATING
 """Each mistake, with the keys that name it rightly."""
 PAIRS = (
-    ("g_9.8", "inertial_rpy_ignored"), ("g_9.8", "damping"), ("com_ignored", "products_sign"), ("rows_linear_first", "jacobian_local"),
-    ("axis_sign", "g_sign"), ("crba_upper", "fixed_dropped"), ("order_alphabetical", "g_9.80665"), ("damping", "friction"),
+    ("g_9.8", "inertial_rpy_ignored"), ("g_9.8", "damping"), ("com_ignored", "products_sign"),
+    ("rows_linear_first", "jacobian_local"),
+    ("axis_sign", "g_sign"), ("crba_upper", "fixed_dropped"), ("order_alphabetical", "g_9.80665"),
+    ("damping", "friction"),
     ("joint_rpy_order", "inertial_rpy_order"), ("one_mass", "g_9.8"), ("products_dropped", "fixed_dropped"),
-    ("jacobian_world", "fk_rotation_transposed"), ("no_gyroscopic", "g_9.8"), ("rotor", "damping"), ("coriolis_other", "torque_sign"),
+    ("jacobian_world", "fk_rotation_transposed"), ("no_gyroscopic", "g_9.8"), ("rotor", "damping"),
+    ("coriolis_other", "torque_sign"),
     ("inertial_rpy_transposed", "products_dropped"),
 )  # fmt: skip

@@ -218,7 +218,9 @@ class Case:
         x = view.layout.answer(QUESTIONS[term].form, x, view.states, other)
         for h in story:
             if h.place == "answer" and term in h.terms:
-                x = h.act(view, term, x, self.observed.get(term))
+                x = h.act(view, term, x)
+            elif h.place == "relation" and term in h.terms:
+                x = h.act(view, term, x, self.observed[term])
         return x
 
     # how near they come

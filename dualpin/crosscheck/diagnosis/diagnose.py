@@ -109,9 +109,20 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
             where = located(case, term, e)
             finding = rounded or partly(case, term, e, where)
             if finding:
-                found.findings.append(finding)
+                _add(found.findings, finding)
             if not rounded:
                 found.located[term] = where
+
+
+def _add(findings: list[Finding], new: Finding) -> None:
+    """One more finding; the same of several terms is one."""
+    for f in findings:
+        if (f.key, f.says, f.items) == (new.key, new.says, new.items):
+            f.terms += new.terms
+            f.before, f.after = max(f.before, new.before), max(f.after, new.after)
+            f.evidence |= new.evidence
+            return
+    findings.append(new)
 
 
 def _elsewhere(case: Case, h: Hypothesis, errors: Mapping[str, float]) -> str:

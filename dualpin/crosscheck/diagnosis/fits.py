@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...boundary import call
+from ...call import evaluate as call
 from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
 from .case import Case, View
@@ -16,6 +16,8 @@ from .hypothesis import ALL, FORCED, INERTIAL, WEIGHED, Hypothesis, Story, order
 from .placements import placements
 
 TRAIN = slice(0, None, 2)
+FITTED_ITEM = 2.6
+"""The cost of ten fitted numbers: more than that of any rule about one link."""
 SNAP = 2e-8
 """A fitted gravity this near to a well-known one is taken for it: float32(9.81) is 3e-8 from 9.81, relatively."""
 KNOWN_GRAVITY = {
@@ -188,8 +190,7 @@ def _rotors(case: Case, term: str, story: Story, keys: set[str], train: np.ndarr
 
     terms = ("crba", "rnea", "aba", "minv", "kinetic_energy")
     yield Hypothesis(
-        "rotor_fit", "a rotor's inertia (armature)", terms, "edit", edit,
-        "leave the armature out, or give it to the robot",
+        "rotor_fit", "a rotor's inertia (armature)", terms, "edit", edit, "leave it out, or give it to the robot",
         _names(case, np.where(np.abs(k) > 0, k, 0)), _listed(np.array(list(rotors.values()))), 1.5,
     )  # fmt: skip
 
@@ -214,7 +215,7 @@ def _scale(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
     words = f"{'-' if k < 0 else ''}{known[1]}" if known else f"{k:.10g}"
     factor = np.copysign(known[0], k) if known else k
 
-    def act(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
         return factor * x
 
     says = "the answer is multiplied by a number (other units, or counted another number of times)"
@@ -304,4 +305,28 @@ def _body(case: Case, joint: str, delta: np.ndarray) -> Hypothesis:
 
     says = "the body has other inertial parameters (about the joint's moving frame)"
     fix = "compare the mass, centre and inertia of the links that this joint moves with the file"
-    return Hypothesis("one_link", says, INERTIAL, "edit", edit, fix, (joint,), ", ".join(words), 1.9, single=True)
+    return Hypothesis(
+        "one_link", says, INERTIAL, "edit", edit, fix, (joint,), ", ".join(words), FITTED_ITEM, single=True
+    )
+
+
+FITTED = {
+    "gravity": ("gravity is another; the vector is estimated", "pass the robot's gravity"),
+    **{key: (says, fix) for key, (says, _, fix) in SHAPES.items()},
+    "rotor_fit": (
+        "a rotor's inertia (armature) is on the diagonal of M",
+        "leave the armature out, or give it to the robot",
+    ),
+    "scale": ("the answer is multiplied by a number", "divide by it: other units, or counted another number of times"),
+    "one_link": (
+        "one body has other inertial parameters; they are estimated",
+        "compare its mass, centre and inertia with the file",
+    ),
+    "base_offset": ("the base stands elsewhere", "place the robot's base at the world's origin"),
+    "tool_offset": ("frames stand elsewhere on their links", "use the link's own frame, at its joint"),
+    "origin_fit": (
+        "the origin (or the zero position) of a joint stands elsewhere",
+        "compare its <origin> with the file",
+    ),
+}
+"""The keys that are estimated, with what they say and what to do."""

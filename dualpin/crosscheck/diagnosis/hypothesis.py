@@ -2,7 +2,7 @@
 
 A hypothesis predicts what the subject would answer if it were true.  Each acts at one place of the way
 
-    sent columns -> word -> edit -> state -> formula -> force -> change -> columns of the subject -> answer
+    sent columns -> word -> edit -> state -> formula -> force -> change -> columns of the subject -> answer -> relation
 
 so that several compose in one way only, and every one can be tried on every subject.  A *rule*
 proposes hypotheses for a case: itself for the whole robot and, where that makes sense, for one link or
@@ -11,7 +11,7 @@ joint at a time.  To add one, write a small function under one of the decorators
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ from .description import Body, Description, Part
 if TYPE_CHECKING:
     from .case import Case
 
-PLACES = ("word", "edit", "state", "formula", "force", "change", "answer")
+PLACES = ("word", "edit", "state", "formula", "force", "change", "answer", "relation")
 ALL = tuple(QUESTIONS)
 SIX = ("jacobian", "frame_velocity", "jacobian_dot")
 FORCED = ("bias", "rnea", "aba")
@@ -63,7 +63,8 @@ class Hypothesis:
     act : callable
         word (Wording) -> Wording;  edit (Description, items) -> Description;  state (View) -> states;
         formula (View, term) -> array or None;  force (View) -> (n, nv);  change (View, term, x) -> x;
-        answer (View, term, x, observed) -> x, in the subject's columns.
+        answer (View, term, x) -> x, in the subject's columns;  relation (View, term, x, observed) -> x, of what the
+        observed answer need only have in common with x.
     fix : str
         What to change in the subject's call or in the file.
     items : tuple of str
@@ -123,6 +124,8 @@ class Rule:
     says: str
     fix: str
     propose: Callable[[Case], Iterable[Hypothesis]]
+    rows: Mapping[str, str] = field(default_factory=dict)
+    """Where it proposes several keys: what each says."""
 
 
 RULES: list[Rule] = []
@@ -219,11 +222,13 @@ def rule(
     return decorate
 
 
-def proposer(key: str, says: str, fix: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def proposer(
+    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A function (key, case) -> hypotheses, for rules whose words or number depend on the case."""
 
     def decorate(f: Callable[..., Any]) -> Callable[..., Any]:
-        _register(key, says, fix, lambda case: f(Hypothesis(key, says, (), "", f, fix), case))
+        RULES.append(Rule(key, says, fix, lambda case: f(Hypothesis(key, says, (), "", f, fix), case), rows or {}))
         return f
 
     return decorate

@@ -57,7 +57,7 @@ def precision(case: Case, term: str, e: Explanation) -> Finding | None:
     made = _single(case, term)
     if not rounded and not (0.02 * made < e.before.error < 20 * made):
         return None
-    how = "answers are float32 numbers" if rounded else f"float32 arithmetic would make {made:.0e}"
+    how = "answers are float32 numbers" if rounded else "the error is as large as float32 arithmetic makes it"
     says = f"computed in single precision: {how}"
     return Finding(
         "single_precision", says, [term], e.before.error, e.before.error, fix="compute in double precision",

@@ -158,11 +158,8 @@ def _origin(part: Part, D: np.ndarray) -> Hypothesis:
     def edit(d: Description, items: Sequence[str]) -> Description:
         return d.with_parts(lambda p, _: p.placed(p.pose @ D) if p.joint == part.joint else p)
 
-    turn = f", {_words(D)}"
     says, fix = "the origin of a joint stands elsewhere", "compare the joint's <origin> and zero position with the file"
-    return Hypothesis(
-        "origin_fit", says, ALL, "edit", edit, fix, (part.joint,), turn.removeprefix(", "), 1.5, single=True
-    )
+    return Hypothesis("origin_fit", says, ALL, "edit", edit, fix, (part.joint,), _words(D), 2.3, single=True)
 
 
 def _below(case: Case) -> dict[str, set[str]]:
@@ -179,7 +176,7 @@ def _below(case: Case) -> dict[str, set[str]]:
 
 def _joint_sides(case: Case, view: View) -> dict[str, np.ndarray]:
     """The pose of each joint's origin in the world, before it moves (n, 4, 4)."""
-    from ...boundary import call
+    from ...call import evaluate as call
 
     q, robot = view.states["q"], case.robot
     links: dict[str, np.ndarray] = {}

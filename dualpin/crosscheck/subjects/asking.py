@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from ...boundary import call
+from ...call import evaluate as call
 from ...errors import ArgumentError, DualpinError, DualpinWarning
 from ...io.catalogue import find
 from ...io.urdf import loads

@@ -147,10 +147,9 @@ RATES: dict[str, tuple[str, Callable[[View, str, np.ndarray], np.ndarray]]] = {
 
 
 @proposer(
-    "jdot_*",
-    "the rate of another Jacobian: jdot_zero, jdot_local, jdot_world, jdot_absolute",
-    "differentiate the Jacobian that is returned",
-)
+    "jdot_*", "the rate of another Jacobian", "differentiate the Jacobian that is returned",
+    {key: says for key, (says, _) in RATES.items()},
+)  # fmt: skip
 def jacobian_rates(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(h, key=k, says=says, terms=("jacobian_dot",), place="change", act=f) for k, (says, f) in RATES.items()
@@ -162,7 +161,7 @@ def jacobian_rates(h: Hypothesis, case: Case) -> list[Hypothesis]:
     "another matrix with the same product Jdot v",
     "nothing, if only Jdot v is used",
     ("jacobian_dot",),
-    "answer",
+    "relation",
     cost=1.5,
 )
 def same_product(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
@@ -227,7 +226,7 @@ def _ground(d: Description) -> tuple[float, np.ndarray]:
     "heights are counted from elsewhere",
     "nothing, if only differences are used",
     ("potential_energy",),
-    "answer",
+    "relation",
     cost=1.2,
 )
 def potential_offset(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:

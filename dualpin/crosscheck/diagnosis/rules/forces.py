@@ -112,7 +112,7 @@ def _allowed(
 
 
 @rule("mimic_force", "a force along the <mimic> constraint (a soft equality)", "switch equality constraints off",
-      ("rnea", "aba"), "answer", cost=1.3,
+      ("rnea", "aba"), "relation", cost=1.3,
       when=lambda case: not case.floating and not case.robot.coupled and bool(case.description.mimics))  # fmt: skip
 def mimic_force(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     names, rows = view.case.how.v, []
@@ -134,7 +134,7 @@ SATURATED = 0.3
     "a friction force within the file's bound (not f sign(v))",
     "switch friction off",
     ("rnea", "aba"),
-    "answer",
+    "relation",
     cost=1.7,
     when=_has("friction"),
 )

@@ -54,9 +54,7 @@ def _mass_matrix(model: NewtonEuler, q: np.ndarray, none: np.ndarray) -> np.ndar
 
 
 @proposer(
-    "gyroscopic, centripetal, ...",
-    "a term of Newton's or Euler's equations is left out or turned: " + ", ".join(SLIPS),
-    "write the equations in full",
+    "gyroscopic, ...", "a term of Newton's or Euler's equations is left out or turned", "write them in full", SLIPS
 )  # fmt: skip
 def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
     if case.robot.coupled or any(
@@ -77,7 +75,7 @@ def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
         for merged in (False, True) if merges else (False,):
             out.append(
                 replace(
-                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged),
+                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged), cost=1.1,
                     fix=f"put it in: {says.replace(' is left out', '')}" if "left out" in says else "turn it round",
                     values="of bodies merged from fixed links" if merged else "",
                 )

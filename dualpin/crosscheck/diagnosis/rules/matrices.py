@@ -15,7 +15,7 @@ from ..hypothesis import ALL, FORCED, Hypothesis, proposer, rule
 
 
 def _answer(f: Callable[[np.ndarray], np.ndarray]) -> Callable[..., np.ndarray]:
-    return lambda view, term, x, observed: f(x)
+    return lambda view, term, x: f(x)
 
 
 SQUARE: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], tuple[str, ...], str]] = {
@@ -36,10 +36,9 @@ SQUARE: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], tuple[str, ...]
 
 
 @proposer(
-    "upper, lower, ...",
-    "the matrix is half filled or turned round: upper, lower, diagonal, transposed, coriolis_rate, ...",
-    "fill all of it",
-)
+    "upper, lower, ...", "the matrix is half filled or turned round", "fill all of it",
+    {key: says for key, (says, *_) in SQUARE.items()},
+)  # fmt: skip
 def square(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(h, key=k, says=says, terms=terms, place="answer", act=_answer(f), fix=fix)
@@ -69,7 +68,7 @@ def coriolis_momentum(view: View, term: str, C: np.ndarray) -> np.ndarray:
 
 def _momentum_by_q(view: View) -> np.ndarray:
     """d(M v)/dq at a given v, in its tangent space."""
-    from ....boundary import call
+    from ....call import evaluate as call
 
     s, zero = view.states, np.zeros_like(view.states["v"])
     robot = view.case.robot if view.description is view.case.description else view.robot
@@ -84,7 +83,7 @@ def _momentum_by_q(view: View) -> np.ndarray:
     "another matrix with the same product C v",
     "nothing where only C v is used",
     ("coriolis",),
-    "answer",
+    "relation",
     cost=1.5,
 )
 def same_cv(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
@@ -97,7 +96,7 @@ def same_cv(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.nd
     "coriolis_frozen", "that of the inertial frame, brought to the base's columns without the rate of the turning",
     "add P^T M dP/dt", ("coriolis",), "answer", when=lambda case: case.floating,
 )  # fmt: skip
-def coriolis_frozen(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+def coriolis_frozen(view: View, term: str, x: np.ndarray) -> np.ndarray:
     from ...subjects.layout import Layout
 
     C, M, s = view.compute("coriolis"), view.compute("crba"), view.states
@@ -113,12 +112,12 @@ def coriolis_frozen(view: View, term: str, x: np.ndarray, observed: np.ndarray) 
     ("gravity", *FORCED, "coriolis", "jacobian_dot", "potential_energy"),
     "answer",
 )
-def sign(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+def sign(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return -x
 
 
 @rule(
     "single_precision", "answers are rounded to single precision", "return arrays of doubles", ALL, "answer", cost=1.1
 )
-def answers_in_single_precision(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+def answers_in_single_precision(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return np.asarray(x.astype(np.float32), float)

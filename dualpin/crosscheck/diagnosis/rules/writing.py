@@ -38,8 +38,9 @@ def rows(w: Wording) -> Wording:
 
 
 @proposer(
-    "reference_*", "Jacobians are of another reference: reference_world, reference_local, ...", f"{SAY} (reference=)"
-)
+    "reference_*", "Jacobians are of another reference", f"{SAY} (reference=)",
+    {f"reference_{r}": f"Jacobians and twists of a frame are {seen}" for r, seen in SEEN.items()},
+)  # fmt: skip
 def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(_saying(h, SIX, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
@@ -47,7 +48,10 @@ def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     ]  # fmt: skip
 
 
-@proposer("angular_*", "the base's angular velocity is in other axes: angular_body, angular_world", f"{SAY} (angular=)")
+@proposer(
+    "angular_*", "the base's angular velocity is in other axes", f"{SAY} (angular=)",
+    {f"angular_{x}": f"the base's angular velocity is {STANDS[x]}" for x in LINEAR[:2]},
+)  # fmt: skip
 def angular(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(_saying(h, ALL, angular=x), key=f"angular_{x}", says=f"the base's angular velocity is {STANDS[x]}")
@@ -56,8 +60,9 @@ def angular(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 
 @proposer(
-    "linear_*", "the base's linear velocity is another: linear_body, linear_world, linear_origin", f"{SAY} (linear=)"
-)
+    "linear_*", "the base's linear velocity is another", f"{SAY} (linear=)",
+    {f"linear_{x}": f"the base's linear velocity is {STANDS[x]}" for x in LINEAR},
+)  # fmt: skip
 def linear(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
         replace(_saying(h, ALL, linear=x), key=f"linear_{x}", says=f"the base's linear velocity is {STANDS[x]}")

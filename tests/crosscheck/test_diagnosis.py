@@ -1,0 +1,185 @@
+"""Causes of differences are named, and nothing else is."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dualpin as dp
+from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.description import built, describe
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.keys import keys, table
+from dualpin.crosscheck.diagnosis.newton_euler import NewtonEuler
+from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, asking
+from dualpin.crosscheck.subjects.asking import expected
+from dualpin.crosscheck.subjects.layout import Layout
+from dualpin.crosscheck.subjects.running import ask_object
+from tests.crosscheck.planted import FIXED, FLOATING, MISTAKES, PAIRS, Student
+
+ROOT = Path(__file__).parents[2]
+PROBE = str(ROOT / "urdf/probe/probe.urdf")
+NOTHING_SHOWS = {
+    # robot: mistakes that leave no trace on it, since it has nothing that they would change
+    PROBE: set(),
+}
+
+
+def asked(robot: str, floating: bool = False, samples: int = 12) -> Asking:
+    return asking(robot, samples, 0, tuple(QUESTIONS), floating=floating)
+
+
+def diagnosed(ask: Asking, wrong: tuple[str, ...]):
+    """What is off, and what is said of it."""
+    answers = ask_object(Student(ask.text, ask.floating, wrong), ask, lambda what: None)
+    case = Case(answers)
+    off = {t for t in answers.terms if not case.score(t).right}
+    return off, diagnose(case)
+
+
+def rightly_named(ask: Asking, wrong: tuple[str, ...]) -> bool | None:
+    """Whether every mistake is named and nothing else; None where nothing shows."""
+    off, found = diagnosed(ask, wrong)
+    named = {f.key for f in found.findings}
+    if not off and not named:
+        return None
+    return all(named & set(MISTAKES[w]) for w in wrong) and named <= {k for w in wrong for k in MISTAKES[w]}
+
+
+@pytest.fixture(scope="module")
+def probe() -> Asking:
+    return asked(PROBE)
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("panda", False), ("solo12", True)])
+def test_right_code_of_another_kind_gets_no_finding(robot, floating):
+    off, found = diagnosed(asked(robot, floating, 4), ())
+    assert off == set() and found.findings == []
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ("inertial_rpy_transposed",), ("fixed_unturned",), ("axis_in_parent",), ("no_gyroscopic",), ("g_odd",),
+        ("order_alphabetical",), ("one_mass",), ("one_origin",), ("rotor",), ("coriolis_other",), ("float32_answers",),
+        ("g_9.8", "damping"), ("inertial_rpy_transposed", "products_dropped"),
+    ],
+    ids="+".join,
+)  # fmt: skip
+def test_mistakes_are_named_on_the_probe(probe, wrong):
+    assert rightly_named(probe, wrong)
+
+
+def test_a_base_in_world_axes_is_named():
+    assert rightly_named(asked("solo12", True, 6), ("linear_world",))
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("mistake", FIXED)
+def test_every_mistake_shows_on_the_probe_and_is_named(probe, mistake):
+    assert rightly_named(probe, (mistake,))
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("pair", PAIRS, ids="+".join)
+def test_pairs_are_named_on_the_probe(probe, pair):
+    assert rightly_named(probe, pair)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(("robot", "floating"), [("panda", False), ("ur5", False), ("solo12", True)])
+def test_most_visible_mistakes_are_named_on_any_robot(robot, floating):
+    ask = asked(robot, floating)
+    results = {m: rightly_named(ask, (m,)) for m in (MISTAKES if floating else FIXED)}
+    visible = {m: r for m, r in results.items() if r is not None}
+    missed = [m for m, r in visible.items() if not r]
+    assert len(missed) <= 0.1 * len(visible), missed
+
+
+# --- what the search stands on -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("panda", False), ("solo12", True)])
+def test_a_description_builds_the_robot_it_was_read_from(robot, floating):
+    ask = asked(robot, floating, 3)
+    again = built([describe(ask.text, ask.robot)], ask.robot)
+    how = Layout(ask.robot, Case(_silent(ask)).how)
+    for term in QUESTIONS:
+        x, y = (expected(r, how, term, ask.states, ask.frames) for r in (ask.robot, again))
+        assert np.abs(x - y).max() < 1e-13 * max(1, np.abs(x).max()), term
+
+
+def test_many_descriptions_at_once_are_the_same_as_one_by_one(probe):
+    case = Case(_silent(probe))
+    stories = [(h,) for rule in RULES for h in rule.propose(case) if h.place == "edit"]
+    for term in ("rnea", "crba", "fk", "coriolis"):
+        chosen = [s for s in stories if term in s[0].terms][::7]
+        together = case.predictions(term, chosen)
+        for story, x in zip(chosen, together, strict=True):
+            (alone,) = Case(_silent(probe)).predictions(term, [story])
+            assert (x is None) == (alone is None)
+            assert x is None or np.abs(x - alone).max() < 1e-11 * max(1, np.abs(alone).max()), story
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("panda", False), ("solo12", True)])
+@pytest.mark.parametrize("merged", [False, True])
+def test_newton_and_euler_without_a_slip_are_right(robot, floating, merged):
+    ask = asked(robot, floating, 4)
+    view = Case(_silent(ask)).view(())
+    model = NewtonEuler(view.robot, view.description, "", merged)
+    s = view.states
+    apart = model.forces(s["q"], s["v"], s["a"], model.gravity) - dp.rnea(ask.robot, s["q"], s["v"], s["a"])
+    assert np.abs(apart).max() < 1e-11 * max(1, np.abs(s["tau"]).max())
+
+
+def _silent(ask: Asking) -> Answers:
+    from dualpin.crosscheck.subjects import Convention
+
+    how = Convention.of(ask.robot)
+    return Answers("nobody", "", how, ask, Layout(ask.robot, how).states(ask.states))
+
+
+# --- findings -------------------------------------------------------------------------------------
+
+
+def test_what_explains_as_well_is_said_and_told_apart(probe):
+    _, found = diagnosed(replace(probe, terms=("gravity",)), ("com_ignored",))
+    (finding,) = found.findings
+    assert finding.key in ("inertial_xyz", "inertial_origin") and finding.alternatives
+    assert finding.apart == {}  # gravity cannot tell: both leave the centres at the links' origins
+
+
+def test_an_unknown_cause_is_located_not_named(probe):
+    robot = probe.robot
+
+    def odd(q, v, a):
+        tau = dp.rnea(robot, q, v, a)
+        tau[2] += np.sin(3 * q[0]) * v[1]
+        return tau
+
+    term = dp.judge(robot, {"rnea": odd}, 8).terms["rnea"]
+    assert term.status == "differs" and {f.key for f in term.findings} <= {"partly"}
+    assert "shoulder" in term.reason and "off in 1 of 6 rows" in term.reason
+
+
+def test_the_table_of_keys_is_that_of_the_documentation():
+    page = (ROOT / "docs/keys.md").read_text(encoding="utf-8")
+    assert page.endswith(table()), "python -m dualpin.crosscheck.diagnosis.keys writes it"
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("solo12", True), ("tiago_dual", False)])
+def test_every_hypothesis_has_a_line_in_the_table_and_a_fix(robot, floating):
+    case = Case(_silent(asked(robot, floating, 2)))
+    for h in (h for rule in RULES for h in rule.propose(case)):
+        assert isinstance(h, Hypothesis) and h.key in keys() and h.says and h.fix, h
+        assert set(h.terms) <= set(QUESTIONS) and h.terms
+    assert {k for v in MISTAKES.values() for k in v} <= set(keys()) | {"com_of_origins"}
+    assert not any(re.search(r"[<>]", k) for k in keys())
+
+
+def test_mistakes_of_a_floating_base_are_known():
+    assert not set(FIXED) & set(FLOATING)
