@@ -17,6 +17,7 @@ from ...model.memory import memory
 from ...model.robot import Robot
 from ...terms import TERMS
 from .arrays import DeviceArray, to_device
+from .build import plan
 from .driver import Device, device
 from .kernel import DeviceKernel
 
@@ -46,4 +47,4 @@ def kernel(
     return kernels[key]
 
 
-__all__ = ["DeviceArray", "DeviceKernel", "device", "kernel", "to_device"]
+__all__ = ["DeviceArray", "DeviceKernel", "device", "kernel", "plan", "to_device"]

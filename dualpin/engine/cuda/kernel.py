@@ -188,9 +188,10 @@ class DeviceKernel:
 
     def _apart(self, views: list[Lent], target: Lent) -> None:
         """Threads read while others write: results may not lie where arguments do."""
-        results = described(target)
+        low, high = extent(target)
         for key, x in zip(self.term.inputs, views, strict=True):
-            if np.may_share_memory(results, described(x)) and np.shares_memory(results, described(x)):
+            start, end = extent(x)
+            if start < high and low < end and np.shares_memory(described(target), described(x)):
                 raise ArgumentError(f"{self.term.name}: out overlaps {key}")
 
     def _copied(self, given: tuple[Any, ...], out: Any) -> np.ndarray:
@@ -241,6 +242,19 @@ def one_step(shape: tuple[int, ...], strides: tuple[int, ...], itemsize: int) ->
             return None
     step = axes[-1][1]
     return step // itemsize if step % itemsize == 0 else None
+
+
+def extent(x: Lent) -> tuple[int, int]:
+    """The addresses between which an array lies."""
+    start = end = x.pointer
+    for size, step in zip(x.shape, x.strides, strict=True):
+        if size == 0:
+            return 0, 0
+        if step < 0:
+            start += (size - 1) * step
+        else:
+            end += (size - 1) * step
+    return start, end + x.dtype.itemsize
 
 
 class _Description:
