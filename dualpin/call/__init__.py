@@ -25,9 +25,10 @@ from .evaluator import DOUBLE, ENGINES, SINGLE, Evaluator, evaluator_of, functio
 
 if TYPE_CHECKING:
     from ..engine.jit.kernel import Kernel
+    from .device import DeviceEvaluator
 
 
-def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evaluator:
+def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evaluator | DeviceEvaluator:
     """What computes a term, or a term followed by its options as the user gave them."""
     if engine == "auto":
         try:
@@ -37,7 +38,9 @@ def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evalu
     term, *given = asked if isinstance(asked, tuple) else (asked,)
     check_robot(robot, term.name)
     options = term.settled(robot, {x.name: value for x, value in zip(term.options, given, strict=False)})
-    made = function_of(robot, term, options, engine=choice("engine", engine, ENGINES))
+    if choice("engine", engine, ENGINES) == "cuda":
+        return on_device(robot, term, options)
+    made = function_of(robot, term, options, engine=engine)
     # what equals one of these means the same; but 1.0 and True equal the index 1
     if engine == "auto" and all(isinstance(x, (str, bool, Frame)) for x in given):
         memory(robot)[asked] = made
@@ -68,7 +71,18 @@ def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]
     return evaluator_of(robot, term, options, engine=choice("engine", engine, ENGINES)).rows(inputs)
 
 
-def kernel(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
+def on_device(
+    robot: Robot, term: Term, options: Options, dtype: np.dtype | None = None, device: str | int = "cuda"
+) -> DeviceEvaluator:
+    """The term on arrays of a GPU; see `DeviceEvaluator`."""
+    from .device import device_evaluator
+
+    return device_evaluator(robot, term, options, dtype, device)
+
+
+def kernel(
+    robot: Robot, name: str, dtype: Any = np.float64, device: str | int | None = None, **options: Any
+) -> Callable[..., Any]:
     """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
 
     Parameters
@@ -77,6 +91,8 @@ def kernel(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> 
         A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
     dtype : float64 or float32
         What it computes in and returns; other arrays are converted.
+    device : "cuda", "cuda:1", ..., optional
+        A GPU, for arrays that are on it; see docs/gpu.md.
     **options
         What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``, ``classical=``.
 
@@ -109,6 +125,8 @@ def kernel(robot: Robot, name: str, dtype: Any = np.float64, **options: Any) -> 
     if kind not in (DOUBLE, SINGLE):
         raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
     settled = term.settled(robot, options)
+    if device is not None:
+        return on_device(robot, term, settled, kind, device)
     find(robot, term, settled, kind, single=True)  # compiled now, not when it is needed
     return function_of(robot, term, settled, kind)
 

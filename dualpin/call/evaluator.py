@@ -18,9 +18,9 @@ from .arguments import check_result, rows, separated
 from .fast import fast_function
 from .kernels import Kernels
 
-ENGINES = ("auto", "compiled", "numpy")
+ENGINES = ("auto", "compiled", "numpy", "cuda")
 """Compiled where there is a compiler and the term is a straight line, else NumPy; compiled, or an error
-that says why not; the source itself on arrays."""
+that says why not; the source itself on arrays; kernels of an Nvidia GPU, for arrays on it."""
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 
@@ -80,8 +80,17 @@ def evaluator_of(
     if found is None:
         constants = kept.get("constants") or kept.setdefault("constants", replace(robot))
         kernels = kept.setdefault(("kernels", *key), Kernels(constants, term, options, dtype))
-        found = kept.setdefault((engine, *key), Evaluator(kernels, engine))
+        found = kept.setdefault((engine, *key), _made(kernels, engine))
     return found
+
+
+def _made(kernels: Kernels, engine: str) -> Evaluator:
+    if engine != "cuda":
+        return Evaluator(kernels, engine)
+    from ..engine.cuda.driver import device
+    from .device import Copying
+
+    return Copying(kernels, device())
 
 
 def function_of(

@@ -16,10 +16,9 @@ from random_robots import tree
 import dualpin as dp
 from dualpin.engine.codegen.number import DOUBLE, SINGLE
 from dualpin.engine.cuda import arrays, dlpack, driver, far, layout, program, resources
-from dualpin.engine.cuda import kernel as device_kernel
+from dualpin.engine.cuda.arrays import one_step
 from dualpin.engine.cuda.build import Plan, plan
 from dualpin.engine.cuda.emulator import Emulated
-from dualpin.engine.cuda.kernel import one_step
 from dualpin.engine.graph.trace import Graph, Sym, Trace, trace
 from dualpin.engine.jit.kernel import build
 from dualpin.terms import TERMS
@@ -91,7 +90,7 @@ def test_results_that_are_inputs_or_sines_or_known():
     library = {"sin": Sym(graph, graph.node("sin", x.i)), "cos": Sym(graph, graph.node("cos", x.i))}
     traced = Trace(graph, [2], [y, library["sin"], 2.5, y, library["cos"], x * y, library["sin"]])
     for lay in (layout.strided((2, 7)), layout.staged((2, 7), 100), layout.staged((2, 7), 7)):
-        got = Emulated(Plan(program.program(traced), DOUBLE, lay))(np.array([[0.5, 3.0]]))[0]
+        got = Emulated(Plan(program.program(traced, 100), DOUBLE, lay))(np.array([[0.5, 3.0]]))[0]
         assert got.tolist() == [3.0, np.sin(0.5), 2.5, 3.0, np.cos(0.5), 1.5, np.sin(0.5)]
 
 
@@ -116,7 +115,7 @@ def turned(xs, number=DOUBLE):
     graph = Graph()
     (x,) = graph.inputs(0, 1)
     traced = Trace(graph, [1], [Sym(graph, graph.node(op, x.i)) for op in ("cos", "sin")])
-    made = Plan(program.program(traced), number, layout.staged((1, 2), 8))
+    made = Plan(program.program(traced, 100), number, layout.staged((1, 2), 8))
     return Emulated(made)(np.asarray(xs, made.dtype).reshape(-1, 1))
 
 
@@ -162,7 +161,7 @@ def test_values_are_made_before_they_are_read():
     robot = dp.load("ur5")
     traced = trace(robot, TERMS["aba"], {})
     for part in (50, 10_000):
-        made = program.program(traced, part=part, together=3)
+        made = program.program(traced, 100, part=part, together=3)
         nodes, here, slots = made.nodes, set(), {}
         for p in made.parts:
             here = {key for key, slot in p.reads.items() if slots[slot] == key}
@@ -305,26 +304,30 @@ def test_axes_that_can_be_walked_along_as_one(shape, strides, step):
 
 
 def test_whose_arrays_they_are():
-    assert arrays.library_of(np.zeros(3)) == arrays.library_of([1.0]) == arrays.library_of("text") == "host"
+    assert arrays.adapter(np.zeros(3)) is arrays.adapter([1.0]) is arrays.adapter("text") is None
 
     class Foreign:
         __cuda_array_interface__ = {"shape": (3,), "typestr": "<f8", "data": (4096, False), "version": 3}
 
-    assert arrays.library_of(Foreign()) == "device"
+    assert type(arrays.adapter(Foreign())) is arrays.Adapter
 
 
 @pytest.mark.skipif(driver.count() > 0, reason="there is a CUDA device")
 def test_without_a_device_the_error_says_so():
     with pytest.raises(dp.DeviceError, match=r"no CUDA driver|finds no device"):
-        device_kernel(dp.load("ur5"), "rnea")
+        dp.load("ur5").kernel("rnea", device="cuda")
+    robot = dp.load("ur5")
+    q, v, a = robot.sample(3, seed=0)
+    with pytest.raises(dp.DeviceError, match=r"no CUDA driver|finds no device"):
+        dp.rnea(robot, q, v, a, engine="cuda")
 
 
 def test_names_of_terms_and_types_are_checked_first():
     robot = dp.load("ur5")
     with pytest.raises(dp.errors.ArgumentError, match="did you mean 'rnea'"):
-        device_kernel(robot, "rnae")
+        robot.kernel("rnae", device="cuda")
     with pytest.raises(dp.errors.ArgumentError, match="float64 or float32 expected, got int64"):
-        device_kernel(robot, "rnea", np.int64)
+        robot.kernel("rnea", np.int64, device="cuda")
 
 
 @needs_device
@@ -335,6 +338,6 @@ def test_a_device_gives_the_bits_of_the_host(term):
         xs = inputs_of(robot, term, 1000, dtype)
         there = [arrays.to_device(x) for x in xs]
         expected = robot.kernel(term, dtype=dtype)(*xs)
-        compute = device_kernel(robot, term, dtype)
+        compute = robot.kernel(term, dtype, device="cuda")
         assert np.array_equal(compute(*there).to_host(), expected)
         assert np.array_equal(compute(*xs, copy=True), expected)

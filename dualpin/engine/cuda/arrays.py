@@ -7,6 +7,7 @@ nobody waits.
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 import sys
 from collections import deque
@@ -60,9 +61,11 @@ class DeviceArray:
             self.device.follow(0 if stream == 1 else stream, self.stream)
         return dlpack.capsule(self, self.pointer, self.shape, self.dtype, self.device.ordinal)
 
-    def to_host(self) -> np.ndarray:
-        """A copy as a NumPy array; waits for the results."""
-        x = np.empty(self.shape, self.dtype)
+    def to_host(self, into: np.ndarray | None = None) -> np.ndarray:
+        """A copy as a NumPy array, or in one without gaps of as many bytes; waits for the results."""
+        x = np.empty(self.shape, self.dtype) if into is None else into
+        if x.nbytes != self.nbytes or not x.flags.c_contiguous:
+            raise ArgumentError(f"an array of {self.nbytes} bytes without gaps expected, got {x.shape} of {x.dtype}")
         self.device.to_host(x.ctypes.data, self.pointer, x.nbytes, self.stream)
         self.device.wait(self.stream)
         return x
@@ -85,80 +88,149 @@ def to_device(x: np.ndarray, where: Device | str | int = "cuda", stream: int = L
     return result
 
 
-def library_of(x: Any) -> str:
-    """ "torch", "cupy", "jax", "device" for all others on a device, or "host"."""
-    top = type(x).__module__.partition(".")[0]
+class Adapter:
+    """How arrays of a library are asked and made.
+
+    Attributes
+    ----------
+    follows : bool
+        Whether its allocator knows streams: arrays that are let go stay until what reads them is done.
+    """
+
+    follows = False
+
+    def signature(self, x: Any) -> Any:
+        """All that decides how an array is walked along, but its address; None where that takes asking."""
+        return None
+
+    def pointer(self, x: Any, stream: int) -> int:
+        """The address of an array with a signature, for use in a stream."""
+        raise NotImplementedError
+
+    def lent(self, x: Any, stream: int) -> Lent:
+        """An array as its address and strides in bytes, to be used in a stream."""
+        if _on_cuda(x):
+            return dlpack.received(x, stream)
+        about = x.__cuda_array_interface__
+        theirs = about.get("stream")
+        if theirs is not None:
+            device().follow(stream, 0 if theirs == 1 else theirs)
+        dtype, shape = np.dtype(about["typestr"]), tuple(about["shape"])
+        strides = about.get("strides") or contiguous(shape, dtype.itemsize)
+        return Lent(about["data"][0], shape, tuple(strides), dtype, 0, x)
+
+    def stream(self, where: Device) -> int:
+        """Where the library's next operation would go."""
+        return LEGACY
+
+    def empty(self, shape: tuple[int, ...], dtype: np.dtype, where: Device, stream: int, columns: int) -> Any:
+        """An array for results; its first axis is the one whose entries are neighbours if so many axes follow."""
+        return DeviceArray(shape, dtype, where, stream)
+
+    def finished(self, result: Any) -> Any:
+        """What the caller gets."""
+        return result
+
+
+class Ours(Adapter):
+    def signature(self, x: Any) -> Any:
+        return x.shape, x.dtype, x.device.ordinal
+
+    def pointer(self, x: Any, stream: int) -> int:
+        if x.stream != stream:
+            x.device.follow(stream, x.stream)
+        return x.pointer
+
+    def lent(self, x: Any, stream: int) -> Lent:
+        strides = contiguous(x.shape, x.dtype.itemsize)
+        return Lent(self.pointer(x, stream), x.shape, strides, x.dtype, x.device.ordinal, x)
+
+
+class Torch(Adapter):
+    follows = True
+
+    def signature(self, x: Any) -> Any:
+        return x.shape, x.stride(), x.dtype, x.get_device()
+
+    def pointer(self, x: Any, stream: int) -> int:
+        return x.data_ptr()
+
+    def lent(self, x: Any, stream: int) -> Lent:
+        item = x.element_size()
+        kind = np.dtype(str(x.dtype).removeprefix("torch.").replace("bfloat16", "V2"))
+        return Lent(x.data_ptr(), tuple(x.shape), tuple(s * item for s in x.stride()), kind, x.get_device(), x)
+
+    def stream(self, where: Device) -> int:
+        torch = sys.modules["torch"]
+        quick = getattr(torch._C, "_cuda_getCurrentRawStream", None)
+        return quick(where.ordinal) if quick else torch.cuda.current_stream(where.ordinal).cuda_stream
+
+    def empty(self, shape: tuple[int, ...], dtype: np.dtype, where: Device, stream: int, columns: int) -> Any:
+        torch = sys.modules["torch"]
+        kind, place = (torch.float64 if dtype.itemsize == 8 else torch.float32), f"cuda:{where.ordinal}"
+        if columns:
+            return torch.empty((*shape[1:], shape[0]), dtype=kind, device=place).movedim(-1, 0)
+        return torch.empty(shape, dtype=kind, device=place)
+
+
+class CuPy(Adapter):
+    follows = True
+
+    def signature(self, x: Any) -> Any:
+        return x.shape, x.strides, x.dtype, x.data.device_id
+
+    def pointer(self, x: Any, stream: int) -> int:
+        return x.data.ptr
+
+    def lent(self, x: Any, stream: int) -> Lent:
+        return Lent(x.data.ptr, x.shape, x.strides, x.dtype, x.data.device_id, x)
+
+    def stream(self, where: Device) -> int:
+        return sys.modules["cupy"].cuda.get_current_stream(where.ordinal).ptr
+
+    def empty(self, shape: tuple[int, ...], dtype: np.dtype, where: Device, stream: int, columns: int) -> Any:
+        cupy = sys.modules["cupy"]
+        with cupy.cuda.Device(where.ordinal):
+            if columns:
+                return cupy.moveaxis(cupy.empty((*shape[1:], shape[0]), dtype), -1, 0)
+            return cupy.empty(shape, dtype)
+
+
+class Jax(Adapter):
+    def stream(self, where: Device) -> int:
+        # XLA's own streams cannot be asked for: ours follows them, and they follow ours
+        if where.ordinal not in _streams:
+            _streams[where.ordinal] = where.stream()
+        return _streams[where.ordinal]
+
+    def finished(self, result: Any) -> Any:
+        return sys.modules["jax"].dlpack.from_dlpack(result)
+
+
+_streams: dict[int, int] = {}
+_OTHERS, _OURS, _TORCH, _CUPY, _JAX = Adapter(), Ours(), Torch(), CuPy(), Jax()
+
+
+def adapter(x: Any) -> Adapter | None:
+    """How to ask an array on a device; None for all that is on the host."""
+    kind = type(x)
+    if kind is DeviceArray:
+        return _OURS
+    top = kind.__module__.partition(".")[0]
     if top == "torch" and hasattr(x, "data_ptr"):
-        return "torch" if x.is_cuda else "host"
-    if top == "cupy":
-        return "cupy"
-    if isinstance(x, DeviceArray):
-        return "device"
+        return _TORCH if x.is_cuda else None
+    if top == "cupy" and hasattr(x, "strides"):
+        return _CUPY
     if top in ("jaxlib", "jax"):
-        return "jax" if _on_cuda(x) else "host"
+        return _JAX if _on_cuda(x) else None
     if isinstance(x, (np.ndarray, list, tuple, float, int)):
-        return "host"
-    return "device" if hasattr(x, "__cuda_array_interface__") or _on_cuda(x) else "host"
+        return None
+    return _OTHERS if hasattr(x, "__cuda_array_interface__") or _on_cuda(x) else None
 
 
 def _on_cuda(x: Any) -> bool:
     ask = getattr(x, "__dlpack_device__", None)
     return ask is not None and ask()[0] == dlpack.CUDA
-
-
-def lent(x: Any, library: str, stream: int) -> Lent:
-    """An array as its address and strides in bytes, to be used in a stream."""
-    if library == "torch":
-        item = x.element_size()
-        kind = np.dtype(str(x.dtype).removeprefix("torch.").replace("bfloat16", "V2"))
-        return Lent(x.data_ptr(), tuple(x.shape), tuple(s * item for s in x.stride()), kind, x.device.index, x)
-    if library == "cupy":
-        return Lent(x.data.ptr, x.shape, x.strides, x.dtype, x.device.id, x)
-    if isinstance(x, DeviceArray):
-        x.device.follow(stream, x.stream)
-        return Lent(x.pointer, x.shape, contiguous(x.shape, x.dtype.itemsize), x.dtype, x.device.ordinal, x)
-    if _on_cuda(x):
-        return dlpack.received(x, stream)
-    about = x.__cuda_array_interface__
-    theirs = about.get("stream")
-    if theirs is not None:
-        device().follow(stream, 0 if theirs == 1 else theirs)
-    dtype = np.dtype(about["typestr"])
-    strides = about.get("strides") or contiguous(tuple(about["shape"]), dtype.itemsize)
-    return Lent(about["data"][0], tuple(about["shape"]), tuple(strides), dtype, 0, x)
-
-
-def current_stream(library: str, where: Device) -> int:
-    """Where the library's next operation would go."""
-    if library == "torch":
-        return sys.modules["torch"].cuda.current_stream(where.ordinal).cuda_stream
-    if library == "cupy":
-        return sys.modules["cupy"].cuda.get_current_stream(where.ordinal).ptr
-    if library == "jax":  # XLA's own streams cannot be asked for: ours follows them, and they follow ours
-        return _own_stream(where)
-    return LEGACY
-
-
-_streams: dict[int, int] = {}
-
-
-def _own_stream(where: Device) -> int:
-    if where.ordinal not in _streams:
-        _streams[where.ordinal] = where.stream()
-    return _streams[where.ordinal]
-
-
-def empty(library: str, shape: tuple[int, ...], dtype: np.dtype, where: Device, stream: int) -> Any:
-    """An array for results, of the library if its arrays can be written to."""
-    if library == "torch":
-        torch = sys.modules["torch"]
-        kind = torch.float64 if dtype.itemsize == 8 else torch.float32
-        return torch.empty(shape, dtype=kind, device=f"cuda:{where.ordinal}")
-    if library == "cupy":
-        cupy = sys.modules["cupy"]
-        with cupy.cuda.Device(where.ordinal):
-            return cupy.empty(shape, dtype)
-    return DeviceArray(shape, dtype, where, stream)
 
 
 _reading: deque[tuple[Event, Any]] = deque()
@@ -173,12 +245,45 @@ def held(needs: Any, stream: int) -> None:
             _reading.popleft()
 
 
-def finished(result: Any, library: str) -> Any:
-    """What the caller gets: for JAX, its own array of the same memory."""
-    return sys.modules["jax"].dlpack.from_dlpack(result) if library == "jax" else result
+def handle(stream: Any) -> int:
+    """A stream of any library as a number."""
+    for name in ("cuda_stream", "ptr", "handle"):
+        if hasattr(stream, name):
+            return int(getattr(stream, name) or 0)
+    if isinstance(stream, bool) or not isinstance(stream, int):
+        kind = type(stream).__name__
+        raise ArgumentError(f"stream: a number, or an object with .cuda_stream or .ptr, expected, got {kind}")
+    return stream
 
 
-def mixed(term: str, kinds: dict[str, str]) -> ArgumentError:
-    """Arguments here and there."""
-    where = ", ".join(f"{name}: {'host' if kind == 'host' else 'device'}" for name, kind in kinds.items())
-    return ArgumentError(f"{term}: all arrays on the device or all on the host expected, got {where}")
+def one_step(shape: tuple[int, ...], strides: tuple[int, ...], itemsize: int) -> int | None:
+    """The distance in numbers between neighbours of axes that are walked along as one; None if they cannot be."""
+    axes = [(size, step) for size, step in zip(shape, strides, strict=True) if size != 1]
+    if not axes:
+        return 1
+    for (_, outer), (size, inner) in itertools.pairwise(axes):
+        if outer != size * inner:
+            return None
+    step = axes[-1][1]
+    return step // itemsize if step % itemsize == 0 else None
+
+
+def span(x: Lent) -> tuple[int, int]:
+    """Between which addresses an array lies, counted from its own."""
+    steps = [(size - 1) * step for size, step in zip(x.shape, x.strides, strict=True)]
+    if 0 in x.shape:
+        return 0, 0
+    return sum(min(0, s) for s in steps), sum(max(0, s) for s in steps) + x.dtype.itemsize
+
+
+class _Description:
+    def __init__(self, x: Lent) -> None:
+        self.__array_interface__ = {
+            "version": 3, "shape": x.shape, "strides": x.strides, "typestr": x.dtype.str, "data": (x.pointer, True),
+        }  # fmt: skip
+
+
+def overlap(a: Lent, b: Lent) -> bool:
+    """Whether two arrays share a number."""
+    # NumPy knows by their description; the numbers, on a device, are not touched
+    return bool(np.shares_memory(np.asarray(_Description(a)), np.asarray(_Description(b))))

@@ -28,6 +28,8 @@ THREADS = 128
 RESIDENT = 2
 """Blocks that have room on a multiprocessor: more would leave each thread too few registers."""
 
+NUMBERS = {8: 115, 4: 230}
+"""How many numbers of so many bytes a thread's registers have room for, addresses and such apart."""
 
 @dataclass(frozen=True)
 class Plan:
@@ -80,7 +82,7 @@ def plan(
         If it is too long for a GPU.
     """
     number = DOUBLE if np.dtype(dtype).itemsize == 8 else SINGLE
-    made = program(trace(robot, term, options), part)
+    made = program(trace(robot, term, options), NUMBERS[number.size], part)
     sizes = (*made.sizes, made.width)
     layout = layouts.strided(sizes) if strided else layouts.staged(sizes, STAGED_BYTES // number.size)
     return Plan(made, number, layout)

@@ -27,6 +27,7 @@ _ERROR_LOG, _ERROR_LOG_SIZE = 5, 6
 _PTX = 1
 _OUT_OF_MEMORY, _NOT_READY = 2, 600
 _NO_TIMING = 2
+_ELSEWHERE = (201, 400, 709)  # invalid context, handle: this thread works with another device, or none yet
 
 
 @cache
@@ -255,6 +256,13 @@ def assembled(ptx: str, where: Device) -> bytes:
             library().cuLinkDestroy(state)
 
 
+@cache
+def launcher() -> Any:
+    """The driver's launch, told its types once."""
+    types = (c_void_p, *[c_uint] * 7, c_void_p, c_void_p, c_void_p)
+    return ctypes.CFUNCTYPE(c_int, *types)(("cuLaunchKernel", library()))
+
+
 class Function:
     """A kernel on a device.
 
@@ -269,7 +277,8 @@ class Function:
         with where.current():
             call("cuModuleLoadData", byref(self._module), code)
             call("cuModuleGetFunction", byref(self.handle), self._module, name)
-        self._launch = library().cuLaunchKernel
+        self._launch = launcher()
+        self._blocks = threading.local()
         self.registers, self.local = self._attribute("registers"), self._attribute("local")
 
     def _attribute(self, name: str) -> int:
@@ -292,11 +301,21 @@ class Function:
 
     def launch(self, blocks: int, threads: int, shared: int, stream: int, numbers: Sequence[int]) -> None:
         """Begin, with whole numbers of 64 bits and addresses as arguments."""
-        values = (ctypes.c_int64 * len(numbers))(*numbers)
-        start = ctypes.addressof(values)
-        pointers = (c_void_p * len(numbers))(*range(start, start + 8 * len(numbers), 8))
-        sizes = (c_uint(blocks), 1, 1, c_uint(threads), 1, 1, c_uint(shared))
-        with self.device.current():
-            status = self._launch(self.handle, *sizes, c_void_p(stream), pointers, None)
+        values, extra = self._arguments(len(numbers))
+        values[:] = numbers
+        arguments = (self.handle, blocks, 1, 1, threads, 1, 1, shared, stream, None, extra)
+        status = self._launch(*arguments)
+        if status in _ELSEWHERE:
+            with self.device.current():
+                status = self._launch(*arguments)
         if status:
             raise DeviceError(f"CUDA: launch of {blocks} blocks: {_reason(library(), status)}")
+
+    def _arguments(self, count: int) -> tuple[Any, Any]:
+        """This thread's block of arguments, and the list that describes it to the driver."""
+        found = getattr(self._blocks, "found", None)
+        if found is None:
+            values, size = (ctypes.c_int64 * count)(), c_size_t(8 * count)
+            extra = (c_void_p * 5)(1, ctypes.addressof(values), 2, ctypes.addressof(size), 0)
+            found = self._blocks.found = (values, extra, size)
+        return found[0], found[1]

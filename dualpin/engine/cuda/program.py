@@ -13,10 +13,11 @@ from dataclasses import dataclass, field
 from ...errors import DualpinError
 from ..graph.schedule import Step, fused
 from ..graph.trace import Node, Sym, Trace
+from .order import arranged
 
 ANGLES = 8
 """Sines and cosines made side by side: enough for their long chains of operations to overlap."""
-PART = 4_000
+PART = 8_000
 """Operations of one function: assemblers take more than linear time, and registers run out."""
 LONGEST = 150_000
 """Operations beyond which a program is refused: its code alone would be larger than the caches of a GPU."""
@@ -70,8 +71,8 @@ class Program:
         return sum(len(s.steps) for part in self.parts for s in part.segments)
 
 
-def program(traced: Trace, part: int = PART, together: int = ANGLES) -> Program:
-    """The program of one thread.
+def program(traced: Trace, registers: int, part: int = PART, together: int = ANGLES) -> Program:
+    """The program of one thread that has room for so many numbers.
 
     Raises
     ------
@@ -84,7 +85,9 @@ def program(traced: Trace, part: int = PART, together: int = ANGLES) -> Program:
         raise TooLongError(
             f"{len(steps)} operations: too long for a GPU, where a program of at most {LONGEST} is worth it"
         )
-    parts = list(cut(segments(nodes, order, steps, together), part))
+    results = list(dict.fromkeys(x.i for x in traced.outputs if type(x) is Sym))
+    line = arranged(nodes, steps, order, results, registers)
+    parts = list(cut(segments(nodes, line, steps, together), part))
     places: dict[int, list[int]] = {}
     constants: dict[int, float] = {}
     for j, x in enumerate(traced.outputs):
@@ -95,13 +98,13 @@ def program(traced: Trace, part: int = PART, together: int = ANGLES) -> Program:
     return Program(nodes, traced.sizes, len(traced.outputs), parts, places, constants, placed(nodes, parts))
 
 
-def segments(nodes: list[Node], order: list[int], steps: dict[int, Step], together: int) -> Iterator[Segment]:
+def segments(nodes: list[Node], line: list[int], steps: dict[int, Step], together: int) -> Iterator[Segment]:
     """The line of operations, cut where sines and cosines have to be made."""
-    wanted = list(dict.fromkeys(nodes[i][1] for i in order if nodes[i][0] in ("sin", "cos")))  # by first use
+    wanted = list(dict.fromkeys(nodes[i][1] for i in line if nodes[i][0] in ("sin", "cos")))  # by first use
     made: set[int] = set()
     computed: set[int] = set()
     now = Segment()
-    for i in order:
+    for i in line:
         op, *args = nodes[i]
         if op in ("sin", "cos") and args[0] not in made:
             ready = [a for a in wanted if a not in made and (nodes[a][0] == "in" or a in computed)][:together]

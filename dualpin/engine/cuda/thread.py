@@ -11,6 +11,7 @@ from .layout import Layout
 from .program import Part, Program, Value, value_of
 from .scalar import GLOBAL, SHARED, Scalar, address
 
+LINE = 32  # bytes of memory that are written together
 _BINARY = {"+": "fadd", "-": "fsub", "*": "fmul"}
 
 
@@ -49,13 +50,14 @@ class _Part:
         self.e = Scalar(number, host)
         self.names: dict[Value, str] = {}
         self.result_of = {value_of(self.nodes, i): i for i in program.places}
+        self.due: dict[int, dict[int, str]] = {}  # results of a group that is not complete yet
 
     def function(self, name: str) -> str:
         program, part, e = self.program, self.part, self.e
         e.label("entry")
         if part is program.parts[0]:
             for j, x in program.constants.items():
-                self.write(j, e.constant(x))
+                self.result(j, e.constant(x))
             for i in program.places:
                 if self.nodes[i][0] == "in":
                     self.keep(("", i), self.get(i))
@@ -64,6 +66,8 @@ class _Part:
                 self.turn(segment.angles)
             for step in segment.steps:
                 self.keep(("", step.i), self.computed(step))
+        for group in self.due.values():
+            self.write(group)
         kind = "alwaysinline" if len(program.parts) == 1 else "noinline"
         body = "\n".join(e.lines)
         return f"define internal void @{name}({arguments(self.layout)}) {kind} #0 {{\n{body}\n  ret void\n}}\n"
@@ -96,11 +100,23 @@ class _Part:
         if key in self.part.writes:
             self.e.put(self.e.entry("%passed", self.part.writes[key]), x)
         for j in self.program.places[self.result_of[key]] if key in self.result_of else ():
-            self.write(j, x)
+            self.result(j, x)
 
-    def write(self, j: int, x: str) -> None:
-        pointer, space = self.place(len(self.program.sizes), j)
-        self.e.put(pointer, x, space)
+    def result(self, j: int, x: str) -> None:
+        """Result j, which goes to rows in global memory together with its neighbours.
+
+        Parts of a line that come at different times would each be read and written again.
+        """
+        size = 1 if self.layout.strided or self.layout.offsets[-1] is not None else LINE // self.e.number.size
+        group = self.due.setdefault(j // size, {})
+        group[j] = x
+        if len(group) == min(size, self.program.width - j // size * size):
+            self.write(self.due.pop(j // size))
+
+    def write(self, group: dict[int, str]) -> None:
+        for j, x in sorted(group.items()):
+            pointer, space = self.place(len(self.program.sizes), j)
+            self.e.put(pointer, x, space)
 
     def computed(self, step: Step) -> str:
         e, get, a = self.e, self.get, step.args

@@ -16,6 +16,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import dualpin
 from dualpin.engine import cuda
 from dualpin.engine.cuda import driver
 from dualpin.errors import DeviceError
@@ -35,9 +36,9 @@ def about() -> dict[str, Any]:
     where = cuda.device()
     return {
         "device": where.name, "multiprocessors": where.multiprocessors, "driver": driver.version(),
-        "bytes_per_second": throughput.copy_rate(), "cores": os.cpu_count(), "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(), **{p: metadata.version(p) for p in ("numpy", "llvmlite")},
-        "dualpin": __import__("dualpin").__version__,
+        "bytes_per_second": throughput.copy_rate(), "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}", "python": platform.python_version(),
+        **{p: metadata.version(p) for p in ("numpy", "llvmlite")}, "dualpin": dualpin.__version__,
     }  # fmt: skip
 
 

@@ -18,12 +18,12 @@ from dualpin.engine import cuda
 from dualpin.engine.cuda.program import TooLongError
 from dualpin.errors import DualpinError
 from dualpin.model.robot import Robot
-from dualpin.terms import TERMS, input_shape
+from dualpin.terms import TERMS
 
 ROBOTS = (("ur5", False), ("panda", False), ("talos", False), ("anymal_c", True), ("g1", True), ("tiago_dual", False))
 STATES = 1_000_000
 MEMORY = 1 << 30  # bytes of arguments and results at a time: what is larger has fewer states
-SLOW = 60_000  # operations beyond which a term is left out: the host's compiler takes minutes for some
+SLOW = 30_000  # operations beyond which a term is left out: the host's compiler takes minutes for some
 
 
 def options(robot: Robot, term: str) -> dict[str, Any]:
@@ -62,23 +62,24 @@ def compared(name: str, floating: bool, term: str, dtype: str, states: int) -> d
     if operations > SLOW:
         return row | {"left_out": f"{operations} operations: more than the {SLOW} that this check takes time for"}
     shape = made.shape(robot, **chosen)
-    entries = sum(int(np.prod(input_shape(robot, x))) for x in made.inputs) + int(np.prod(shape))
+    entries = sum(made.sizes(robot)) + int(np.prod(shape))
     n = min(states, max(1000, MEMORY // (entries * np.dtype(dtype).itemsize)))
     rng = np.random.default_rng(0)
     arrays = []
-    for x in made.inputs:
-        source = known[x][:n] if x in known else rng.uniform(-10, 10, (n, *input_shape(robot, x)))
+    for x in made.arguments:
+        source = known[x.name][:n] if x.name in known else rng.uniform(-10, 10, (n, *x.shape(robot)))
         arrays.append(np.ascontiguousarray(source, dtype=dtype))
-    compute = cuda.kernel(robot, term, dtype, **chosen)
+    compute = robot.kernel(term, dtype, device="cuda", **chosen)
     got = compute(*arrays, copy=True)
     expected = robot.kernel(term, dtype=dtype, **chosen)(*arrays)
-    function = compute.loaded().function
+    function = compute.launch(dtype).function
     with np.errstate(invalid="ignore"):
         apart = float(np.max(np.abs(got - expected), initial=0.0))
         scale = max(1.0, float(np.max(np.abs(expected), initial=0.0)))
     return row | {
-        "states": n, "same_bits": bool(np.array_equal(got, expected, equal_nan=True)), "scaled_difference": apart / scale,
-        "registers": function.registers, "local_bytes": function.local, "seconds": round(time.perf_counter() - start, 2),
+        "states": n, "same_bits": bool(np.array_equal(got, expected, equal_nan=True)),
+        "scaled_difference": apart / scale, "registers": function.registers, "local_bytes": function.local,
+        "seconds": round(time.perf_counter() - start, 2),
     }  # fmt: skip
 
 

@@ -1,6 +1,7 @@
 // Inverse dynamics of GRiD on the samples of a file:  program float32|float64 N IN OUT
 // Prints the number of threads a sample that was fastest, and seconds of a launch (the median of many, by events).
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>

@@ -5,7 +5,7 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable
-from ctypes import c_size_t, c_uint64, c_void_p
+from ctypes import byref, c_size_t, c_uint64, c_void_p
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from dualpin.engine import cuda
 from dualpin.engine.cuda import driver
 from dualpin.model.robot import Robot
-from dualpin.terms import TERMS, input_shape
+from dualpin.terms import TERMS
 
 from .correctness import options, robot_and_states
 
@@ -46,23 +46,46 @@ def tiled(x: np.ndarray, n: int) -> cuda.DeviceArray:
     return result
 
 
-def on_device(call: Callable[[], Any]) -> float:
-    """Seconds of one launch by the device's own clock: the median of several."""
+def on_device(start: Callable[[int], None], many: int = 1) -> float:
+    """Seconds of one launch by the device's own clock: the median of several.
+
+    Many launches are replayed as one graph: the device would wait for Python between them.
+    """
     where = cuda.device()
-    times = []
+    stream = where.stream()
     with where.current():
-        call()
+        graph = captured(start, stream, many) if many > 1 else None
+
+        def work() -> None:
+            if graph is None:
+                start(stream)
+            else:
+                driver.call("cuGraphLaunch", graph, c_void_p(stream))
+
+        times = []
+        work()
         for _ in range(4 * REPETITIONS):
-            before = driver.Event(0, timing=True)
-            call()
-            after = driver.Event(0, timing=True)
+            before = driver.Event(stream, timing=True)
+            work()
+            after = driver.Event(stream, timing=True)
             after.wait()
-            times.append(after.since(before))
+            times.append(after.since(before) / many)
     return statistics.median(times)
 
 
+def captured(start: Callable[[int], None], stream: int, many: int) -> c_void_p:
+    """So many launches as one graph that can be replayed."""
+    graph, executable = c_void_p(), c_void_p()
+    driver.call("cuStreamBeginCapture_v2", c_void_p(stream), 2)
+    for _ in range(many):
+        start(stream)
+    driver.call("cuStreamEndCapture", c_void_p(stream), byref(graph))
+    driver.call("cuGraphInstantiateWithFlags", byref(executable), graph, c_uint64(0))
+    return executable
+
+
 def per_call(call: Callable[[], Any], wait: Callable[[], Any]) -> float:
-    """Seconds of a call from Python, many of them one after the other and waited for at the end: the best of several."""
+    """Seconds of a call from Python, many of them one after the other, waited for at the end: the best of several."""
     call()
     wait()
     start = time.perf_counter()
@@ -85,14 +108,14 @@ def measured(robot: Robot, term: str, dtype: str, n: int, states: dict[str, np.n
     made, chosen = TERMS[term], options(robot, term)
     shape = made.shape(robot, **chosen)
     item = np.dtype(dtype).itemsize
-    entries = sum(int(np.prod(input_shape(robot, x))) for x in made.inputs) + int(np.prod(shape))
+    entries = sum(made.sizes(robot)) + int(np.prod(shape))
     row: dict[str, Any] = {"term": term, "dtype": dtype, "batch": n, "bytes_per_sample": entries * item}
     if n * entries * item > LARGEST:
         return row | {"left_out": f"{n * entries * item / 1e9:.0f} GB"}
     sources = [np.ascontiguousarray(states[x], dtype=dtype) for x in made.inputs]
     arrays = [tiled(x, n) for x in sources]
     out = cuda.DeviceArray((n, *shape), np.dtype(dtype), cuda.device(), 0)
-    compute = cuda.kernel(robot, term, dtype, **chosen)
+    compute = robot.kernel(term, dtype, device="cuda", **chosen)
     few = min(n, 1000)
     last = [np.resize(np.roll(x, -((n - few) % len(x)), axis=0), (few, *x.shape[1:])) for x in sources]
     expected = robot.kernel(term, dtype=dtype, **chosen)(*last)
@@ -103,9 +126,14 @@ def measured(robot: Robot, term: str, dtype: str, n: int, states: dict[str, np.n
     def call() -> None:
         compute(*arrays, out=out)
 
+    def start(stream: int) -> None:
+        rows = [(x.pointer, x.nbytes // n // item, 1) for x in (*arrays, out)]
+        compute.launch(dtype).start(n, stream, [x for row in rows for x in row])
+
     call()
     before = check()
-    row |= {"device_seconds": on_device(call), "call_seconds": per_call(call, lambda: cuda.device().wait(0))}
+    many = 50 if n <= BLOCK else 1
+    row |= {"device_seconds": on_device(start, many), "call_seconds": per_call(call, lambda: cuda.device().wait(0))}
     row["equal"] = before and check()
     if n <= 1_000_000 and n * entries * item <= 4 << 30:
         there = [np.resize(x, (n, *x.shape[1:])) for x in sources]
@@ -145,7 +173,8 @@ def copy_rate(size: int = 4 << 30) -> float:
     where = cuda.device()
     a, b = (cuda.DeviceArray((size // 8,), np.dtype(np.float64), where, 0) for _ in range(2))
 
-    def call() -> None:
-        driver.call("cuMemcpyDtoDAsync_v2", c_uint64(b.pointer), c_uint64(a.pointer), c_size_t(size), c_void_p(0))
+    def start(stream: int) -> None:
+        source, target = c_uint64(a.pointer), c_uint64(b.pointer)
+        driver.call("cuMemcpyDtoDAsync_v2", target, source, c_size_t(size), c_void_p(stream))
 
-    return 2 * size / on_device(call)
+    return 2 * size / on_device(start)
