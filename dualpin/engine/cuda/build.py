@@ -31,6 +31,7 @@ RESIDENT = 2
 NUMBERS = {8: 115, 4: 230}
 """How many numbers of so many bytes a thread's registers have room for, addresses and such apart."""
 
+
 @dataclass(frozen=True)
 class Plan:
     """What a kernel is made from."""
