@@ -79,7 +79,7 @@ def peers(rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> list[str]:
     absent = [f"- {r['peer']}, {r['dtype']}, {r.get('batch', '')}: {r['left_out']}" for r in rows if "left_out" in r]
     return [
         "## Beside others\n",
-        "Millions of samples a second, data on the device; in brackets, how many times longer it takes than dualpin.  "
+        "Millions of samples a second, data on the device; in brackets, how many times longer than dualpin it takes. "
         "Libraries of JAX by calls one after the other, as ours; GRiD by the device's clock, as ours, and with the "
         "number of threads a sample that suits it best.  The last column: the largest scaled difference of torques from "
         "dualpin in double precision, before and after.\n",
