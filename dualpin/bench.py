@@ -251,7 +251,8 @@ def machine() -> dict[str, Any]:
 
     host = this_host()
     return {
-        "processor": f"{processor()} ({host.cpu})", "cores": os.cpu_count(), "vector_bits": 8 * host.width, "fma": host.fma,
+        "processor": f"{processor()} ({host.cpu})", "cores": os.cpu_count(), "vector_bits": 8 * host.width,
+        "fma": host.fma,
         "system": f"{platform.system()} {platform.machine()}", "python": platform.python_version(),
         **{p: package(p) for p in ("dualpin", "numpy", "llvmlite", "pin")},
         "pin_is": "the PyPI wheel, compiled for any x86-64 (SSE2)",

@@ -16,6 +16,8 @@ from .oracles.pinocchio import OracleError, Pinocchio
 from .oracles.pinocchio_model import described, read
 from .reading import Difference, describe, differences
 
+ASSEMBLED = "compared with a Pinocchio model of the same joints, bodies, rotors and gravity, not with a file"
+
 
 @dataclass
 class Pair:
@@ -42,7 +44,7 @@ def paired(case: Case) -> Pair:
     """The robot of a case, with the oracle that fits.
 
     - A robot as it was read from a file: Pinocchio reads the same file; where it refuses that, the
-      URDF that dualpin writes of it.
+      URDF that dualpin writes of it; where it refuses this too, as the next.
     - A robot that was changed since, or built in code: a Pinocchio model put together from
       the robot's own joints, bodies, rotors and gravity.
     - `against` a file, whatever the robot is: Pinocchio's reading of that file.
@@ -64,13 +66,12 @@ def paired(case: Case) -> Pair:
             return Pair(robot, None, floating, apart=apart)
         return _checked(Pair(robot, Pinocchio.of_file(robot, path, floating), floating), whose)
     if isinstance(case.robot, Robot) and not unchanged(robot, floating):
-        notes = ["compared with a Pinocchio model of the same joints, bodies, rotors and gravity, not with a file"]
-        return _checked(Pair(robot, Pinocchio.of_robot(robot), floating, notes), "Pinocchio's model")
+        return _checked(Pair(robot, Pinocchio.of_robot(robot), floating, [ASSEMBLED]), "Pinocchio's model")
     try:
         oracle, notes = Pinocchio.of_file(robot, str(robot.source), floating), []
     except OracleError as refusal:
-        oracle = _of_written(robot, floating, refusal)
-        notes = [f"{refusal}; compared with the URDF that dualpin writes"]
+        oracle, made = _of_written(robot, floating, refusal)
+        notes = [f"{refusal}; {made}"]
     if oracle.refusal:
         notes.append(f"mimic: {oracle.refusal}; projected from the uncoupled model")
     return _checked(Pair(robot, oracle, floating, notes), "Pinocchio's reading")
@@ -82,16 +83,20 @@ def _checked(pair: Pair, whose: str) -> Pair:
     return pair
 
 
-def _of_written(robot: Robot, floating: bool, refusal: OracleError) -> Pinocchio:
-    """Pinocchio's reading of what dualpin writes, or its refusal of the file itself."""
+def _of_written(robot: Robot, floating: bool, refusal: OracleError) -> tuple[Pinocchio, str]:
+    """Pinocchio's reading of what dualpin writes, else the same joints; or its refusal of the file itself."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)
         path = str(Path(folder) / "written.urdf")
         try:
             robot.to_urdf(path)
-            return Pinocchio.of_file(robot, path, floating)
+            return Pinocchio.of_file(robot, path, floating), "compared with the URDF that dualpin writes"
         except DualpinError:
-            raise refusal from None
+            pass
+    try:
+        return Pinocchio.of_robot(robot), ASSEMBLED
+    except OracleError:
+        raise refusal from None
 
 
 def quietly_loaded(name: str, floating: bool, mimic: bool) -> Robot:

@@ -103,6 +103,7 @@ def test_a_file_that_only_pinocchio_refuses_is_not_compared(tmp_path, monkeypatc
         raise OracleError("Pinocchio refuses ur5.urdf: it has had enough")
 
     monkeypatch.setattr(Pinocchio, "of_file", refuse)
+    monkeypatch.setattr(Pinocchio, "of_robot", refuse)
     (robot,) = campaign([Case("ur5")], **FEW).robots
     assert (robot.status, robot.passed) == ("not compared", True)
     assert "had enough" in robot.remark

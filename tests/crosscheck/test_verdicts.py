@@ -148,6 +148,43 @@ def test_a_joint_that_moves_no_mass_has_no_forward_dynamics_to_compare(tmp_path)
     assert "singular" in report.terms["aba"].reason
 
 
+@pytest.mark.parametrize(("limit", "note"), [
+    ('<limit lower="-1" upper="1" effort="1"/>', "the URDF that dualpin writes"),
+    ('<limit lower="-1" upper="1" effort="-1" velocity="1"/>', "the same joints"),
+])  # fmt: skip
+def test_a_file_that_only_pinocchio_refuses_is_compared_with_what_dualpin_makes_of_it(tmp_path, limit, note):
+    path = written(tmp_path, link("arm"), joint("j", "base", "arm", kind="revolute", limit=limit))
+    report = validated(path, samples=3)
+    assert verdicts(report) == {}
+    assert any("Pinocchio refuses" in x and note in x for x in report.robots[0].notes)
+
+
+def test_huge_limits_are_no_limits(tmp_path):
+    limit = '<limit lower="-1e308" upper="1e308" effort="1" velocity="1e300"/>'
+    path = written(
+        tmp_path, link("x"), link("arm"), joint("jx", "base", "x", "1 0 0", kind="prismatic", limit=limit),
+        joint("j", "x", "arm", kind="revolute", limit=limit),
+    )  # fmt: skip
+    report = validated(path, samples=20)
+    assert verdicts(report) == {}
+    assert max(abs(x) for t in report.terms.values() for x in t.worst["q"]) <= np.pi
+    assert any("counts as no limit" in note for note in report.robots[0].notes)
+
+
+def test_far_places_enter_the_tolerance(tmp_path):
+    """A Jacobian seen in a frame is what is left of v + r x w, and I of m r^2 + I: 80 m away, digits are lost."""
+    far, near = (
+        validated(written(tmp_path, link("arm"), joint("j", "base", "arm", xyz=place)), samples=20)
+        for place in ("80 0 0", "0 0 0")
+    )
+    assert far.passed
+    assert near.passed
+    for term in ("crba", "minv", "centroidal_momentum_matrix"):
+        assert far.terms[term].tolerance > 4 * near.terms[term].tolerance
+        assert far.terms[term].tolerance <= 1e-12 or term == "minv"
+    assert "r beside 1" in far.terms["jacobian"].tolerance_reason
+
+
 # --- robots that are not what their file holds ---------------------------------------------------
 
 PAYLOAD = body(2.0, [0.01, 0.02, 0.1], [[0.01, 0, 0], [0, 0.02, 0], [0, 0, 0.03]])
