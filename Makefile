@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 # tests share the cores by files; a benchmark or a campaign takes them alone
 JOBS   ?= 2
 
-.PHONY: help venv validate test lint campaign papers integrators referee dh bench docs wheel clean
+.PHONY: help venv validate test lint oldest campaign papers integrators referee dh bench docs wheel clean
 
 help:            ## print the targets
 	@grep -E '^[a-z]+: *[^#]*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 14
@@ -29,6 +29,12 @@ lint: $(STAMP)       ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+oldest: $(STAMP)     ## the smoke tests with the lowest versions that pyproject.toml admits
+	$(BIN)/python -m tests.smoke.lowest exact integrators > .oldest.txt
+	$(PYTHON) -m venv .venv-oldest
+	.venv-oldest/bin/python -m pip install --quiet --editable '.[exact,integrators]' pytest --constraint .oldest.txt
+	.venv-oldest/bin/python -m pytest -c tests/smoke/pytest.ini --rootdir . --confcutdir tests/smoke tests/smoke
 
 campaign: $(STAMP)   ## the long tests, and every robot: writes validation/results
 	$(BIN)/python -m pytest -m campaign --timeout 5400
@@ -57,4 +63,4 @@ wheel: $(STAMP)      ## build the wheel and the source distribution
 	$(BIN)/python -m build
 
 clean:               ## remove the environment and what was built
-	rm -rf $(VENV) build dist out site
+	rm -rf $(VENV) .venv-oldest .oldest.txt build dist out site

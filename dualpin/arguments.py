@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import operator
+from math import inf, isfinite
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -34,7 +38,38 @@ def flag(what: str, value: object) -> bool:
 
 
 def count(what: str, value: object, least: int = 0) -> int:
-    """A whole number from `least` on, of Python's or NumPy's types."""
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < least:
+    """A whole number from `least` on, of Python's or NumPy's types; 2.0 is none here, and True is none either."""
+    try:
+        n = None if _boolean(value) else operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        n = None
+    if n is None or n < least:
         raise ArgumentError(f"{what}: a whole number from {least} on expected, got {value!r}")
-    return int(value)
+    return n
+
+
+def real(
+    what: str, value: Any, unit: str = "", *, least: float = -inf, above: float = -inf, infinite: bool = False
+) -> float:
+    """`value` as a float, `least` or more and more than `above`; `infinite` admits infinity.
+
+    Raises
+    ------
+    ArgumentError
+        That says what was expected and what came.
+    """
+    x = None
+    if not isinstance(value, (bool, str, bytes)) and getattr(value, "shape", ()) == () and not _boolean(value):
+        try:
+            x = float(value)
+        except (TypeError, ValueError, OverflowError):
+            x = None
+    if x is None or not (isfinite(x) or (infinite and x == inf)) or x < least or not (x > above or above == -inf):
+        bound = "a positive number" if above == 0 else "a finite number"
+        bound += f" of {least:g} or more" if least > -inf else f" above {above:g}" if above not in (0, -inf) else ""
+        raise ArgumentError(f"{what} = {value!r}, {bound}{f' [{unit}]' if unit else ''} expected")
+    return x
+
+
+def _boolean(value: Any) -> bool:
+    return isinstance(value, bool) or getattr(getattr(value, "dtype", None), "kind", "") == "b"

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 
@@ -27,3 +29,16 @@ class Renamed:
             return self
         warnings.warn(f"{owner.__name__}.{self.old} is called .{self.new} now", DeprecationWarning, stacklevel=2)
         return getattr(owned, self.new)
+
+
+def renamed_names(module: str, **names: str) -> Callable[[str], Any]:
+    """The ``__getattr__`` of a module for names that have become others: old=new, with a DeprecationWarning."""
+
+    def getattr_(name: str) -> Any:
+        if name not in names:
+            raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        new = names[name]
+        warnings.warn(f"{module}.{name} is now {module}.{new}", DeprecationWarning, stacklevel=2)
+        return getattr(importlib.import_module(module), new)
+
+    return getattr_

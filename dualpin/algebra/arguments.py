@@ -80,3 +80,24 @@ def where(wrong: np.ndarray) -> str:
     """' at index (...)' of the first wrong matrix of a batch."""
     index = tuple(int(i) for i in np.argwhere(wrong)[0])
     return f" at index {index}" if index else ""
+
+
+def eigenvalues(A: np.ndarray) -> np.ndarray:
+    """Of each matrix; real where all are, whatever NumPy's version makes of them."""
+    w = np.linalg.eigvals(A)
+    return w if A.dtype.kind == "c" else real_if_real(w)[0]
+
+
+def eigenpairs(A: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Eigenvalues and eigenvectors of each matrix; real where all eigenvalues are, as `eigenvalues`."""
+    w, v = np.linalg.eig(A)
+    return (w, v) if A.dtype.kind == "c" else real_if_real(w, v)
+
+
+def real_if_real(w: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The real parts of all, if no entry of the first has an imaginary part; else all complex.
+
+    NumPy before 2.5 did so itself for real matrices, and later versions return complex arrays always.
+    """
+    real = not np.any(w.imag)
+    return tuple(x.real.copy() if real else x.astype(complex, copy=False) for x in (w, *others))

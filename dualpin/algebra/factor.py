@@ -13,7 +13,7 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
-from .arguments import EPSILON, AssumptionError, H, SingularError, diagonals, finite, matrices, where
+from .arguments import EPSILON, AssumptionError, H, SingularError, diagonals, eigenpairs, finite, matrices, where
 
 GAP = 64  # singular and eigenvalues nearer than this many roundings of the largest cannot be told apart
 
@@ -245,7 +245,7 @@ def eigvals(A: Any) -> Dual:
 def _spectrum(name: str, a: np.ndarray, da: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """w, V of the real part with |v| = 1, sorted, and V^-1 A' V."""
     finite(f"{name}: A", a)
-    w, v = np.linalg.eig(a)
+    w, v = eigenpairs(a)
     order = np.lexsort((w.imag, w.real), axis=-1)
     w, v = np.take_along_axis(w, order, axis=-1), np.take_along_axis(v, order[..., None, :], axis=-1)
     size = np.linalg.norm(a, axis=(-2, -1))[..., None]

@@ -43,11 +43,25 @@ def integrate(
     frame: Annotated[str | None, typer.Option("--frame", help="What follows; the last frame by default.")] = None,
     radius: Annotated[float, typer.Option("--radius", help="Of the circle, in metres.")] = 0.05,
     period: Annotated[float, typer.Option("--period", help="Of a turn, in seconds.")] = 10.0,
-    plane: Annotated[str, typer.Option("--plane", help="xy, yz or zx.")] = "yz",
+    plane: Annotated[
+        str | None, typer.Option("--plane", help="xy, yz or zx; by default one in which the robot can move.")
+    ] = None,
     turns: Annotated[int, typer.Option("--turns", min=1)] = 2,
     steps: Annotated[str, typer.Option("--dt", help="Steps in seconds, between commas.")] = "0.01,0.1,1",
     gains: Annotated[str, typer.Option("--gain", help="Feedback gains in 1/s; 0 is open loop.")] = "0,1",
     methods: Annotated[str, typer.Option("--methods", help="Between commas.")] = "euler,trapezoidal,abm4,rk4",
+    start: Annotated[
+        str | None, typer.Option("--start", help="Configuration, rad and m, between commas; by default a good one.")
+    ] = None,
+    task: Annotated[
+        str, typer.Option("--task", help="pose, position, position+axis, or six of 0 and 1: wx wy wz vx vy vz.")
+    ] = "pose",
+    unreachable: Annotated[
+        str, typer.Option("--unreachable", help="Of a circle out of reach: raise, warn or ignore.")
+    ] = "raise",
+    feedback: Annotated[str, typer.Option("--feedback", help="stage or held.")] = "stage",
+    startup: Annotated[str, typer.Option("--startup", help="Of multistep methods: paper or rk4.")] = "paper",
+    rtol: Annotated[float, typer.Option("--rtol", help="Of adaptive methods and SciPy's.")] = 1e-9,
     json: Json = False,
 ) -> None:
     """Follow a circle with several integrators, and print the peak errors and the cost."""
@@ -57,15 +71,25 @@ def integrate(
     rows = study.run(
         load(robot), frame=frame, radius=radius, period=period, plane=plane, turns=turns,
         methods=methods.replace(",", " ").split(), steps=real(steps, "--dt"), gains=real(gains, "--gain"),
+        q0=None if start is None else real(start, "--start"), task=_task(task), unreachable=unreachable,
+        feedback=feedback, startup=startup, rtol=rtol,
     )  # fmt: skip
     data = [row.as_dict() for row in rows]
     if json:
         show_json(data)
     else:
-        columns = ("method", "dt", "gain", "position_peak", "orientation_peak", "evaluations", "seconds")
+        columns = ("method", "dt", "gain", "position_peak", "orientation_peak", "evaluations", "seconds", "remark")
+        for row, shown in zip(rows, data, strict=True):
+            shown["remark"] = ", ".join(study.kind_of(w) for w in row.warnings).replace("unstable", "UNSTABLE")
         show_rows(data, columns)
-        for note in dict.fromkeys(note for row in rows for note in row.warnings):
+        for note in study.remarks(rows):
             print(f"note: {note}", file=sys.stderr)
+
+
+def _task(text: str) -> str | list[int]:
+    """A task's name, or its six zeros and ones, also with commas or blanks between."""
+    digits = text.replace(",", "").replace(" ", "")
+    return [int(c) for c in digits] if len(digits) == 6 and set(digits) <= {"0", "1"} else text
 
 
 def whole(text: str, what: str) -> list[int]:

@@ -39,6 +39,8 @@ def adaptive_steps(
     y, t, done, steps = y0, 0.0, 0, 0
     k0 = f(0.0, y)
     evaluations = 1
+    if not np.isfinite(k0).all():
+        raise ArgumentError(f"{method.name}: the rate is not finite at the start")
     h = min(dt, _first_step(k0, rtol, atol, t_end))
     while done < n:
         h = min(h, t_end - t) if t_end - t > 1.01 * h else t_end - t
@@ -49,14 +51,17 @@ def adaptive_steps(
         K = stages(method, rate, y, h, space)
         evaluations += method.evaluations - 1
         u = combination(method.b, K, h)
-        error = np.abs(h * np.tensordot(weights, np.stack(K), 1))
-        size = np.sqrt(np.mean((error / (atol + rtol * np.maximum(np.abs(u), 1.0))) ** 2, axis=-1)).max(initial=0.0)
-        if not np.isfinite(size) or (size > 1 and h <= TINY * t_end):
-            raise ArgumentError(
-                f"{method.name}: the step fell to {h:.3g} s at t = {t:.6g} s; the rate is not smooth there"
-            )
-        factor = LARGEST if size == 0 else SAFETY * size ** (-1 / method.order)
-        if size > 1:
+        with np.errstate(all="ignore"):  # a step too long can leave the numbers; a shorter one is tried
+            error = np.abs(h * np.tensordot(weights, np.stack(K), 1))
+            scale = atol + rtol * np.maximum(np.abs(u), 1.0)
+            size = np.sqrt(np.mean((error / scale) ** 2, axis=-1)).max(initial=0.0)
+        if not size <= 1 and h <= TINY * t_end:
+            finite = all(np.isfinite(k).all() for k in K)
+            why = "no error below the tolerance: the rate jumps there, or rtol is too small" if finite else (
+                "a rate that is not finite: the solution leaves the numbers there")  # fmt: skip
+            raise ArgumentError(f"{method.name}: the step fell to {h:.3g} s at t = {t:.6g} s, with {why}")
+        factor = LARGEST if size == 0 else SAFETY * size ** (-1 / method.order) if np.isfinite(size) else 0.0
+        if not size <= 1:
             h *= max(SMALLEST, factor)
             continue
         steps += 1

@@ -65,7 +65,14 @@ def _solve_ivp(
         raise DualpinError(
             f"method {options['method']!r} is SciPy's, which is not installed: pip install 'dualpin[integrators]'"
         ) from None
-    found = solve_ivp(f, span, y0, **options)
+
+    def watched(t: float, y: np.ndarray) -> np.ndarray:
+        rate = f(t, y)
+        if not np.isfinite(rate).all():  # SciPy would go on for ever
+            raise ArgumentError(f"{options['method']}: the rate is not finite at t = {t:.6g} s")
+        return rate
+
+    found = solve_ivp(watched, span, y0, **options)
     if not found.success:
         raise ArgumentError(f"{options['method']}: {found.message}")
     return found

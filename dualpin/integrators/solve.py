@@ -5,13 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import choice, numbers
+from ..arguments import choice, numbers, real
 from ..errors import ArgumentError, ShapeError
 from .adaptive import adaptive_steps
 from .methods import Mechanical, Method, PredictorCorrector, Reference, RungeKutta
@@ -43,11 +42,9 @@ class Solution:
     cost: Cost
 
 
-def step_count(what: str, dt: float, t_end: float) -> int:
-    """How many steps dt make t_end, or an error: dt must be positive and divide t_end."""
-    for name, x in (("dt", dt), ("t_end", t_end)):
-        if isinstance(x, bool) or not isinstance(x, (int, float, np.integer, np.floating)) or not isfinite(x):
-            raise ArgumentError(f"{what}: {name} = {x!r}, a finite number of seconds expected")
+def step_count(what: str, dt: float, t_end: float) -> tuple[int, float]:
+    """How many steps dt make t_end, and dt, or an error: dt must be positive and divide t_end."""
+    dt, t_end = real(f"{what}: dt", dt, "s"), real(f"{what}: t_end", t_end, "s")
     if dt <= 0:
         raise ArgumentError(f"{what}: dt = {dt} s, a positive step expected")
     if t_end < 0:
@@ -59,7 +56,7 @@ def step_count(what: str, dt: float, t_end: float) -> int:
             f"{what}: t_end = {t_end} s is not a whole number of steps dt = {dt} s; "
             f"the nearest are {low * dt:.12g} and {(low + 1) * dt:.12g}"
         )
-    return n
+    return n, dt
 
 
 def fixed_steps(
@@ -160,7 +157,7 @@ def solve(
     (True, 40)
     """
     chosen, space = method_named(method), space or Space()
-    n = step_count("solve", dt, t_end)
+    n, dt = step_count("solve", dt, t_end)
     choice("solve: startup", startup, STARTUPS)
     start = numbers("solve: y0", y0)
     if start.ndim == 0 or not np.isfinite(start).all():

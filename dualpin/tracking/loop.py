@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from ..call import run
+from .. import call
 from ..integrators.methods import Method, Reference, RungeKutta
 from ..integrators.space import ConfigurationSpace
 from ..integrators.step import Past
 from ..model.robot import Frame, Robot
 from ..terms import Term
-from .rates import CLOSED_LOOP, HELD_LOOP, POSE_ERROR, tracking_step
+from .rates import AIM, ERROR, RATE, tracking_step
+from .task import Rows
 from .trajectories import Bound
 
 Objective = Callable[[np.ndarray], np.ndarray]
@@ -27,11 +28,11 @@ class Loop:
 
     def __init__(
         self, robot: Robot, frame: Frame, motion: Bound, batch: tuple[int, ...], dt: float, gain: float, damping: float,
-        held: bool, objective: Objective | None, engine: str,
+        held: bool, objective: Objective | None, rows: Rows, engine: str,
     ) -> None:  # fmt: skip
         self.robot, self.frame, self.motion, self.batch, self.dt = robot, frame, motion, batch, dt
         self.gain, self.damping, self.held, self.objective, self.engine = gain, damping, held, objective, engine
-        self.n = int(np.prod(batch, dtype=int))
+        self.n, self.rows = int(np.prod(batch, dtype=int)), rows
         self.space = ConfigurationSpace(robot)
         self._kept: tuple[int, np.ndarray] | None = None
         self._block: tuple[range, np.ndarray, np.ndarray] | None = None
@@ -65,37 +66,33 @@ class Loop:
 
     def run(self, term: Term, inputs: list[np.ndarray], **options: Any) -> np.ndarray:
         """A term on the arrays (B, size)."""
-        return run(self.robot, term, {"frame": self.frame, **options}, inputs, self.engine)
+        return call.run(
+            self.robot, term, {"frame": self.frame, "rows": self.rows, **options}, inputs, engine=self.engine
+        )
 
     def _one(self, x: float, n: int) -> np.ndarray:
         return np.full((n, 1), x)
 
     def rate(self, k: int, c: float, q: np.ndarray, rows: Any = slice(None)) -> np.ndarray:
         """Joint rates at the time (k + c) dt; with held feedback, the error seen first in the step k."""
-        pose, twist = (x[0][rows] for x in self.desired(np.array([(k + c) * self.dt])))
+        at = self.desired(np.array([(k + c) * self.dt]))
+        pose, twist = (np.ascontiguousarray(x[0][rows]) for x in at)
+        if not self.held or self._kept is None or self._kept[0] != k or c == 0:
+            self._kept = k, self.run(ERROR, [q, pose])
         drift = np.zeros((len(q), self.robot.nv)) if self.objective is None else self.objective(q)
-        damping, nv = self._one(self.damping, len(q)), self.robot.nv
-        damped = self.damping > 0
-        if self.held:
-            if self._kept is None or self._kept[0] != k or c == 0:
-                self._kept = k, self.run(POSE_ERROR, [q, pose])
-            aim = twist + self.gain * self._kept[1]
-            out = self.run(HELD_LOOP, [q, aim, drift, damping], damped=damped)
-        else:
-            out = self.run(CLOSED_LOOP, [q, pose, twist, drift, self._one(self.gain, len(q)), damping], damped=damped)
-            aim = None
-        rate, bad = out[:, :nv], ~(out[:, nv] < SINGULAR)
+        inputs = [q, twist, self._kept[1], np.ascontiguousarray(drift), self._one(self.gain, len(q))]
+        out = self.run(RATE, [*inputs, self._one(self.damping, len(q))], damped=self.damping > 0)
+        rate, bad = out[:, :-1], ~(out[:, -1] < SINGULAR)
         if bad.any():
-            if aim is None:
-                aim = twist + self.gain * out[:, nv + 1 :]
             rate = rate.copy()
-            rate[bad] = self.exact_rate(q[bad], aim[bad], drift[bad])
+            rate[bad] = self._by_singular_values(*(x[bad] for x in inputs))
         return rate
 
-    def exact_rate(self, q: np.ndarray, aim: np.ndarray, drift: np.ndarray) -> np.ndarray:
-        """z + J^+ (aim - J z) by the singular value decomposition, for where elimination loses its digits."""
-        J = self.jacobian(q)
-        aim = aim - np.einsum("bij,bj->bi", J, drift)
+    def _by_singular_values(self, *inputs: np.ndarray) -> np.ndarray:
+        """z + J^+ aim by the singular value decomposition, for where elimination loses its digits."""
+        drift, m = inputs[3], len(self.rows)
+        out = self.run(AIM, list(inputs))
+        aim, J = out[:, :m], out[:, m:].reshape(len(out), -1, m).swapaxes(-1, -2)
         U, s, Vh = np.linalg.svd(J, full_matrices=False)
         cut = 1e-13 * s[:, :1]  # singular values below rounding of the largest are zero
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -103,10 +100,8 @@ class Loop:
         return drift + np.einsum("bki,bk->bi", Vh, gains * np.einsum("bik,bi->bk", U, aim))
 
     def jacobian(self, q: np.ndarray) -> np.ndarray:
-        """(B, 6, nv), at the frame's origin, world axes."""
-        from ..functions import jacobian
-
-        return jacobian(self.robot, q, self.frame, "local_world_aligned", engine=self.engine)
+        """Of the task, (B, len(rows), nv)."""
+        return task_jacobian(self.robot, self.frame, self.rows, q, self.engine)
 
     # whole steps
 
@@ -156,19 +151,27 @@ class Loop:
     # after the run
 
     def errors(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """|p_d - p| [m] and |log(R_d R^T)| [rad] of q (n + 1, B, nq)."""
+        """What the task lacks, in length [m] and angle [rad], of q (n + 1, B, nq)."""
         n = len(q)
         position, orientation = np.empty((n, self.n)), np.empty((n, self.n))
         at_once = max(1, BLOCK // (12 * max(self.n, 1)))
         for k in range(0, n, at_once):
             part = q[k : k + at_once]
             pose, _ = self.desired(np.arange(k, k + len(part)) * self.dt)
-            e = self.run(POSE_ERROR, [np.ascontiguousarray(part).reshape(-1, self.robot.nq), pose.reshape(-1, 12)])
+            e = self.run(ERROR, [np.ascontiguousarray(part).reshape(-1, self.robot.nq), pose.reshape(-1, 12)])
             e = e.reshape(len(part), self.n, 6)
             orientation[k : k + at_once], position[k : k + at_once] = (
                 np.linalg.norm(x, axis=-1) for x in np.split(e, 2, -1)
             )
         return position, orientation
+
+
+def task_jacobian(robot: Robot, frame: Frame, rows: Rows, q: np.ndarray, engine: str = "auto") -> np.ndarray:
+    """The rows of the Jacobian that a task asks for, (B, len(rows), nv), for q (B, nq)."""
+    zeros = [np.zeros((len(q), n)) for n in (6, 6, robot.nv, 1)]
+    inputs = [np.ascontiguousarray(q), *zeros]
+    out = call.run(robot, AIM, {"frame": frame, "rows": rows}, inputs, engine=engine)[:, len(rows) :]
+    return out.reshape(len(q), -1, len(rows)).swapaxes(-1, -2)
 
 
 def whole_steps(method: Method) -> bool:

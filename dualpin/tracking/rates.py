@@ -16,7 +16,8 @@ from ..algorithms.coriolis import coriolis
 from ..algorithms.crba import crba
 from ..algorithms.jacobian import jacobian
 from ..algorithms.rnea import gravity
-from ..arguments import count, flag
+from ..arguments import count, flag, real
+from ..dual import sqrt
 from ..integrators.column import Column
 from ..integrators.methods import Method
 from ..integrators.space import ConfigurationSpace, StateSpace
@@ -24,11 +25,12 @@ from ..integrators.step import step
 from ..model.robot import Frame, Robot
 from ..scalars import ZERO, Scalar
 from ..spatial.pose import Pose
-from ..spatial.quaternion import Quaternion
+from ..spatial.rotation import Rotation
 from ..spatial.vector import REST
 from ..terms import FRAME, TAU, Option, Q, Term, V, row, twist_entries, velocity
+from .task import POSE, Rows, rows_of, selected, task_error
 
-Rows = list[list[Scalar]]
+Table = list[list[Scalar]]
 
 
 class Resolved(NamedTuple):
@@ -52,9 +54,10 @@ def resolved_rate(
     moving = [k for k, c in enumerate(columns) if c is not None]
     J = [c for c in columns if c is not None]
     if damped or len(J) >= len(twist):
-        A = [[_dot([c[i] for c in J], [c[j] for c in J]) for j in range(6)] for i in range(6)]
+        n = len(twist)
+        A = [[_dot([c[i] for c in J], [c[j] for c in J]) for j in range(n)] for i in range(n)]
         if damped:
-            for i in range(6):
+            for i in range(n):
                 A[i][i] = A[i][i] + damping * damping
         x, loss = _solved(A, list(twist))
         parts = [_dot(c, x) for c in J]
@@ -67,7 +70,7 @@ def resolved_rate(
     return Resolved(Column(rate), loss)
 
 
-def _solved(A: Rows, b: list[Scalar]) -> tuple[list[Scalar], Scalar]:
+def _solved(A: Table, b: list[Scalar]) -> tuple[list[Scalar], Scalar]:
     L, D = factorised(A)
     loss = ZERO
     for i, d in enumerate(D):
@@ -83,83 +86,111 @@ def _dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     return total
 
 
-def frame_columns(robot: Robot, q: Sequence[Scalar], frame: Frame) -> list[list[Scalar] | None]:
-    """Columns of the Jacobian at the frame's origin, world axes; None where a joint does not carry it."""
-    J = jacobian(robot, q, frame, "local_world_aligned")
-    return [None if c is REST else twist_entries(c) for c in J]
-
-
-def pose_error(robot: Robot, q: Sequence[Scalar], pose: Sequence[Scalar], frame: Frame) -> Column:
-    """[log(R_d R^T); p_d - p]: what is left to turn [rad] and to move [m], world axes."""
-    wanted, X = posed(pose), kinematics.frame_pose(robot, q, frame)
-    turn = Quaternion.from_rotation(wanted.rotation @ X.rotation.T).log * 2
-    return Column((*turn, *(wanted.position - X.position)))
-
-
 def posed(entries: Sequence[Scalar]) -> Pose:
     """The pose of the twelve entries of [R p], row by row."""
     return Pose.from_rows([entries[0:4], entries[4:8], entries[8:12]])
 
 
+class Aim(NamedTuple):
+    """What the law of closed-loop inverse kinematics asks of the joints:  J dq/dt = aim."""
+
+    columns: list[list[Scalar] | None]
+    """Of the task's Jacobian; None where a joint does not carry the frame."""
+    aim: Column
+
+
+def law(
+    robot: Robot, q: Sequence[Scalar], frame: Frame, rows: Rows, twist: Sequence[Scalar], error: Sequence[Scalar],
+    gain: Scalar, drift: Sequence[Scalar] | None = None,
+) -> Aim:  # fmt: skip
+    """The law of tracking,  J (dq/dt - z) = S (V_d + K e) - J z,  S the components that the task asks for.
+
+    `error` is that of `ERROR`; z, the drift, is what the freedom left is for.
+    """
+    R = kinematics.frame_pose(robot, q, frame).rotation
+    columns = _columns(robot, q, frame, rows, R)
+    aim = Column(selected(rows, R, twist)) + Column(error[i] for i in rows) * gain
+    if drift is not None:
+        aim = aim - [_dot([ZERO if c is None else c[i] for c in columns], drift) for i in range(len(rows))]
+    return Aim(columns, aim)
+
+
+def _columns(robot: Robot, q: Sequence[Scalar], frame: Frame, rows: Rows, R: Rotation) -> list[list[Scalar] | None]:
+    """Columns of the task's Jacobian at the frame's origin; None where a joint does not carry it."""
+    J = jacobian(robot, q, frame, "local_world_aligned")
+    return [None if c is REST else selected(rows, R, twist_entries(c)) for c in J]
+
+
 # --- terms ---------------------------------------------------------------------------------------
 
-POSE, TWIST, DRIFT = row("pose", 12), row("twist", 6), velocity("drift")  # [R p] row by row; [w; v]; joint rates
-GAIN, DAMPING, H = row("gain"), row("damping"), row("h")
-DAMPED = Option("damped", lambda robot, what, given: flag(what, given))
-SWEEPS = Option("sweeps", lambda robot, what, given: count(what, given, 1))
+
+def _error(robot: Robot, q: Any, pose: Any, frame: Frame, rows: Rows) -> Any:
+    return task_error(rows, posed(pose), kinematics.frame_pose(robot, q, frame))
 
 
-def _closed_loop(
-    robot: Robot, q: Any, pose: Any, twist: Any, drift: Any, gain: Any, damping: Any, frame: Frame, damped: bool
-) -> Any:
-    error = pose_error(robot, q, pose, frame)
-    columns = frame_columns(robot, q, frame)
-    aim = Column(twist) + error * gain[0]
-    # z + J^+ (aim - J z): the rate nearest to z that follows the aim
-    aim = aim - [_dot([ZERO if c is None else c[i] for c in columns], drift) for i in range(6)]
-    rate, loss = resolved_rate(columns, aim, damping[0], damped)
-    return [*(rate + drift), loss, *error]
-
-
-CLOSED_LOOP = Term(
-    "tracking_rate", (Q, POSE, TWIST, DRIFT, GAIN, DAMPING), _closed_loop, lambda r, **_: (r.nv + 7,), (FRAME, DAMPED)
-)
-"""Joint rates, loss and error of closed-loop inverse kinematics."""
-
-
-def _held_loop(robot: Robot, q: Any, aim: Any, drift: Any, damping: Any, frame: Frame, damped: bool) -> Any:
-    columns = frame_columns(robot, q, frame)
-    aim = Column(aim) - [_dot([ZERO if c is None else c[i] for c in columns], drift) for i in range(6)]
-    rate, loss = resolved_rate(columns, aim, damping[0], damped)
+def _rate(
+    robot: Robot, q: Any, twist: Any, error: Any, drift: Any, gain: Any, damping: Any, frame: Frame, rows: Rows,
+    damped: bool,
+) -> Any:  # fmt: skip
+    rate, loss = resolved_rate(*law(robot, q, frame, rows, twist, error, gain[0], drift), damping[0], damped)
     return [*(rate + drift), loss]
 
 
-HELD_LOOP = Term("resolved_rate", (Q, TWIST, DRIFT, DAMPING), _held_loop, lambda r, **_: (r.nv + 1,), (FRAME, DAMPED))
-"""Joint rates and loss for a given twist of the frame."""
+def _aim(
+    robot: Robot, q: Any, twist: Any, error: Any, drift: Any, gain: Any, frame: Frame, rows: Rows
+) -> Any:  # fmt: skip
+    columns, aim = law(robot, q, frame, rows, twist, error, gain[0], drift)
+    zero = [ZERO] * len(rows)
+    return [*aim, *(x for c in columns for x in c or zero)]
 
-POSE_ERROR = Term(
-    "pose_error", (Q, POSE), lambda r, q, pose, frame: pose_error(r, q, pose, frame), lambda r, **_: (6,), (FRAME,)
-)
+
+WANTED, TWIST, LACKING = row("pose", 12), row("twist", 6), row("error", 6)  # [R p] row by row; [w; v]
+DRIFT, GAIN, DAMPING, H = velocity("drift"), row("gain"), row("damping"), row("h")
+LOSSES = velocity("viscous"), velocity("dry")
+ROWS = Option("rows", lambda robot, what, given: _rows(what, given))
+DAMPED = Option("damped", lambda robot, what, given: flag(what, given))
+LENGTH = Option("length", lambda robot, what, given: real(what, given, "m", above=0))
+SWEEPS = Option("sweeps", lambda robot, what, given: count(what, given, 1))
 
 
-def _local_error(robot: Robot, q: Any, pose: Any, frame: Frame) -> Column:
-    """log of X^-1 X_d as a dual quaternion: the body twist [w; v] that leads to the target."""
+def _rows(what: str, given: Any) -> Rows:
+    return given if isinstance(given, tuple) and set(given) <= set(POSE) else rows_of(what, given)
+
+
+ERROR = Term("task_error", (Q, WANTED), _error, lambda r, **_: (6,), (FRAME, ROWS))
+"""What the frame lacks of a pose: six numbers, see `dualpin.tracking.task.task_error`."""
+
+RATE = Term("tracking_rate", (Q, TWIST, LACKING, DRIFT, GAIN, DAMPING), _rate, lambda r, **_: (r.nv + 1,),
+            (FRAME, ROWS, DAMPED))  # fmt: skip
+"""Joint rates by the law of tracking, and how much the elimination behind them lost."""
+
+AIM = Term("tracking_aim", (Q, TWIST, LACKING, DRIFT, GAIN), _aim,
+           lambda r, rows, **_: (len(rows) * (r.nv + 1),), (FRAME, ROWS))  # fmt: skip
+"""The right-hand side of the law of tracking, and the columns of the task's Jacobian."""
+
+
+def _gauss_newton(
+    robot: Robot, q: Any, pose: Any, weights: Any, damping: Any, frame: Frame, rows: Rows, length: float
+) -> Any:
     wanted, X = posed(pose), kinematics.frame_pose(robot, q, frame)
-    return Column(twist_entries((X.inverse @ wanted).quaternion.log * 2))
-
-
-def _gauss_newton(robot: Robot, q: Any, pose: Any, weights: Any, damping: Any, frame: Frame) -> Any:
-    error = _local_error(robot, q, pose, frame)
-    J = jacobian(robot, q, frame, "local")
-    columns = [None if c is REST else [x * w for x in twist_entries(c)] for c, w in zip(J, weights, strict=True)]
-    moved, _ = resolved_rate(columns, error, damping[0], True)
+    if rows == POSE:  # log of X^-1 X_d as a dual quaternion: the body twist [w; v] that leads to the target
+        error: Sequence[Scalar] = twist_entries((X.inverse @ wanted).quaternion.log * 2)
+        J = [None if c is REST else twist_entries(c) for c in jacobian(robot, q, frame, "local")]
+    else:
+        error = task_error(rows, wanted, X)
+        J = _columns(robot, q, frame, rows, X.rotation)
+    # lengths in units of the chain's: the search does not depend on the unit in which a robot is described
+    unit = [1.0 if i < 3 else 1.0 / length for i in rows]
+    columns = [None if c is None else [x * (w * u) for x, u in zip(c, unit, strict=True)]
+               for c, w in zip(J, weights, strict=True)]  # fmt: skip
+    missing = [error[i] * u for i, u in zip(rows, unit, strict=True)]
+    moved, _ = resolved_rate(columns, missing, damping[0], True)
     return [*(x * w for x, w in zip(moved, weights, strict=True)), *error]
 
 
-GAUSS_NEWTON = Term(
-    "ik_step", (Q, POSE, velocity("weights"), DAMPING), _gauss_newton, lambda r, **_: (r.nv + 6,), (FRAME,)
-)
-"""The damped Gauss-Newton displacement of the joints, and the dual-quaternion log error."""
+GAUSS_NEWTON = Term("ik_step", (Q, WANTED, velocity("weights"), DAMPING), _gauss_newton,
+                    lambda r, **_: (r.nv + 6,), (FRAME, ROWS, LENGTH))  # fmt: skip
+"""The damped Gauss-Newton displacement of the joints, and the error: for a pose the dual quaternion's logarithm."""
 
 
 @cache
@@ -173,16 +204,16 @@ def tracking_step(method: Method, held: bool, depth: int) -> Term:
 
     def compute(
         robot: Robot, q: Any, poses: Any, twists: Any, gain: Any, damping: Any, h: Any, past: Any = (), *,
-        frame: Frame, damped: bool,
+        frame: Frame, rows: Rows, damped: bool,
     ) -> Any:  # fmt: skip
         losses: list[Scalar] = []
-        kept: list[Column] = []
+        kept: list[list[Scalar]] = []
 
         def rate(i: int, x: Any) -> Column:
-            twist = Column(twists[6 * i : 6 * i + 6])
             if not (held and kept):
-                kept[:] = [pose_error(robot, x, poses[12 * i : 12 * i + 12], frame)]
-            found = resolved_rate(frame_columns(robot, x, frame), twist + kept[0] * gain[0], damping[0], damped)
+                kept[:] = [_error(robot, x, poses[12 * i : 12 * i + 12], frame, rows)]
+            wanted = law(robot, x, frame, rows, twists[6 * i : 6 * i + 6], kept[0], gain[0])
+            found = resolved_rate(*wanted, damping[0], damped)
             losses.append(found.loss)
             return found.rate
 
@@ -193,38 +224,55 @@ def tracking_step(method: Method, held: bool, depth: int) -> Term:
     earlier = (velocity("past", times=depth),) if depth else ()
     inputs = (Q, row("poses", 12 * n), row("twists", 6 * n), GAIN, DAMPING, H, *earlier)
     name = f"tracking_step_{method.name}" + ("_held" if held else "")
-    return Term(name, inputs, compute, lambda r, **_: (r.nq + (r.nv if depth else 0) + 1,), (FRAME, DAMPED))
+    return Term(name, inputs, compute, lambda r, **_: (r.nq + (r.nv if depth else 0) + 1,), (FRAME, ROWS, DAMPED))
+
+
+SLOW = 1e-3
+"""Speed [rad/s or m/s] below which dry friction fades: at rest it would be any force that keeps the joint still."""
+
+
+def drag(v: Scalar, viscous: Scalar, dry: Scalar) -> Scalar:
+    """The force of damping and of dry friction on a joint, against its velocity:  d v + f v / sqrt(v^2 + SLOW^2)."""
+    return v * viscous + v * (dry / sqrt(v * v + SLOW * SLOW))
+
+
+def _net(tau: Any, v: Any, losses: Any) -> Column:
+    """Torques less the drag, if losses (viscous, dry) are given."""
+    return Column(tau) - [drag(*x) for x in zip(v, *losses, strict=True)] if losses else Column(tau)
 
 
 @cache
-def dynamics_step(method: Method) -> Term:
+def dynamics_step(method: Method, dissipative: bool) -> Term:
     """A whole step of the equations of motion under constant joint torques: the next q and v."""
 
-    def compute(robot: Robot, q: Any, v: Any, tau: Any, h: Any) -> Any:
+    def compute(robot: Robot, q: Any, v: Any, tau: Any, h: Any, *losses: Any) -> Any:
         nq = robot.nq
 
         def rate(i: int, y: Any) -> Column:
-            return Column((*y[nq:], *aba.aba(robot, y[:nq], y[nq:], tau)))
+            return Column((*y[nq:], *aba.aba(robot, y[:nq], y[nq:], _net(tau, y[nq:], losses))))
 
         y, _ = step(method, rate, Column((*q, *v)), h[0], (), StateSpace(robot))
         return y
 
-    return Term(f"dynamics_step_{method.name}", (Q, V, TAU, H), compute, lambda r, **_: (r.nq + r.nv,))
+    extra, suffix = (LOSSES, "_dissipative") if dissipative else ((), "")
+    return Term(f"dynamics_step_{method.name}{suffix}", (Q, V, TAU, H, *extra), compute, lambda r, **_: (r.nq + r.nv,))
 
 
-def _variational(robot: Robot, q: Any, p: Any, v: Any, tau: Any, h: Any, sweeps: int) -> Any:
+def _variational(robot: Robot, q: Any, p: Any, v: Any, tau: Any, h: Any, *losses: Any, sweeps: int) -> Any:
     """Fixed-point sweeps of the discrete Euler-Lagrange equations; see `simulate`."""
     for _ in range(sweeps):
         before = v
         middle = Column(q) + Column(v) * (h[0] / 2)
-        C, g = coriolis(robot, middle, v), gravity(robot, middle)
-        force = Column(tau[k] - g[k] + _dot([row[k] for row in C], v) for k in range(robot.nv))
+        C, g, net = coriolis(robot, middle, v), gravity(robot, middle), _net(tau, v, losses)
+        force = Column(net[k] - g[k] + _dot([row[k] for row in C], v) for k in range(robot.nv))
         momentum = Column(p) + force * (h[0] / 2)
         v = solve_inertia(crba(robot, middle), list(momentum))
     return [*v, *force, *before]
 
 
-VARIATIONAL_SWEEP = Term(
-    "variational_sweep", (Q, velocity("p"), V, TAU, H), _variational, lambda r, **_: (3 * r.nv,), (SWEEPS,)
-)
-"""The midpoint velocity after some sweeps, the generalised force, and the velocity one sweep before."""
+@cache
+def variational_sweep(dissipative: bool) -> Term:
+    """The midpoint velocity after some sweeps, the generalised force, and the velocity one sweep before."""
+    extra, suffix = (LOSSES, "_dissipative") if dissipative else ((), "")
+    inputs = (Q, velocity("p"), V, TAU, H, *extra)
+    return Term("variational_sweep" + suffix, inputs, _variational, lambda r, **_: (3 * r.nv,), (SWEEPS,))

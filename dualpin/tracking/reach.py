@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
+from typing import Any
 
 import numpy as np
 
+from ..dual import Dual
 from ..model.joints import Axial
 from ..model.memory import memory
 from ..model.robot import Frame, Joint, Robot
 from ..spatial.pose import Pose
+from .task import Rows, rows_of
 
 ROUNDS = 100  # of reweighted least squares; the bound holds after any number of them
 
@@ -30,7 +33,7 @@ class Reach:
     base : ndarray, shape (3,)
         A point on the first axis, in the world [m].
     tip : ndarray, shape (3,)
-        A point on the last axis, in the frame [m].
+        A point on the last axis, in the frame [m]; where turns are free, the frame's origin or a point of its axis.
     nearest, farthest : float
         Bounds on their distance [m].
     first, last : str
@@ -57,8 +60,18 @@ class Reach:
         return np.where(miss > allowed, miss, 0.0)
 
 
-def reach(robot: Robot, frame: Frame) -> Reach | None:
+def reach(robot: Robot, frame: Frame, task: Any = "pose") -> Reach | None:
     """The bound for a frame; None where the chain has no axis, or a joint travels without limit.
+
+    Parameters
+    ----------
+    frame : Frame
+    task : str or six booleans
+        What is asked of the frame, see `dualpin.track`.  A turn that is left free is one more joint at the frame.
+
+    Returns
+    -------
+    Reach or None
 
     Examples
     --------
@@ -69,15 +82,20 @@ def reach(robot: Robot, frame: Frame) -> Reach | None:
     >>> bound.first, bound.last, round(bound.farthest, 3)
     ('shoulder_pan_joint', 'wrist_3_joint', 0.919)
     """
+    return reach_of(robot, frame, rows_of("reach", task))
+
+
+def reach_of(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
+    """`reach` for the components of a task, looked for once."""
     known = memory(robot).setdefault("reach", {})
-    if frame not in known:
-        known[frame] = _reach(frame)
-    found: Reach | None = known[frame]
+    if (frame, rows) not in known:
+        known[frame, rows] = _reach(robot, frame, rows)
+    found: Reach | None = known[frame, rows]
     return found
 
 
-def _reach(frame: Frame) -> Reach | None:
-    if frame.joint is None:
+def _reach(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
+    if frame.joint is None or not {3, 4, 5} <= set(rows):
         return None
     pivots: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []  # point and direction before, direction after
     names: list[str] = []
@@ -87,7 +105,7 @@ def _reach(frame: Frame) -> Reach | None:
             return None
         T = T @ _matrix(joint.placement)
         axis = np.array([float(x) for x in joint.model.axis])
-        low, high = _travel(joint)
+        low, high = _travel(robot, joint)
         if not (isfinite(low) and isfinite(high)):
             return None
         if any(float(u.real) for u in joint.model.units):
@@ -96,13 +114,20 @@ def _reach(frame: Frame) -> Reach | None:
             slack += max(abs(low), abs(high))
             T = np.eye(4)
         else:
-            T[:3, 3] += T[:3, :3] @ axis * (low + high) / 2
+            turned = Dual(float(joint.model.offset.real), (low + high) / 2)
+            T = T @ _matrix(Pose.about(joint.model.axis, turned))
             slack += (high - low) / 2
     if not pivots:
         return None
+    T = T @ _matrix(frame.placement)
+    free = [k for k in range(3) if k not in rows]
+    if free:
+        axis = np.eye(3)[free[0]] if len(free) == 1 else np.zeros(3)
+        pivots.append((T[:3, 3].copy(), T[:3, :3] @ axis, axis))
+        T = np.eye(4)
     s, lengths = _short_chain(pivots)
     base = pivots[0][0] + s[0] * pivots[0][1]
-    tip = np.linalg.inv(T @ _matrix(frame.placement)) @ np.append(s[-1] * pivots[-1][2], 1.0)
+    tip = np.linalg.inv(T) @ np.append(s[-1] * pivots[-1][2], 1.0)
     total, longest = float(lengths.sum()), float(lengths.max(initial=0.0))
     nearest = max(0.0, 2 * longest - total - slack)
     return Reach(base, tip[:3], nearest, total + slack, names[0], names[-1])
@@ -130,16 +155,14 @@ def _short_chain(pivots: list[tuple[np.ndarray, np.ndarray, np.ndarray]]) -> tup
     return s, np.linalg.norm(rows @ s + fixed, axis=-1)
 
 
-def _travel(joint: Joint) -> tuple[float, float]:
-    """The least and greatest slide along the axis [m]."""
+def _travel(robot: Robot, joint: Joint) -> tuple[float, float]:
+    """The least and greatest slide along the axis [m], for coordinates within the robot's limits."""
     assert isinstance(joint.model, Axial)
     low = high = float(joint.model.offset.dual)
-    for i, u in enumerate(joint.model.units):
+    for i, u in enumerate(joint.model.units, joint.q.start):
         per = float(u.dual)
         if per:
-            source = joint.limits
-            bounds = [source.lower[i] if source.lower else -np.inf, source.upper[i] if source.upper else np.inf]
-            ends = sorted(per * x for x in bounds)
+            ends = sorted(per * x for x in (robot.lower[i], robot.upper[i]))
             low, high = low + ends[0], high + ends[1]
     return low, high
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import call
+from ..arguments import count, real
 from ..call.arguments import as_array, check_robot
-from ..errors import ArgumentError, ShapeError
+from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..functions import aba, centroidal_momentum_matrix, crba, kinetic_energy, minv, potential_energy
 from ..integrators.methods import Mechanical, Method
 from ..integrators.solve import Cost, Kernel, check_multistep, run_steps, step_count
@@ -21,7 +23,8 @@ from ..integrators.tableaus import method_named
 from ..model.robot import Robot
 from ..terms import TAU, Q, V
 from .loop import whole_steps
-from .rates import VARIATIONAL_SWEEP, dynamics_step
+from .losses import Losses, check_inertia, file_losses
+from .rates import dynamics_step, variational_sweep
 
 Controller = Callable[[float, np.ndarray, np.ndarray], np.ndarray]
 SWEEPS = 60  # at most, for the implicit equations: contraction is proportional to dt, so a few suffice
@@ -29,7 +32,7 @@ CONVERGED = 2e-15  # relative change of the velocity at which a further sweep ch
 
 
 @dataclass(frozen=True)
-class Motion:
+class SimulationResult:
     """A simulated motion.
 
     Attributes
@@ -43,9 +46,14 @@ class Motion:
         [l; p] about the centre of mass, world axes [N m s, N s]; constant for a free-floating
         robot without gravity, whatever the joints do.
     energy_drift, momentum_drift : float
-        The largest departure from the start.
+        The largest departure from the start; infinite where the motion is not finite.
+    energy_loss : ndarray, shape (..., n + 1)
+        What damping and friction took since the start [J], by the trapezoidal rule over the values kept; of
+        passive motion energy + energy_loss is constant.
     cost : Cost
     method : Method
+    notes : tuple of str
+        Where damping and friction come from; where the motion ceases to be finite.
     """
 
     t: np.ndarray
@@ -55,14 +63,27 @@ class Motion:
     momentum: np.ndarray
     cost: Cost
     method: Method
+    energy_loss: np.ndarray
+    notes: tuple[str, ...] = ()
 
     @property
     def energy_drift(self) -> float:
-        return float(np.abs(self.energy - self.energy[..., :1]).max(initial=0.0))
+        return _largest(self.energy - self.energy[..., :1])
 
     @property
     def momentum_drift(self) -> float:
-        return float(np.abs(self.momentum - self.momentum[..., :1, :]).max(initial=0.0))
+        return _largest(self.momentum - self.momentum[..., :1, :])
+
+    def __repr__(self) -> str:
+        said = f", {len(self.notes)} notes" if self.notes else ""
+        return (
+            f"<SimulationResult: {self.method.name}, {len(self.t)} values to t = {self.t[-1]:.6g} s, q {self.q.shape}, "
+            f"energy drift {self.energy_drift:.3g} J{said}>"
+        )
+
+
+def _largest(x: np.ndarray) -> float:
+    return float(np.abs(x).max(initial=0.0)) if np.isfinite(x).all() else float("inf")
 
 
 def simulate(
@@ -77,10 +98,11 @@ def simulate(
     hold: bool = False,
     passive: Sequence[str] = (),
     every: int = 1,
+    dissipation: str | None = None,
     rtol: float = 1e-9,
     atol: float = 1e-12,
     engine: str = "auto",
-) -> Motion:
+) -> SimulationResult:
     """Let a robot move under joint torques and gravity.
 
         dv/dt = M^-1 (tau - C v - g),   dq/dt = q v   (on the group where a base floats)
@@ -105,16 +127,26 @@ def simulate(
         Joints that get no torque, whatever tau says: they swing.
     every : int
         Keep every so many-th step only.
+    dissipation : "file" or None
+        "file": every joint is slowed by the damping and the dry friction of its description,
+        d v + f v / sqrt(v^2 + (1e-3/s)^2); the result's notes say of which joints.  None: no losses.
     rtol, atol : float
         Of adaptive methods and SciPy's.
 
     Returns
     -------
-    Motion
+    SimulationResult
 
     Raises
     ------
-    ArgumentError, ShapeError, FrameNotFoundError
+    ArgumentError
+        Also where the mass matrix is singular: the message names the joint that moves no mass.
+    ShapeError, FrameNotFoundError
+
+    Warns
+    -----
+    DualpinWarning
+        Where the motion ceases to be finite.
 
     Notes
     -----
@@ -139,8 +171,9 @@ def simulate(
     """
     check_robot(robot, "simulate")
     chosen = method_named(method)
-    n = step_count("simulate", dt, t_end)
-    if isinstance(every, bool) or not isinstance(every, (int, np.integer)) or every < 1 or n % every:
+    n, dt = step_count("simulate", dt, t_end)
+    every = count(f"simulate: every = {every!r}", every, 1)
+    if n % every:
         raise ArgumentError(f"simulate: every = {every!r}, a whole number that divides the {n} steps expected")
     q_, v_ = as_array(robot, "simulate", Q, q), as_array(robot, "simulate", V, v)
     for name, x in (("q", q_), ("v", v_)):
@@ -152,9 +185,14 @@ def simulate(
         batch = np.broadcast_shapes(*shapes)
     except ValueError:
         raise ShapeError(f"simulate: the leading axes of q {q_.shape}, v {v_.shape} and tau do not broadcast") from None
-    run = _Run(robot, batch, constant if constant is not None else tau, dt, hold, passive, engine)
+    rtol, atol = real("simulate: rtol", rtol, least=0), real("simulate: atol", atol, least=0)
+    if dissipation not in (None, "file"):
+        raise ArgumentError(f"simulate: dissipation = {dissipation!r}, 'file' or None expected")
+    losses = file_losses(robot) if dissipation else None
+    run = _Run(robot, batch, constant if constant is not None else tau, dt, hold, passive, losses, engine)
     start = np.concatenate([run.flat(q_), run.flat(v_)], axis=-1)
     check_multistep("simulate", chosen, run.space)
+    check_inertia("simulate", robot, start[:, : robot.nq], engine)
     begun = time.perf_counter()
     if isinstance(chosen, Mechanical):
         values, evaluations, steps = _MECHANICAL[chosen.name](run, start, n, every)
@@ -165,19 +203,42 @@ def simulate(
     cost = Cost(evaluations, steps, time.perf_counter() - begun)
     y = values.swapaxes(0, 1).reshape(*batch, len(values), -1)
     found_q, found_v = np.ascontiguousarray(y[..., : robot.nq]), np.ascontiguousarray(y[..., robot.nq :])
-    energy = kinetic_energy(robot, found_q, found_v, engine=engine) + potential_energy(robot, found_q, engine=engine)
-    A = centroidal_momentum_matrix(robot, found_q, engine=engine)
-    momentum = np.einsum("...ij,...j->...i", A, found_v)
-    return Motion(np.arange(len(values)) * (dt * every), found_q, found_v, energy, momentum, cost, chosen)
+    notes = [*(losses.notes if losses else ()), *_finite(robot, values, dt * every, engine)]
+    t = np.arange(len(values)) * (dt * every)
+    with np.errstate(all="ignore"):  # what is not finite was said above
+        energy = kinetic_energy(robot, found_q, found_v, engine=engine) + potential_energy(
+            robot, found_q, engine=engine
+        )
+        momentum = np.zeros((*energy.shape, 6))  # of a robot that is all armature there is none
+        if robot.mass:
+            A = centroidal_momentum_matrix(robot, found_q, engine=engine)
+            momentum = np.einsum("...ij,...j->...i", A, found_v)
+        lost = losses.energy(t, found_v) if losses else np.zeros_like(energy)
+    return SimulationResult(t, found_q, found_v, energy, momentum, cost, chosen, lost, tuple(notes))
+
+
+def _finite(robot: Robot, values: np.ndarray, dt: float, engine: str) -> list[str]:
+    """Why a motion (n + 1, B, nq + nv) is not finite: a joint that moves no mass, which is an error, or the step."""
+    bad = ~np.isfinite(values).all(axis=-1)
+    if not bad.any():
+        return []
+    k = int(bad.any(axis=1).argmax())
+    before = values[k - 1][bad[k] & ~bad[k - 1]] if k else values[0]
+    check_inertia(f"simulate: at t = {(k - 1) * dt:.6g} s", robot, before[:, : robot.nq], engine)
+    text = f"not finite: the motion is not finite from t = {k * dt:.6g} s on; a smaller dt is needed"
+    warnings.warn(f"simulate: {text}", DualpinWarning, stacklevel=3)
+    return [text]
 
 
 class _Run:
     """The equations of motion over a flat batch (B, nq + nv)."""
 
     def __init__(
-        self, robot: Robot, batch: tuple[int, ...], tau: Any, dt: float, hold: bool, passive: Sequence[str], engine: str
-    ) -> None:
+        self, robot: Robot, batch: tuple[int, ...], tau: Any, dt: float, hold: bool, passive: Sequence[str],
+        losses: Losses | None, engine: str,
+    ) -> None:  # fmt: skip
         self.robot, self.batch, self.dt, self.hold, self.engine = robot, batch, dt, hold, engine
+        self.losses = losses
         self.n, self.space = int(np.prod(batch, dtype=int)), StateSpace(robot)
         self.active = np.ones(robot.nv)
         for name in passive:
@@ -211,18 +272,25 @@ class _Run:
         else:
             tau = self.torque((k + c) * self.dt, y)
         q, v = y[:, : self.robot.nq], y[:, self.robot.nq :]
+        tau = tau - self.losses.torque(v) if self.losses else tau
         return np.concatenate([v, aba(self.robot, q, v, tau, engine=self.engine)], axis=-1)
+
+    def loss_inputs(self) -> list[np.ndarray]:
+        """Damping and friction as the terms take them."""
+        both = (self.losses.viscous, self.losses.dry) if self.losses else ()
+        return [np.tile(x, (self.n, 1)) for x in both]
 
     def kernel(self, method: Method) -> Kernel | None:
         """A whole step as one term, where the torque stays the same during it."""
         if method.depth or not whole_steps(method) or not (self.hold or self.constant is not None):
             return None
-        term, nq, h = dynamics_step(method), self.robot.nq, np.full((self.n, 1), self.dt)
+        term, nq = dynamics_step(method, self.losses is not None), self.robot.nq
+        constants = [np.full((self.n, 1), self.dt), *self.loss_inputs()]
 
         def advance(k: int, y: np.ndarray, past: tuple[np.ndarray, ...]) -> tuple[np.ndarray, tuple[np.ndarray, ...]]:
             tau = self.torque(k * self.dt, y)
             q, v = np.ascontiguousarray(y[:, :nq]), np.ascontiguousarray(y[:, nq:])
-            return call.run(self.robot, term, {}, [q, v, tau, h], engine=self.engine), ()
+            return call.run(self.robot, term, {}, [q, v, tau, *constants], engine=self.engine), ()
 
         return advance
 
@@ -277,7 +345,7 @@ def _variational(run: _Run, start: np.ndarray, n: int, every: int) -> tuple[np.n
             "did you mean 'rkmk4'?"
         )
     sweeps, nv = 10 if robot.nv <= 3 else 2, robot.nv
-    h = np.full((run.n, 1), dt)
+    term, constants = variational_sweep(run.losses is not None), [np.full((run.n, 1), dt), *run.loss_inputs()]
     q, v = start[:, :nq].copy(), start[:, nq:].copy()
     p = np.einsum("bij,bj->bi", crba(robot, q, engine=run.engine), v)
     qs, ps = np.empty((n // every + 1, *q.shape)), np.empty((n // every + 1, *p.shape))
@@ -287,7 +355,7 @@ def _variational(run: _Run, start: np.ndarray, n: int, every: int) -> tuple[np.n
         tau = run.torque((k + 0.5) * dt, np.concatenate([q, v], axis=-1))
         v, before = 2 * v - before, v  # the first guess: the last two velocities, continued
         for _ in range(SWEEPS):
-            out = call.run(robot, VARIATIONAL_SWEEP, {"sweeps": sweeps}, [q, p, v, tau, h], engine=run.engine)
+            out = call.run(robot, term, {"sweeps": sweeps}, [q, p, v, tau, *constants], engine=run.engine)
             v, force, last = out[:, :nv], out[:, nv : 2 * nv], out[:, 2 * nv :]
             change = np.abs(v - last).max(initial=0.0)
             evaluations += sweeps

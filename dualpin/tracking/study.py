@@ -11,9 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import ArgumentError, DualpinWarning
+from ..arguments import count
+from ..call.arguments import as_array
+from ..errors import DualpinWarning
 from ..functions import jacobian
+from ..model.limits import ranges
 from ..model.robot import Frame, Robot
+from ..terms import configuration
+from .loop import task_jacobian
+from .task import POSE, Rows, rows_of
 from .track import track
 from .trajectories import Circle
 
@@ -36,6 +42,8 @@ class Row:
     gain: float
     feedback: str
     turns: float
+    task: str
+    plane: str
     position_peak: float
     orientation_peak: float
     position_late: float
@@ -85,7 +93,7 @@ def _anthropomorphic(name: str, lengths: tuple[float, float, float, float]) -> R
     return replace(robot, name=name)
 
 
-def comfortable(robot: Robot, frame: Frame, samples: int = 2000, seed: int = 0) -> np.ndarray:
+def comfortable(robot: Robot, frame: Frame, samples: int = 2000, seed: int = 0, rows: Rows = POSE) -> np.ndarray:
     """The configuration with the best conditioned Jacobian among random ones in the middle half of the limits.
 
     Examples
@@ -97,11 +105,12 @@ def comfortable(robot: Robot, frame: Frame, samples: int = 2000, seed: int = 0) 
     (6,)
     """
     q, _, _ = robot.sample(samples, seed=seed)
-    bounded = np.isfinite(robot.lower) & np.isfinite(robot.upper)
-    with np.errstate(invalid="ignore"):
-        middle = np.where(bounded, (robot.lower + robot.upper) / 2, 0.0)
+    (lower, upper), bounded = ranges(robot), np.isfinite(robot.lower) & np.isfinite(robot.upper)
+    middle = lower / 2 + upper / 2
     inner = np.where(bounded, middle + (q - middle) / 2, q)
-    s = np.linalg.svd(jacobian(robot, inner, frame, "local_world_aligned"), compute_uv=False)
+    s = np.linalg.svd(task_jacobian(robot, frame, rows, inner), compute_uv=False)
+    rank = max(1, int((s > 1e-9 * s[:, :1]).sum(axis=-1).max(initial=0)))
+    s = s[:, :rank]
     return np.asarray(inner[int((s[:, -1] / s[:, 0]).argmax())])
 
 
@@ -112,13 +121,16 @@ def run(
     q0: ArrayLike | None = None,
     radius: float = 0.05,
     period: float = 10.0,
-    plane: str = "yz",
+    plane: str | None = None,
     turns: int = 2,
     methods: Sequence[str] = METHODS,
     steps: Sequence[float] = STEPS,
     gains: Sequence[float] = GAINS,
     feedback: str = "stage",
     startup: str = "paper",
+    task: str | Sequence[int] = "pose",
+    unreachable: str = "raise",
+    rtol: float = 1e-9,
 ) -> list[Row]:
     """Follow a circle with every method, step and gain.
 
@@ -128,12 +140,14 @@ def run(
         The last frame if not given.
     q0 : array_like, shape (nq,), optional
         Without it, a well conditioned configuration is looked for.
-    radius, period, plane
+    radius, period : float
         Of the circle [m], [s].
+    plane : "yz", "zx" or "xy", optional
+        Without it, the first of these in which the robot can move the frame.
     turns : int
     methods, steps, gains : sequences
         Names, dt [s], K [1/s].
-    feedback, startup
+    feedback, startup, task, unreachable, rtol
         As of `dualpin.track`.
 
     Returns
@@ -153,11 +167,15 @@ def run(
     >>> [r.method for r in sorted(rows, key=lambda r: r.position_peak)]
     ['rk4', 'abm4', 'trapezoidal', 'euler']
     """
-    if isinstance(turns, bool) or not isinstance(turns, (int, np.integer)) or turns < 1:
-        raise ArgumentError(f"study: turns = {turns!r}, a whole number of 1 or more expected")
+    turns = count(f"study: turns = {turns!r}", turns, 1)
     goal = robot.frame(-1 if frame is None else frame)
-    start = comfortable(robot, goal) if q0 is None else q0
-    path = Circle(radius, period, plane, start=start)
+    components = rows_of("study", task)
+    start = (
+        comfortable(robot, goal, rows=components) if q0 is None else as_array(robot, "study", configuration("q0"), q0)
+    )
+    chosen = plane if plane is not None else plane_of(robot, goal, start)
+    path = Circle(radius, period, chosen, start=start)
+    name = task if isinstance(task, str) else "".join("01"[i in components] for i in range(6))
     rows = []
     for gain in gains:
         for dt in steps:
@@ -165,15 +183,61 @@ def run(
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore", DualpinWarning)  # they are in the rows
                     found = track(robot, path, frame=goal, method=method, dt=dt, t_end=turns * period, gain=gain,
-                                  feedback=feedback, startup=startup)  # fmt: skip
+                                  feedback=feedback, startup=startup, task=task, unreachable=unreachable,
+                                  rtol=rtol)  # fmt: skip
                 last = found.t >= (turns - 1) * period - dt / 2
                 p, o = found.position_error, found.orientation_error
                 peaks = _max(p), _max(o), _max(p[last]), _max(o[last])
                 rows.append(
-                    Row(robot.name, goal.name, found.method.name, dt, gain, feedback, turns, *peaks,
+                    Row(robot.name, goal.name, found.method.name, dt, gain, feedback, turns, name, chosen,
+                        *peaks,
                         found.cost.evaluations, found.cost.seconds, found.warnings)
                 )  # fmt: skip
     return rows
+
+
+def plane_of(robot: Robot, frame: Frame, q: np.ndarray) -> str:
+    """The first of yz, zx, xy in both directions of which the frame can move from q; yz if there is none."""
+    J = jacobian(robot, q, frame, "local_world_aligned")[3:]
+    U, s, _ = np.linalg.svd(J, full_matrices=False)
+    reachable = U[:, s > 1e-9 * s.max(initial=0.0)]
+    left = np.linalg.norm(np.eye(3) - reachable @ reachable.T, axis=0)
+    return next((p for p in ("yz", "zx", "xy") if all(left["xyz".index(c)] < 1e-6 for c in p)), "yz")
+
+
+def remarks(rows: Sequence[Row]) -> list[str]:
+    """What is to be said about a study: one sentence a kind, and why all errors are the same where they are.
+
+    Examples
+    --------
+    >>> from dualpin.tracking.study import remarks
+    >>> remarks([])
+    []
+    """
+    kinds: dict[str, list[str]] = {}
+    for text in (note for row in rows for note in row.warnings):
+        kinds.setdefault(kind_of(text), []).append(text)
+    said = []
+    for texts in kinds.values():
+        more = f" (and in {len(texts) - 1} more of {len(rows)} runs)" if len(texts) > 1 else ""
+        said.append(texts[0] + more)
+    for gain in dict.fromkeys(r.gain for r in rows):
+        errors = [max(r.position_peak, r.orientation_peak) for r in rows if r.gain == gain]
+        if len(errors) > 1 and SAME_ERROR < max(errors) < np.inf and max(errors) - min(errors) < 0.01 * max(errors):
+            why = "the robot or its task" if kinds.keys() & {"rank", "unreachable", "singular"} else "the trajectory"
+            said.append(f"same error: {len(errors)} runs with K = {gain:g} err by {max(errors):.3g} alike, which is "
+                        f"due to {why} and not to the integrators")  # fmt: skip
+    return said
+
+
+SAME_ERROR = 1e-6  # m or rad: smaller ones that agree are rounding
+KINDS = ("unreachable", "unstable", "limits", "rank", "singular", "not finite")
+
+
+def kind_of(text: str) -> str:
+    """The kind of a remark of `dualpin.track`: the words before its colon."""
+    kind = text.partition(":")[0]
+    return kind if kind in KINDS else text
 
 
 def _max(x: np.ndarray) -> float:
@@ -196,10 +260,14 @@ def table(rows: Sequence[Row]) -> str:
     for key in dict.fromkeys((r.gain, r.feedback, r.dt) for r in rows):
         gain, feedback, dt = key
         same = [r for r in rows if (r.gain, r.feedback, r.dt) == key]
-        cells = {r.method: f"{r.position_peak:.1e} / {r.orientation_peak:.1e}" for r in same}
+        cells = {r.method: f"{r.position_peak:.1e} / {r.orientation_peak:.1e}{_mark(r)}" for r in same}
         loop = f"K = {gain:g} ({feedback})" if gain else "open"
         lines.append(f"| {loop} | {dt:g} | {' | '.join(cells.get(m, '') for m in methods)} |")
     return "\n".join(lines)
+
+
+def _mark(row: Row) -> str:
+    return " UNSTABLE" if any(kind_of(w) in ("unstable", "not finite") for w in row.warnings) else ""
 
 
 def measured_stability_limit(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import choice
+from ..arguments import choice, real
 from ..call.arguments import as_array, check_robot
 from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..functions import fk
@@ -22,16 +22,15 @@ from ..model.robot import Frame, Robot
 from ..terms import configuration
 from .loop import Loop, whole_steps
 from .nullspace import objective_named
-from .reach import reach
+from .remarks import after, feasible, unstable
+from .task import rows_of
 from .trajectories import Callback, Circle, Trajectory, as_trajectory
 
 FEEDBACKS = ("stage", "held")
-LOOKS = 400  # instants at which reach is checked before a run, and the Jacobian's condition after it
-NEAR_SINGULAR = 1e-3  # ratio of singular values: an error of a millimetre a second becomes radians
 
 
 @dataclass(frozen=True)
-class Tracking:
+class TrackingResult:
     """A followed trajectory.
 
     Attributes
@@ -42,12 +41,12 @@ class Tracking:
     position_error : ndarray, shape (..., n + 1)
         |p_d - p| [m]
     orientation_error : ndarray, shape (..., n + 1)
-        |log(R_d R^T)| [rad]
+        |log(R_d R^T)| [rad]; of both only what the task asks for, so that a position has no orientation error
     cost : Cost
         .evaluations of the joint rates (each with one pseudo-inverse), .steps, .seconds
     method : Method
     warnings : tuple of str
-        Joint limits passed, singularities come near, rates above the limits.
+        One a kind, each begins with its kind: "limits", "singular", "rank", "unstable", "unreachable".
     """
 
     t: np.ndarray
@@ -57,6 +56,11 @@ class Tracking:
     cost: Cost
     method: Method
     warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        p, o = (float(np.max(x, initial=0.0)) for x in (self.position_error, self.orientation_error))
+        said = f", {len(self.warnings)} warnings" if self.warnings else ""
+        return f"<TrackingResult: {self.method.name}, q {self.q.shape}, errors up to {p:.3g} m, {o:.3g} rad{said}>"
 
 
 def track(
@@ -77,15 +81,17 @@ def track(
     rtol: float = 1e-9,
     atol: float = 1e-12,
     unreachable: str = "raise",
+    task: str | Sequence[int] = "pose",
     engine: str = "auto",
-) -> Tracking:
+) -> TrackingResult:
     """Follow a trajectory of a frame by differential kinematics.
 
         dq/dt = J^+ (V_d + K e) + (1 - J^+ J) z,   e = (log(R_d R^T), p_d - p)
 
-    with J at the frame's origin in world axes, and J^+ = J^T (J J^T + damping^2)^-1, for damping 0
-    the Moore-Penrose inverse.  gain 0 is the open loop, which drifts; with gain K the linear error
-    decays as exp(-K t) as long as K dt stays below the method's stability limit.
+    with J at the frame's origin in world axes, of all three the components that the task asks for, and
+    J^+ = J^T (J J^T + damping^2)^-1, for damping 0 the Moore-Penrose inverse.  gain 0 is the open loop,
+    which drifts; with gain K the linear error decays as exp(-K t) as long as K dt stays below the method's
+    stability limit.
 
     Parameters
     ----------
@@ -120,12 +126,17 @@ def track(
     rtol, atol : float
         Of adaptive methods and SciPy's.
     unreachable : "raise", "warn" or "ignore"
-        What to do about a trajectory that leaves the workspace, which is checked before the run.
+        What to do about a trajectory that leaves the workspace, or that needs more joints than carry the
+        frame; both are checked before the run.
+    task : "pose", "position", "position+axis", or six booleans
+        What of the trajectory counts.  "position+axis": the frame's origin and the direction of its z-axis.
+        Six booleans name components [wx, wy, wz, vx, vy, vz], turns about the frame's axes and ways along
+        the world's.
     engine : "auto" or "numpy"
 
     Returns
     -------
-    Tracking
+    TrackingResult
 
     Raises
     ------
@@ -148,22 +159,24 @@ def track(
     check_robot(robot, "track")
     path, chosen = as_trajectory(trajectory), method_named(method)
     target = robot.frame(-1 if frame is None else frame)
+    rows = rows_of("track", task)
     choice("track: feedback", feedback, FEEDBACKS)
     choice("track: startup", startup, STARTUPS)
     choice("track: unreachable", unreachable, ("raise", "warn", "ignore"))
-    _check_numbers(gain=gain, damping=damping, nullspace_gain=nullspace_gain, rtol=rtol, atol=atol)
+    given = {"gain": gain, "damping": damping, "nullspace_gain": nullspace_gain, "rtol": rtol, "atol": atol}
+    gain, damping, nullspace_gain, rtol, atol = (real(f"track: {k}", x, least=0) for k, x in given.items())
     held = feedback == "held"
     if isinstance(chosen, Mechanical):
         raise ArgumentError(f"track: method {chosen.name!r} is for equations of motion; dualpin.simulate takes it")
     if held and not whole_steps(chosen):
         raise ArgumentError(f"track: feedback 'held' needs equal steps, which method {chosen.name!r} does not take")
-    n = step_count("track", dt, _duration(path, t_end))
+    n, dt = step_count("track", dt, _duration(path, t_end))
     start, T0 = _start(robot, target, path, q0)
     batch = T0.shape[:-2]
-    loop = Loop(robot, target, path.at(T0), batch, dt, float(gain), float(damping), held,
-                objective_named(robot, target, nullspace, nullspace_gain, engine), engine)  # fmt: skip
+    loop = Loop(robot, target, path.at(T0), batch, dt, gain, damping, held,
+                objective_named(robot, target, nullspace, nullspace_gain, engine), rows, engine)  # fmt: skip
     check_multistep("track", chosen, loop.space)
-    notes = _within_reach(robot, target, loop, n * dt, unreachable)
+    notes = [*feasible(loop, start, n * dt, unreachable), *unstable(chosen, gain, dt, held)]
 
     begun = time.perf_counter()
     values, evaluations, steps = run_steps(
@@ -172,10 +185,12 @@ def track(
     )  # fmt: skip
     cost = Cost(evaluations, steps, time.perf_counter() - begun)
 
-    notes += _after(robot, loop, values, cost)
+    notes += after(loop, values)
+    for text in notes:
+        warnings.warn(f"track: {text}", DualpinWarning, stacklevel=2)
     position, orientation = loop.errors(values)
     shape = (*batch, n + 1)
-    return Tracking(
+    return TrackingResult(
         np.arange(n + 1) * dt,
         values.swapaxes(0, 1).reshape(*shape, robot.nq),
         position.T.reshape(shape),
@@ -184,12 +199,6 @@ def track(
         chosen,
         tuple(notes),
     )
-
-
-def _check_numbers(**values: Any) -> None:
-    for name, x in values.items():
-        if isinstance(x, bool) or not isinstance(x, (int, float, np.integer, np.floating)) or not (0 <= x < np.inf):
-            raise ArgumentError(f"track: {name} = {x!r}, a finite number of 0 or more expected")
 
 
 def _duration(path: Trajectory, t_end: float | None) -> float:
@@ -206,8 +215,9 @@ def _start(robot: Robot, frame: Frame, path: Trajectory, q0: ArrayLike | None) -
     if given is None:
         raise ArgumentError("track: q0 expected, or a trajectory with a start (Circle(..., start=q0))")
     q = as_array(robot, "track", configuration("q0"), given)
-    start = configuration("q of the trajectory's start")
-    origin = q if path.start is None else as_array(robot, "track", start, path.start)
+    origin = (
+        q if path.start is None else as_array(robot, "track", configuration("q of the trajectory's start"), path.start)
+    )
     for x in (q, origin):
         if not np.isfinite(x).all():
             where = tuple(int(i) for i in np.argwhere(~np.isfinite(x))[0])
@@ -220,61 +230,4 @@ def _start(robot: Robot, frame: Frame, path: Trajectory, q0: ArrayLike | None) -
     return np.ascontiguousarray(np.broadcast_to(q, (*batch, robot.nq))).reshape(-1, robot.nq), T0
 
 
-def _within_reach(robot: Robot, frame: Frame, loop: Loop, t_end: float, unreachable: str) -> list[str]:
-    bound = None if unreachable == "ignore" else reach(robot, frame)
-    if bound is None or not loop.n:
-        return []
-    times = np.linspace(0.0, t_end, min(LOOKS, max(2, int(4e6 / (18 * loop.n)))))
-    rows = loop.desired(times)[0].reshape(-1, 3, 4)
-    excess = bound.excess(rows).reshape(len(times), loop.n)
-    if not excess.any():
-        return []
-    k, member = np.unravel_index(int(excess.argmax()), excess.shape)
-    d = float(bound.distance(rows.reshape(len(times), loop.n, 3, 4)[k, member]))
-    limit = f"reach only {bound.farthest:.4g} m" if d > bound.farthest else f"keep at least {bound.nearest:.4g} m away"
-    text = (
-        f"the trajectory leaves the workspace of {robot.name}: at t = {times[k]:.4g} s"
-        + (f" in member {member} of the batch" if loop.batch else "")
-        + f" a point of frame {frame.name!r} on the axis of joint {bound.last!r} would be {d:.4g} m from the axis of "
-        f"joint {bound.first!r}, where the links between {limit}"
-    )
-    if unreachable == "raise":
-        raise ArgumentError(
-            f"track: {text}; a smaller or nearer trajectory is needed (unreachable='warn' runs it anyway)"
-        )
-    warnings.warn(f"track: {text}", DualpinWarning, stacklevel=3)
-    return [text]
-
-
-def _after(robot: Robot, loop: Loop, q: np.ndarray, cost: Cost) -> list[str]:
-    """What the caller should know about the motion found."""
-    notes = []
-    if not np.isfinite(q).all():
-        k = int(np.argwhere(~np.isfinite(q).all(axis=(1, 2)))[0, 0])
-        notes.append(
-            f"the motion is not finite from t = {k * loop.dt:.6g} s on: the loop is unstable at this gain and step"
-        )
-    for joint in robot:
-        if joint.mimic is None and joint.model.additive:
-            x = q[..., joint.q]
-            lower, upper = robot.lower[joint.q], robot.upper[joint.q]
-            beyond = ((x < lower - 1e-9) | (x > upper + 1e-9)).any(axis=(1, 2))
-            if beyond.any():
-                at = int(beyond.argmax()) * loop.dt
-                notes.append(
-                    f"joint {joint.name!r} passes its limits [{lower[0]:.4g}, {upper[0]:.4g}] at t = {at:.4g} s"
-                )
-    looks = np.unique(np.linspace(0, len(q) - 1, max(1, min(len(q), LOOKS // max(loop.n, 1)))).astype(int))
-    seen = q[looks].reshape(-1, robot.nq)
-    seen = seen[np.isfinite(seen).all(axis=-1)]
-    if len(seen):
-        s = np.linalg.svd(loop.jacobian(seen), compute_uv=False)
-        ratio = s[:, -1] / s[:, 0]
-        if ratio.min() < NEAR_SINGULAR:
-            notes.append(f"near a singularity: the Jacobian's singular values come as close as 1 : {ratio.min():.2g}")
-    for text in notes:
-        warnings.warn(f"track: {text}", DualpinWarning, stacklevel=3)
-    return notes
-
-
-__all__ = ["Circle", "Tracking", "track"]
+__all__ = ["Circle", "TrackingResult", "track"]

@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isfinite, pi
+from math import pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import choice, numbers
+from ..arguments import choice, numbers, real
 from ..errors import ArgumentError, ShapeError
 from ..spatial import compose, exp, from_matrix, inverse, log, to_matrix
 
@@ -70,8 +70,8 @@ class Circle(Trajectory):
     start: Any = None
 
     def __post_init__(self) -> None:
-        _positive("Circle: radius", self.radius, "m", zero=True)
-        _positive("Circle: period", self.period, "s")
+        _settle(self, radius=real("Circle: radius", self.radius, "m", least=0))
+        _settle(self, period=real("Circle: period", self.period, "s", above=0))
         choice("Circle: plane", self.plane, tuple(PLANES))
 
     @property
@@ -121,7 +121,7 @@ class Line(Trajectory):
         d = numbers("Line: displacement", self.displacement)
         if d.shape != (3,):
             raise ShapeError(f"Line: displacement of shape (3,) expected, got {d.shape}")
-        _positive("Line: duration", self.duration, "s")
+        _settle(self, duration=real("Line: duration", self.duration, "s", above=0))
 
     def at(self, T0: np.ndarray) -> Bound:
         d = np.asarray(self.displacement, dtype=float)
@@ -167,7 +167,7 @@ class Screw(Trajectory):
 
     def __post_init__(self) -> None:
         _pose("Screw: target", self.target)
-        _positive("Screw: duration", self.duration, "s")
+        _settle(self, duration=real("Screw: duration", self.duration, "s", above=0))
 
     def at(self, T0: np.ndarray) -> Bound:
         return _screws(from_matrix(T0), [_pose("Screw: target", self.target)], [0.0, self.duration])
@@ -256,6 +256,12 @@ class Callback(Trajectory):
         return out[0], out[1]
 
 
+def _settle(trajectory: Trajectory, **values: float) -> None:
+    """Checked values into a frozen description."""
+    for name, x in values.items():
+        object.__setattr__(trajectory, name, x)
+
+
 def _screws(X0: np.ndarray, poses: Sequence[np.ndarray], times: Sequence[float]) -> Bound:
     """Legs of constant twist through the poses."""
     corners = [X0, *(np.broadcast_to(X, X0.shape) for X in poses)]
@@ -303,12 +309,6 @@ def _pose(what: str, X: ArrayLike) -> np.ndarray:
     if x.shape != (8,):
         raise ShapeError(f"{what}: a homogeneous matrix (4, 4) or a dual quaternion (8,) expected, got shape {x.shape}")
     return x
-
-
-def _positive(what: str, x: Any, unit: str, zero: bool = False) -> None:
-    fine = isinstance(x, (int, float, np.integer, np.floating)) and isfinite(x) and (x > 0 or (zero and x == 0))
-    if not fine:
-        raise ArgumentError(f"{what} = {x!r}, a positive number of {unit} expected")
 
 
 def as_trajectory(value: Any) -> Trajectory:

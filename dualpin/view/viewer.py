@@ -18,7 +18,7 @@ from .meshes import shapes
 from .scene import axes, bones, helix, matrix, size
 
 if TYPE_CHECKING:
-    from ..tracking.track import Tracking
+    from ..tracking.track import TrackingResult
 
 PARTS = ("frames", "screws", "lines", "meshes", "dh")
 COLOURS = {"revolute": (0, 105, 180), "prismatic": (0, 140, 90), "helical": (184, 85, 0)}
@@ -30,7 +30,7 @@ class Viewer:
     Parameters
     ----------
     robot : Robot
-    run : Tracking or array_like, shape (n, nq), optional
+    run : TrackingResult or array_like, shape (n, nq), optional
         What the button "play" plays.
     dh : "standard" or "modified", optional
         DH frames of the chain to `tip`.
@@ -45,8 +45,8 @@ class Viewer:
     """
 
     def __init__(
-        self, robot: Robot, run: Tracking | ArrayLike | None = None, *, dh: str | None = None, tip: str | None = None,
-        host: str = "127.0.0.1", port: int = 8080,
+        self, robot: Robot, run: TrackingResult | ArrayLike | None = None, *, dh: str | None = None,
+        tip: str | None = None, host: str = "127.0.0.1", port: int = 8080,
     ) -> None:  # fmt: skip
         try:
             import viser
@@ -165,13 +165,13 @@ class Viewer:
         slider.on_update(moved)
 
 
-def view(robot: Robot, run: Tracking | ArrayLike | None = None, **options: Any) -> Viewer:
+def view(robot: Robot, run: TrackingResult | ArrayLike | None = None, **options: Any) -> Viewer:
     """Show a robot in a browser: serve a page and return its `Viewer`.
 
     Parameters
     ----------
     robot : Robot
-    run : Tracking or array_like, shape (n, nq), optional
+    run : TrackingResult or array_like, shape (n, nq), optional
         What to play: the result of `dualpin.track`, or configurations 20 ms apart.
     **options
         Of `Viewer`: ``dh=``, ``tip=``, ``host=``, ``port=``.

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
+from fractions import Fraction
+
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -94,3 +98,52 @@ def test_newton_says_why_it_stopped():
 def test_newton_takes_a_given_derivative():
     r = al.newton(lambda x: np.sin(x), dp.Dual(3.0, 0.1), jacobian=np.cos)
     close(r.x, dp.Dual(np.pi, 0.0), 1e-14)
+
+
+def _expanded(roots):
+    """Coefficients of a product of (x - r), in the numbers that the roots are."""
+    c = [1]
+    for r in roots:
+        c = [a - r * b for a, b in zip([0, *c], [*c, 0], strict=True)]
+    return c
+
+
+def test_wilkinsons_polynomial_keeps_its_digits():
+    c = _expanded(range(1, 21))
+    assert max(map(abs, c)) > 2**63  # doubles and NumPy's integers would round some of them
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        x = al.polyroots(c)
+    np.testing.assert_array_equal(x.real, np.arange(1.0, 21.0))
+    # of coefficients rounded to doubles the roots are others, and they are those of fifty digits
+    with pytest.warns(dp.DualpinWarning, match="leaves the root 14.0005 about 2 digits"):
+        rounded = al.polyroots([float(k) for k in c])
+    with mpmath.workdps(80):
+        want = mpmath.polyroots([mpmath.mpf(float(k)) for k in c[::-1]], maxsteps=500, extraprec=300)
+    np.testing.assert_allclose(rounded.real, [float(r) for r in want], rtol=1e-15)
+    assert np.abs(rounded.real - np.arange(1, 21)).max() > 1e-4
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(0.1, 3.0), min_size=2, max_size=5, unique=True), st.integers(2, 3))
+def test_a_multiple_root_is_refused_and_a_near_one_is_not(roots, times):
+    roots = [round(r, 1) for r in roots]
+    alone = [r for r in dict.fromkeys(roots) if r != roots[0]]
+    with pytest.raises(al.AssumptionError, match="repeated"):
+        al.polyroots(np.polynomial.polynomial.polyfromroots([roots[0]] * times + alone))
+    near = sorted([roots[0], roots[0] + 2.0**-16, *alone])
+    c = _expanded([Fraction(r) for r in near])
+    scale = max(k.denominator for k in c)
+    x = al.polyroots([int(k * scale) for k in c])
+    np.testing.assert_allclose(x.real, near, rtol=1e-14)
+
+
+def test_the_kind_of_a_result_depends_on_its_roots_alone():
+    """Real where all are real and complex where one is not, with any version of NumPy."""
+    assert al.polyroots([6.0, -5.0, 1.0]).real.dtype == float
+    assert al.polyroots([1.0, 0.0, 1.0]).real.dtype == complex
+    assert al.polyroots([[1.0, 0.0, 1.0], [6.0, -5.0, 1.0]]).dual.dtype == complex
+    w, V = al.eig([[2.0, 1.0], [1.0, 3.0]])
+    assert {x.dtype for x in (w.real, w.dual, V.real, V.dual)} == {np.dtype(float)}
+    assert al.eigvals([[0.0, -1.0], [1.0, 0.0]]).real.dtype == complex
+    assert al.eigvals(np.eye(1, dtype=complex)).real.dtype == complex
