@@ -19,8 +19,14 @@ def numbers(what: str, value: ArrayLike) -> np.ndarray:
     except ValueError as e:
         raise ShapeError(f"{what}: not an array ({e})") from None
     if x.dtype.kind not in "fiub":
-        raise ArgumentError(f"{what}: real numbers expected, got {x.dtype} ({type(value).__name__})")
+        raise ArgumentError(f"{what}: real numbers expected, got {x.dtype} ({type(value).__name__}){_hint(x)}")
     return x.astype(np.float64, copy=False)
+
+
+def _hint(x: np.ndarray) -> str:
+    if x.dtype.kind != "O":
+        return ""
+    return "; dualpin.symbolic and the functions of dualpin.algorithms take symbols and other numbers"
 
 
 def choice(what: str, value: object, choices: tuple[str, ...]) -> str:

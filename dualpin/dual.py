@@ -6,16 +6,15 @@ Everything in this file is that sentence, and the ring.
 
 from __future__ import annotations
 
-import importlib
-import numbers
 import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from .errors import ArgumentError, ArgumentTypeError, DualDivisionError
-from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, unfit
+from .errors import ArgumentError, ArgumentTypeError
+from .extras import extra
+from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, raise_where, refuse, shown, unfit
 from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
 
 
@@ -64,8 +63,7 @@ class Dual(Parts):
         self.real, self.dual = real, dual
 
     def __repr__(self) -> str:
-        a, b = (float(x) if type(x) is np.float64 else x for x in (self.real, self.dual))
-        return f"Dual({a!r}, {b!r})"
+        return f"Dual({shown(self.real)}, {shown(self.dual)})"
 
     # the ring
 
@@ -137,11 +135,10 @@ class Dual(Parts):
         if self.shape:
             raise_where((a == 0) & (b != 0), f"abs of a pure dual number in {self}: |x| has no derivative at 0")
             size = np.abs(a)
-            slope = np.real(np.conj(a) * b) / np.where(size == 0, 1.0, size)
-            return Dual(size, slope)
+            return Dual(size, np.real(np.conj(a / np.where(size == 0, 1.0, size)) * b))
         refuse(a, "abs of {}: |x| has no derivative at 0", self)
         if isinstance(a, complex) or isinstance(b, complex):
-            return Dual(abs(a), (a.conjugate() * b).real / abs(a))
+            return Dual(abs(a), (a.conjugate() / abs(a) * b).real)
         return self if a > 0 else -self
 
     def __matmul__(self, b: Any) -> Dual:
@@ -186,7 +183,9 @@ class Dual(Parts):
         return self._before(b, operator.ge)
 
     def __bool__(self) -> bool:
-        return bool(np.any(self.real != 0)) or bool(np.any(self.dual != 0)) if self.size == 1 else _ambiguous(self)
+        if self.size != 1:
+            raise ArgumentError(f"a dual array of shape {self.shape} is neither true nor false; take np.any or np.all")
+        return bool(np.any(self.real != 0)) or bool(np.any(self.dual != 0))
 
     # NumPy
 
@@ -210,25 +209,6 @@ class Dual(Parts):
 
     def __array_function__(self, func: Any, types: Any, args: Any, options: Any) -> Any:
         return array_function(Dual, func, args, options)
-
-
-def _ambiguous(x: Dual) -> bool:
-    raise ArgumentError(f"a dual array of shape {x.shape} is neither true nor false; take np.any or np.all of it")
-
-
-def refuse(x: Scalar, message: str, shown: object, bad: complex = 0) -> None:
-    """Raise where a real part is `bad`; symbols pass."""
-    kind = x.__class__
-    if kind is np.ndarray:
-        raise_where(x == bad, message.format("an entry of an array"))
-    elif (kind is float or isinstance(x, numbers.Number)) and x == bad:
-        raise DualDivisionError(message.format(shown))
-
-
-def raise_where(wrong: np.ndarray, message: str) -> None:
-    if np.any(wrong):
-        where = tuple(int(i) for i in np.argwhere(wrong)[0])
-        raise DualDivisionError(f"{message}, at index {where}" if where else message)
 
 
 EPS = Dual(ZERO, ONE)
@@ -284,13 +264,9 @@ class Function:
         return value
 
 
-def _square(x: Scalar) -> Scalar:
-    return x * x
-
-
 sin: Function = Function("sin", lambda x: cos(x))
 cos: Function = Function("cos", lambda x: -sin(x))
-tan: Function = Function("tan", lambda x: 1 + _square(tan(x)))
+tan: Function = Function("tan", lambda x: 1 + power(tan(x), 2))
 asin: Function = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
 acos: Function = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
 atan: Function = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))
@@ -353,11 +329,28 @@ def atan2(y: Scalar, x: Scalar) -> Scalar:
     if type(y) is Dual or type(x) is Dual:
         s, c = y.real, x.real
         ds, dc = (v.dual if type(v) is Dual else ZERO for v in (y, x))
-        refuse(s * s + c * c, "atan2 of {}: both real parts are zero", (y, x))
-        return Dual(atan2(s, c), (ds * c - dc * s) / (s * s + c * c))
+        r = hypot(s, c)
+        refuse(r, "atan2 of {}: both real parts are zero", (y, x))
+        return Dual(atan2(s, c), (ds * (c / r) - dc * (s / r)) / r)
     y, x = (float(v) if type(v) is Exact else v for v in (y, x))
+    if any(type(v) is np.ndarray and v.dtype == object for v in (y, x)):
+        return np.frompyfunc(atan2, 2, 1)(y, x)
     owner = y if not isinstance(y, (int, float)) else x
     return library(owner).atan2(y, x)
+
+
+def hypot(a: Scalar, b: Scalar) -> Scalar:
+    """sqrt(a^2 + b^2) of dual and other scalars; of numbers also where the squares over- or underflow."""
+    if type(a) is Dual or type(b) is Dual:
+        x, y = a.real, b.real
+        dx, dy = (v.dual if type(v) is Dual else ZERO for v in (a, b))
+        r = hypot(x, y)
+        refuse(r, "hypot of {}: its derivative at 0 is infinite", (a, b))
+        return Dual(r, (x / r) * dx + (y / r) * dy)
+    a, b = (float(v) if type(v) is Exact else v for v in (a, b))
+    owner = a if not isinstance(a, (int, float)) else b
+    known = None if np.asarray(owner).dtype.hasobject else getattr(library(owner), "hypot", None)
+    return known(a, b) if known else sqrt(a * a + b * b)
 
 
 def stumpff(k: int, y: Scalar) -> Scalar:
@@ -372,6 +365,8 @@ def stumpff(k: int, y: Scalar) -> Scalar:
         # k = 0 and 1 have their derivatives among c_1 ... c_3; no algorithm needs more
         slope = -stumpff(1, y.real) if k == 0 else stumpff(3, y.real) - stumpff(2, y.real)
         return Dual(stumpff(k, y.real), slope * y.dual / 2)
+    if type(y) is np.ndarray and y.dtype == object:
+        return np.frompyfunc(lambda x: stumpff(k, x), 1, 1)(y)
     return library(y).stumpff(k, y)
 
 
@@ -393,7 +388,7 @@ def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
     if symbolic:
         return condition.choose(a, b)
     if formula:
-        return importlib.import_module("sympy").Piecewise((a, condition), (b, True))
+        return extra("sympy", "exact", "a choice between formulas").Piecewise((a, condition), (b, True))
     a, b = (float(x) if type(x) is Exact else x for x in (a, b))
     return np.where(condition, a, b)
 

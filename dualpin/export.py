@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ import numpy as np
 from .call.arguments import check_robot
 from .engine.graph.trace import Sym, Trace, trace
 from .errors import ArgumentError
+from .extras import extra
 from .model import frames
 from .model.robot import Robot
 from .terms import Term, flat
@@ -148,7 +148,13 @@ def c_lines(program: Trace, term: Term, kind: str) -> list[str]:
     return [f"    (void){key};" for key in unused] + lines
 
 
-def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) -> Any:
+def _decimal(x: Any) -> Any:
+    """A fraction as a number of as many digits as it has, at most fifteen."""
+    sympy = extra("sympy", "exact", "symbolic")
+    return sympy.Float(x, 15) if x.q > 10**15 else sympy.Float(repr(float(x)))
+
+
+def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool = False, **given: Any) -> Any:
     """One term as SymPy expressions: the algorithm itself, run on symbols.  For small robots.
 
     Parameters
@@ -157,9 +163,13 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
         "crba", "coriolis", "gravity", "rnea", "fk", ...
     simplify : bool
         Whether SymPy simplifies each entry.
+    decimals : bool
+        Whether numbers in the result are decimals (9.81) rather than the fractions that are computed with
+        (981/100).
     **given
-        Symbols for the inputs (``q=``, ``v=``, ...: a sequence each; by default q0, q1, ..., real), and
-        what the term takes besides arrays: ``frame=``, ``reference=``.
+        Symbols for the inputs (``q=``, ``v=``, ...: a list, array or column each, also of functions of time as
+        ``sympy.physics.mechanics.dynamicsymbols`` makes them; by default q0, q1, ..., real), and what the term
+        takes besides arrays: ``frame=``, ``reference=``.
 
     Returns
     -------
@@ -174,6 +184,8 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
     ------
     ArgumentError
         If there is no such term, or symbols of the wrong number are given.
+    DualpinError
+        If SymPy is not installed.
 
     Examples
     --------
@@ -184,17 +196,20 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
     >>> b.joint("hinge", revolute(UY), inertia=Inertia(2.0, Vector3(1.0, 0.0, 0.0), Matrix3(NOUGHT, UY * 0.5, NOUGHT)))
     >>> dp.symbolic(b.robot(), "crba"), dp.symbolic(b.robot(), "gravity")
     (Matrix([[1/2]]), Matrix([[-981*cos(q0)/100]]))
+    >>> dp.symbolic(b.robot(), "gravity", decimals=True)
+    Matrix([[-9.81*cos(q0)]])
     """
-    import sympy
+    sympy = extra("sympy", "exact", "symbolic")
 
     chosen = _term(robot, term)
     inputs = []
     for x in chosen.arguments:
         key, size = x.name, x.size(robot)
-        symbols: Sequence[Any] = given.pop(key, None) or sympy.symbols(f"{key}0:{size}", real=True)
+        wanted = given.pop(key, None)
+        symbols = list(sympy.symbols(f"{key}0:{size}", real=True) if wanted is None else np.ravel(wanted))
         if len(symbols) != size:
             raise ArgumentError(f"symbolic: {size} symbols for {key} expected, got {len(symbols)}")
-        inputs.append(list(symbols))
+        inputs.append(symbols)
 
     def fraction(x: Any) -> Any:
         return sympy.Rational(repr(float(x))) if isinstance(x, (int, float)) else x
@@ -206,6 +221,8 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, **given: Any) ->
     entries = [sympy.sympify(x) for x in flat(chosen.compute(exact, *inputs, **settled))]
     if simplify:
         entries = [sympy.simplify(x) for x in entries]
+    if decimals:
+        entries = [x.replace(lambda y: y.is_Rational and not y.is_Integer, _decimal) for x in entries]
     shape = chosen.shape(robot, **settled)
     if len(shape) == 0:
         return entries[0]

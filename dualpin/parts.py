@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Callable, Iterator, Sequence
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
 
 from .delegates import home
-from .errors import ArgumentError, ShapeError
+from .errors import ArgumentError, DualDivisionError, ShapeError
 from .scalars import Exact, Scalar
 
 SEQUENCES = {list, tuple, int, np.ndarray, str, type(None)}
@@ -34,6 +36,11 @@ def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     except ValueError as e:
         raise ArgumentError(f"Dual: the parts do not form arrays of one shape ({e})") from None
     return _spread(real, shape), _spread(dual, shape)
+
+
+def shown(x: Scalar) -> str:
+    """A part as its repr, numbers of NumPy and decimals without the names of their types."""
+    return str(x) if isinstance(x, (np.generic, Decimal)) else repr(x)
 
 
 def _floating(x: np.ndarray) -> bool:
@@ -182,6 +189,21 @@ class Parts:
 
 def _conj(x: Scalar) -> Scalar:
     return x.conjugate() if hasattr(x, "conjugate") else x
+
+
+def refuse(x: Scalar, message: str, shown: object, bad: complex = 0) -> None:
+    """Raise where a real part is `bad`; symbols pass."""
+    kind = x.__class__
+    if kind is np.ndarray:
+        raise_where(x == bad, message.format("an entry of an array"))
+    elif (kind is float or isinstance(x, numbers.Number)) and x == bad:
+        raise DualDivisionError(message.format(shown))
+
+
+def raise_where(wrong: np.ndarray, message: str) -> None:
+    if np.any(wrong):
+        where = tuple(int(i) for i in np.argwhere(wrong)[0])
+        raise DualDivisionError(f"{message}, at index {where}" if where else message)
 
 
 def _no_out(out: Any) -> None:

@@ -9,7 +9,6 @@ library that knows its sine.
 from __future__ import annotations
 
 import cmath
-import importlib
 import math
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from .errors import DualpinError
+from .extras import extra
 
 Scalar = Any
 """A float, an array, a symbol, an mpmath or SymPy number, an `Exact` constant or a `Dual`."""
@@ -95,7 +95,7 @@ class Exact:
         return x * self if self.n else x * math.nan
 
     def _sympy_(self) -> Any:
-        return importlib.import_module("sympy").Integer(self.n)
+        return extra("sympy", "exact", "a symbolic number").Integer(self.n)
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -150,7 +150,7 @@ def _stumpff_array(k: int, y: np.ndarray) -> np.ndarray:
 def _library(module: Any, **more: Any) -> SimpleNamespace:
     functions = {n: getattr(module, n) for n in NAMES}
     atan2 = getattr(module, "atan2", None)
-    return SimpleNamespace(**{"atan2": atan2, **functions, **more})
+    return SimpleNamespace(**{"atan2": atan2, "hypot": getattr(module, "hypot", None), **functions, **more})
 
 
 FLOAT = _library(math, stumpff=_stumpff_float)
@@ -158,7 +158,7 @@ COMPLEX = _library(cmath, stumpff=_stumpff_complex)
 ARRAY = SimpleNamespace(
     sin=np.sin, cos=np.cos, tan=np.tan, asin=np.arcsin, acos=np.arccos, atan=np.arctan,
     sinh=np.sinh, cosh=np.cosh, tanh=np.tanh, exp=np.exp, log=np.log, sqrt=np.sqrt,
-    atan2=np.arctan2, stumpff=_stumpff_array,
+    atan2=np.arctan2, hypot=np.hypot, stumpff=_stumpff_array,
 )  # fmt: skip
 
 
@@ -203,7 +203,7 @@ def library(x: Scalar) -> Any:
     if found is None:
         for base in kind.__mro__:
             found = _LIBRARIES.get(base)
-            root = base.__module__.partition(".")[0]
+            root = (base.__module__ or "").partition(".")[0]  # None of SymPy's functions of time
             if found is None and root in _LAZY:
                 found = _LAZY[root]()
             if found is not None:

@@ -101,3 +101,19 @@ def real_if_real(w: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, ...]:
     """
     real = not np.any(w.imag)
     return tuple(x.real.copy() if real else x.astype(complex, copy=False) for x in (w, *others))
+
+
+def scaled(x: np.ndarray, axis: Any = None) -> tuple[np.ndarray, np.ndarray]:
+    """x / s and s, the power of two next to the largest entry along `axis` (kept as axes of one): squares of x / s
+    neither over- nor underflow, and the division is exact."""
+    largest = np.abs(x).max(axis=axis, keepdims=True, initial=0.0)
+    exponent = np.frexp(np.where(np.isfinite(largest), largest, 1.0))[1]
+    s = np.ldexp(1.0, np.clip(exponent, -1021, 1023))
+    return x / s, s
+
+
+def length(x: np.ndarray, axis: Any = None, keepdims: bool = False) -> np.ndarray:
+    """The Euclidean length sqrt(sum |x|^2) along the axes, without over- and underflow."""
+    y, s = scaled(x, axis)
+    size = np.sqrt((y.conj() * y).real.sum(axis=axis, keepdims=True)) * s
+    return size if keepdims else size.sum(axis=axis)  # over axes of one: only drops them

@@ -13,7 +13,19 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
-from .arguments import EPSILON, AssumptionError, H, SingularError, diagonals, eigenpairs, finite, matrices, where
+from .arguments import (
+    EPSILON,
+    AssumptionError,
+    H,
+    SingularError,
+    diagonals,
+    eigenpairs,
+    finite,
+    length,
+    matrices,
+    scaled,
+    where,
+)  # fmt: skip
 
 GAP = 64  # singular and eigenvalues nearer than this many roundings of the largest cannot be told apart
 
@@ -52,7 +64,7 @@ def qr(A: Any) -> tuple[Dual, Dual]:
     k = min(a.shape[-2:])
     q, r = np.linalg.qr(a)
     d = diagonals(r)
-    dependent = np.abs(d).min(axis=-1, initial=np.inf) <= EPSILON * max(a.shape[-2:]) * np.linalg.norm(a, axis=(-2, -1))
+    dependent = np.abs(d).min(axis=-1, initial=np.inf) <= EPSILON * max(a.shape[-2:]) * length(a, (-2, -1))
     if np.any(dependent & (k > 0)):
         raise SingularError(f"qr: the first {k} columns of the real part{where(dependent)} are linearly dependent")
     sign = d / np.abs(d)
@@ -115,6 +127,8 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
         V, S, Uh = svd(Dual(H(a), H(da)))
         return Uh.H, S, V.H
     finite("svd: A", a)
+    a, scale = scaled(a, (-2, -1))  # the squares below neither over- nor underflow
+    da, scale = da / scale, scale[..., 0]
     u, s, vh = np.linalg.svd(a, full_matrices=False)
     _distinct("svd: singular values", s, s[..., :1], nonzero=True)
     v = H(vh)
@@ -129,7 +143,7 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
     du = u @ (turn_u - p / row) + dav / row
     if p.dtype.kind == "c":  # the phase is V's to choose: V' has no component i V
         du = du + u * (1j * diagonals(p).imag / s)[..., None, :]
-    return Dual(u, du), Dual(s, ds.copy()), Dual(H(v), H(v @ turn_v))
+    return Dual(u, du), Dual(s * scale, ds * scale), Dual(H(v), H(v @ turn_v))
 
 
 def _column_signs(v: np.ndarray) -> np.ndarray:
@@ -248,7 +262,7 @@ def _spectrum(name: str, a: np.ndarray, da: np.ndarray) -> tuple[np.ndarray, np.
     w, v = eigenpairs(a)
     order = np.lexsort((w.imag, w.real), axis=-1)
     w, v = np.take_along_axis(w, order, axis=-1), np.take_along_axis(v, order[..., None, :], axis=-1)
-    size = np.linalg.norm(a, axis=(-2, -1))[..., None]
+    size = length(a, (-2, -1))[..., None]
     with np.errstate(all="ignore"):
         try:
             left = np.linalg.inv(v)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..dual import Dual
 from ..errors import ShapeError
-from .arguments import EPSILON, H, SingularError, dual_array, finite, matrices, where
+from .arguments import EPSILON, H, SingularError, dual_array, finite, length, matrices, scaled, where
 
 
 def inv(A: Any) -> Dual:
@@ -233,7 +233,7 @@ def det(A: Any) -> Dual:
 
 
 def norm(x: Any, axis: int | tuple[int, ...] | None = None, keepdims: bool = False) -> Dual:
-    """The Euclidean (Frobenius) norm sqrt(x . x), |x| + eps (x . x') / |x|.
+    """The Euclidean (Frobenius) norm sqrt(x . x), |x| + eps (x . x') / |x|; also of numbers whose squares overflow.
 
     Raises
     ------
@@ -247,11 +247,13 @@ def norm(x: Any, axis: int | tuple[int, ...] | None = None, keepdims: bool = Fal
     2.2
     """
     a, da = dual_array("norm: x", x)
-    size, across = (np.sqrt((c.conj() * c).real.sum(axis=axis, keepdims=keepdims)) for c in (a, da))
+    size, across = (length(c, axis, keepdims) for c in (a, da))
     lost = np.asarray((size == 0) & (across != 0))
     if np.any(lost):
         raise SingularError(f"norm: purely dual{where(lost)}, and sqrt has no derivative at 0")
-    return Dual(size, (a.conj() * da).real.sum(axis=axis, keepdims=keepdims) / np.where(size == 0, 1.0, size))
+    unit, scale = scaled(a, axis)
+    return Dual(size, (unit.conj() * da).real.sum(axis=axis, keepdims=keepdims) / np.where(
+        size == 0, 1.0, size / scale.reshape(np.shape(size))))  # fmt: skip
 
 
 def _right_hand_side(name: str, a: np.ndarray, b: Any) -> tuple[np.ndarray, np.ndarray, bool]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..dual import Dual, atan2, cos_sin, sqrt, tan
-from .arguments import EPSILON, AssumptionError, where
+from .arguments import EPSILON, AssumptionError, length, where
 from .motors import Line, Motor, as_motor
 
 PARALLEL = 8 * EPSILON  # sines below cannot be told from the rounding of two unit vectors
@@ -48,7 +48,7 @@ def dual_angle(a: Any, b: Any) -> Dual:
     parallel = sine <= PARALLEL
     gap = e2.point - e1.point
     across = gap - (gap * e1.real).sum(axis=-1, keepdims=True) * e1.real
-    s = np.where(parallel, np.linalg.norm(across, axis=-1), (gap * normal).sum(axis=-1))
+    s = np.where(parallel, length(across, -1), (gap * normal).sum(axis=-1))
     return Dual(np.arctan2(np.where(parallel, 0.0, sine), (e1.real * e2.real).sum(axis=-1))[()], s[()])
 
 
@@ -156,8 +156,10 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
     normal, _, _ = common_perpendicular(a, b)
     theta, m1, m2, e1 = dual_angle(a, b), a.magnitude, b.magnitude, a.axis
     c, s = cos_sin(theta)
-    size = sqrt(m1 * m1 + m2 * m2 + 2 * m1 * m2 * c)
-    alpha = atan2(s * m2, m1 + m2 * c)
+    unit = np.maximum(m1.real, m2.real)  # squares of the magnitudes could overflow
+    n1, n2 = m1 / unit, m2 / unit
+    size = sqrt(n1 * n1 + n2 * n2 + 2 * n1 * n2 * c) * unit
+    alpha = atan2(s * n2, n1 + n2 * c)
     t = tan(alpha / 2)
     T = normal * t
     axis = e1 + T.cross(e1 + T.cross(e1)) * (2 / (1 + t * t))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..dual import Dual
 from ..errors import ShapeError
-from .arguments import EPSILON, SingularError, dual_array, where
+from .arguments import EPSILON, SingularError, dual_array, length, scaled, where
 
 ROUNDING = 64 * EPSILON  # what vanishes only to rounding, a few operations on entries of size 1, counts as zero
 
@@ -116,9 +116,10 @@ class Motor:
     @property
     def magnitude(self) -> Dual:
         """sqrt(M.M) = a + eps M.M' / a.  A couple has none: `DualDivisionError`."""
-        size = np.linalg.norm(self.real, axis=-1)
+        unit, scale = scaled(self.real, -1)
+        size = np.sqrt(_dot(unit, unit))
         _need_direction("magnitude", size)
-        return Dual(size, _dot(self.real, self.dual) / size)
+        return Dual(size * scale[..., 0], _dot(unit, self.dual) / size)
 
     @property
     def axis(self) -> Line:
@@ -128,21 +129,23 @@ class Motor:
     @property
     def direction(self) -> np.ndarray:
         """Unit vector of the real part; of a couple, of its dual part."""
-        size, moment = (np.linalg.norm(x, axis=-1, keepdims=True) for x in (self.real, self.dual))
+        size, moment = (length(x, -1, keepdims=True) for x in (self.real, self.dual))
         safe = np.where(moment > 0, moment, 1.0)
         return np.where(size > 0, self.real / np.where(size > 0, size, 1.0), self.dual / safe)
 
     @property
     def point(self) -> np.ndarray:
         """The point of the axis nearest to the origin, M x M' / M.M."""
-        square = _dot(self.real, self.real)
+        unit, scale = scaled(self.real, -1)
+        square = _dot(unit, unit)
         _need_direction("point", square)
-        return np.cross(self.real, self.dual) / square[..., None]
+        return np.cross(unit, self.dual / scale) / square[..., None]
 
     @property
     def pitch(self) -> np.ndarray:
         """M.M' / M.M in metres per radian (of a twist); of a couple infinite, of zero nan."""
-        square, mixed = _dot(self.real, self.real), _dot(self.real, self.dual)
+        unit, scale = scaled(self.real, -1)
+        square, mixed = _dot(unit, unit), _dot(unit, self.dual / scale)
         no_couple = np.where(np.any(self.dual != 0, axis=-1), np.inf, np.nan)
         return np.where(square > 0, mixed / np.where(square > 0, square, 1.0), no_couple)
 
@@ -205,7 +208,7 @@ def line(point: ArrayLike, direction: ArrayLike) -> Line:
     for name, x in (("point", p), ("direction", d)):
         if x.shape[-1] != 3:
             raise ShapeError(f"line: {name} of shape (..., 3) expected, got {x.shape}")
-    size = np.linalg.norm(d, axis=-1, keepdims=True)
+    size = length(d, -1, keepdims=True)
     _need_direction("line: direction", size[..., 0])
     u = d / size
     return Line(*np.broadcast_arrays(u, np.cross(p, u)))
@@ -250,8 +253,9 @@ def classify(motor: Any, tol: float = ROUNDING) -> np.ndarray:
     ['screw', 'line', 'couple']
     """
     m = as_motor("classify", motor)
-    size, moment = np.linalg.norm(m.real, axis=-1), np.linalg.norm(m.dual, axis=-1)
-    flat = np.abs(_dot(m.real, m.dual)) <= tol * size * moment
+    size, moment = (length(x, -1) for x in (m.real, m.dual))
+    unit, along = (x / np.where(r > 0, r, 1.0)[..., None] for x, r in ((m.real, size), (m.dual, moment)))
+    flat = np.abs(_dot(unit, along)) <= tol
     with_axis = np.where(flat, "line", "screw")
     return np.where(size > 0, with_axis, np.where(moment > 0, "couple", "zero"))
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ArgumentError, DualpinError
+from ..errors import ArgumentError
+from ..extras import extra
 from .methods import Reference
 from .space import Space
 
@@ -59,12 +60,7 @@ def scipy_steps(
 def _solve_ivp(
     f: Callable[[float, np.ndarray], np.ndarray], span: tuple[float, float], y0: np.ndarray, **options: Any
 ) -> Any:
-    try:
-        from scipy.integrate import solve_ivp
-    except ImportError:
-        raise DualpinError(
-            f"method {options['method']!r} is SciPy's, which is not installed: pip install 'dualpin[integrators]'"
-        ) from None
+    solve_ivp = extra("scipy.integrate", "integrators", f"method {options['method']!r}").solve_ivp
 
     def watched(t: float, y: np.ndarray) -> np.ndarray:
         rate = f(t, y)
