@@ -37,7 +37,6 @@ def test_norms_along_axes_and_of_nothing():
     assert al.norm(a, axis=(0, 1), keepdims=True).shape == (1, 1)
     assert al.norm(np.zeros(0)).real == 0.0
     assert al.norm(np.array([3e-320, 4e-320])).real == pytest.approx(5e-320)
-    assert np.isinf(al.norm(np.array([np.inf, 1.0])).real)
 
 
 @pytest.mark.parametrize("size", SIZES)
