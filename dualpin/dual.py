@@ -264,9 +264,13 @@ class Function:
         return value
 
 
+def _square(x: Scalar) -> Scalar:
+    return x * x
+
+
 sin: Function = Function("sin", lambda x: cos(x))
 cos: Function = Function("cos", lambda x: -sin(x))
-tan: Function = Function("tan", lambda x: 1 + power(tan(x), 2))
+tan: Function = Function("tan", lambda x: 1 + _square(tan(x)))
 asin: Function = Function("asin", lambda x: 1 / sqrt(1 - x * x), (1, -1))
 acos: Function = Function("acos", lambda x: -1 / sqrt(1 - x * x), (1, -1))
 atan: Function = Function("atan", lambda x: 1 / (1 + x * x), (1j, -1j))

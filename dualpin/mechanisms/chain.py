@@ -11,11 +11,14 @@ from numpy.typing import ArrayLike
 from ..algebra.arguments import dual_array
 from ..algebra.displacements import stacked
 from ..algebra.motors import Motor
-from ..dual import Dual, stack
+from ..algorithms import kinematics
+from ..algorithms.rnea import rnea
+from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
-from ..model.robot import STANDARD_GRAVITY
+from ..model import Builder, cylindrical
+from ..model.robot import STANDARD_GRAVITY, Robot
 from ..parts import joined
-from ..spatial import NOUGHT, REST, UX, UZ, Inertia, Matrix3, Rotation, Vector3, motor
+from ..spatial import UX, UZ, Inertia, Matrix3, Pose, Rotation, Vector3
 
 
 def body(mass: float, com: ArrayLike, inertia: ArrayLike) -> Inertia:
@@ -38,6 +41,14 @@ class DualChain:
     bodies : sequence of Inertia, optional
         The links' inertia in their distal frames, see `body`; needed for forces only.
     gravity : array_like (3,)
+    name : str
+        Of the robot.
+
+    Attributes
+    ----------
+    robot : Robot
+        The same chain with cylindrical joints C1, C2, ..., q = (angle, slide, angle, slide, ...), and the links'
+        distal frames link1_end, ..., tip.
 
     References
     ----------
@@ -52,8 +63,9 @@ class DualChain:
     """
 
     def __init__(
-        self, alpha: Any, bodies: Sequence[Inertia] | None = None, gravity: Sequence[float] = STANDARD_GRAVITY
-    ) -> None:
+        self, alpha: Any, bodies: Sequence[Inertia] | None = None, gravity: Sequence[float] = STANDARD_GRAVITY,
+        name: str = "chain",
+    ) -> None:  # fmt: skip
         a, b = dual_array("DualChain: alpha", alpha, 1)
         if a.ndim != 1:
             raise ShapeError(f"DualChain: alpha of shape (n,) expected, got {a.shape}")
@@ -62,6 +74,8 @@ class DualChain:
         if bodies is not None and len(bodies) != len(a):
             raise ShapeError(f"DualChain: one body for each of {len(a)} links expected, got {len(bodies)}")
         self.bodies = bodies
+        self._ends = [f"link{i + 1}_end" for i in range(len(a) - 1)] + ["tip"] * (len(a) > 0)
+        self.robot = self._robot(name)
         self._links = [Rotation.about(UX, Dual(float(x), float(y))) for x, y in zip(a, b, strict=True)]
 
     def __len__(self) -> int:
@@ -133,17 +147,17 @@ class DualChain:
         return Motor(*(np.stack([np.asarray(getattr(x, part)) for x in V], axis=-1) for part in ("real", "dual")))
 
     def velocities(self, q: Any, v: Any) -> list[Vector3]:
-        """The twist of each link in its own frame: V_i = M_i^T (V_{i-1} + z v_i), the dual velocity theorem."""
-        V, found = REST, []
-        for M, x in zip(self.steps(q), self._columns("v", v), strict=True):
-            V = M.T @ (V + UZ * x)
-            found.append(V)
-        return found
+        """The twist of each link in its own distal frame: V_i = M_i^T (V_{i-1} + z v_i), the dual velocity theorem."""
+        X, V = kinematics.joint_poses(self.robot, self._coordinates("q", q)), self._coordinates("v", v)
+        twists = kinematics.body_twists(self.robot, X, V)
+        return [f.placement.pull(twists[f.joint]) for f in map(self.robot.frame, self._ends)]
 
     # forces
 
     def forces(self, q: Any, v: Any, a: Any) -> Dual:
-        """Joint forces and torques by the recursion of dual momenta:  force + eps torque, shape (..., n).
+        """Joint forces and torques:  force + eps torque, shape (..., n).
+
+        The recursion of dual momenta is that of `dualpin.rnea` on cylindrical joints, whose every step is dual:
 
             V_i = M_i^T (V_{i-1} + z v_i)                     outwards
             V'_i = M_i^T (V'_{i-1} + z a_i + V_{i-1} x z v_i)
@@ -163,17 +177,23 @@ class DualChain:
         """
         if self.bodies is None:
             raise ArgumentError("DualChain.forces: the bodies of the links are needed, see dualpin.mechanisms.body")
-        steps = self.steps(q)
-        V, A = REST, motor(NOUGHT, -self.gravity)
-        loads = []
-        for M, I, x, y in zip(steps, self.bodies, self._columns("v", v), self._columns("a", a), strict=True):
-            V, A = M.T @ (V + UZ * x), M.T @ (A + UZ * y + V.cross(UZ * x))
-            loads.append(I(A) + V.cross(I(V)))
-        F, found = REST, []
-        for M, load in zip(reversed(steps), reversed(loads), strict=True):
-            F = M @ (F + load)
-            found.append(F.z)
-        return stack(found[::-1], axis=-1)
+        x, dx, ddx = (self._coordinates(*given) for given in (("q", q), ("v", v), ("a", a)))
+        tau = np.broadcast_arrays(*(np.asarray(f, dtype=float) for f in rnea(self.robot, x, dx, ddx)))
+        return Dual(np.stack(tau[1::2], axis=-1), np.stack(tau[0::2], axis=-1))
+
+    def _coordinates(self, what: str, x: Any) -> list[np.ndarray]:
+        """Angle and slide of each joint in turn."""
+        return [part for column in self._columns(what, x) for part in column.arrays]
+
+    def _robot(self, name: str) -> Robot:
+        b, on = Builder(name, [float(x) for x in self.gravity]), None
+        for i, end in enumerate(self._ends):
+            joint = f"C{i + 1}"
+            b.joint(joint, cylindrical(), on=on)
+            distal = Pose.about(UX, Dual(float(self.alpha.real[i]), float(self.alpha.dual[i])))
+            b.fixed(end, on=joint, placement=distal, inertia=None if self.bodies is None else self.bodies[i])
+            on = end
+        return b.robot()
 
 
 def _product(steps: Sequence[Rotation]) -> Rotation:

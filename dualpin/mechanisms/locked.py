@@ -1,15 +1,47 @@
-"""A robot with some coordinates held: the same algorithms on what is left."""
+"""A robot with some coordinates held: a robot of its own, on which the same algorithms run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import functions
 from ..errors import ArgumentError, ShapeError
-from ..model.robot import Frame, Robot
+from ..model.joints import Axial
+from ..model.robot import Frame, Joint, Link, Robot
+
+
+def held(robot: Robot, free: Sequence[int], at: np.ndarray) -> Robot:
+    """The robot whose coordinates other than `free` stand at `at`: they are constants of its joints.
+
+    An axial joint is an axis times sum(u_i q_i) + offset, in dual numbers; what is held joins the offset.
+    """
+    place = {old: new for new, old in enumerate(free)}
+    new: dict[Joint | None, Joint | None] = {None: None}
+    end = 0
+    for j in robot:
+        indices = range(j.q.start, j.q.stop)
+        if not isinstance(j.model, Axial):
+            raise ArgumentError(f"Locked: joint {j.name!r} is {j.kind}; joints about an axis can be held")
+        keep = [k for k, i in enumerate(indices) if i in place]
+        offset = j.model.offset
+        for k, i in enumerate(indices):
+            offset = offset if i in place else offset + j.model.units[k] * float(at[i])
+        model = Axial(j.model.axis, *(j.model.units[k] for k in keep), kind=j.kind, offset=offset,
+                      coordinates=tuple(j.model.coordinates[k] for k in keep))  # fmt: skip
+        lower, upper = (tuple(x[k] for k in keep) if x else () for x in (j.limits.lower, j.limits.upper))
+        span = slice(place[indices[keep[0]]], place[indices[keep[-1]]] + 1) if keep else slice(end, end)
+        end = max(end, span.stop)
+        new[j] = replace(
+            j, model=model, parent=new[j.parent], q=span, v=span, limits=replace(j.limits, lower=lower, upper=upper),
+            mimic=j.mimic if keep else None, armature=tuple(j.armature[k] for k in keep),
+        )  # fmt: skip
+    frames = tuple(Frame(f.name, f.role, new[f.joint], f.placement, f.parent) for f in robot.frames)
+    links = tuple(Link(k.name, k.inertia, new[k.joint], k.placement) for k in robot.links)
+    return replace(robot, joints=tuple(j for j in new.values() if j is not None), frames=frames, links=links)
 
 
 class Locked:
@@ -41,9 +73,14 @@ class Locked:
         self.at = np.array(at, dtype=float)
         if self.at.shape != (robot.nq,):
             raise ShapeError(f"Locked: at of shape ({robot.nq},) expected, got {self.at.shape}")
+        if self.free != sorted(self.free):
+            raise ArgumentError(f"Locked: free {self.free} must be in ascending order")
+        self.rest = held(robot, self.free, self.at)
+        """The robot that is left: its coordinates are the free ones."""
 
     @property
     def nv(self) -> int:
+        """How many coordinates move."""
         return len(self.free)
 
     def spread(self, x: ArrayLike, others: ArrayLike = 0.0) -> np.ndarray:
@@ -61,30 +98,33 @@ class Locked:
 
     def fk(self, x: ArrayLike, frame: str | int | Frame) -> np.ndarray:
         """Pose of a frame, shape (..., 4, 4)."""
-        return functions.fk(self.robot, self.q(x), frame)
+        return functions.fk(self.rest, x, self._frame(frame))
 
     def jacobian(self, x: ArrayLike, frame: str | int | Frame, reference: str = "world") -> np.ndarray:
         """Shape (..., 6, n)."""
-        return functions.jacobian(self.robot, self.q(x), frame, reference)[..., self.free]
+        return functions.jacobian(self.rest, x, self._frame(frame), reference)
 
     def rnea(self, x: ArrayLike, v: ArrayLike, a: ArrayLike) -> np.ndarray:
         """Inverse dynamics of the free coordinates, shape (..., n)."""
-        return functions.rnea(self.robot, self.q(x), self.spread(v), self.spread(a))[..., self.free]
+        return functions.rnea(self.rest, x, v, a)
 
     def reactions(self, x: ArrayLike, v: ArrayLike, a: ArrayLike) -> np.ndarray:
         """What the locks must hold, shape (..., nv - n), in the order of the locked coordinates."""
-        held = [i for i in range(self.robot.nv) if i not in self.free]
-        return functions.rnea(self.robot, self.q(x), self.spread(v), self.spread(a))[..., held]
+        locked = [i for i in range(self.robot.nv) if i not in self.free]
+        return functions.rnea(self.robot, self.q(x), self.spread(v), self.spread(a))[..., locked]
 
     def crba(self, x: ArrayLike) -> np.ndarray:
         """Mass matrix, shape (..., n, n)."""
-        return functions.crba(self.robot, self.q(x))[..., self.free, :][..., self.free]
+        return functions.crba(self.rest, x)
 
     def bias(self, x: ArrayLike, v: ArrayLike) -> np.ndarray:
         """C v + g, shape (..., n)."""
-        return functions.bias(self.robot, self.q(x), self.spread(v))[..., self.free]
+        return functions.bias(self.rest, x, v)
 
     def aba(self, x: ArrayLike, v: ArrayLike, tau: ArrayLike) -> np.ndarray:
         """Forward dynamics M^-1 (tau - C v - g), shape (..., n)."""
-        rest = np.asarray(tau, dtype=float) - self.bias(x, v)
-        return np.linalg.solve(self.crba(x), rest[..., None])[..., 0]
+        return functions.aba(self.rest, x, v, tau)
+
+    def _frame(self, frame: str | int | Frame) -> str | int:
+        """A frame of the whole robot as one of what is left."""
+        return self.robot.frames.index(frame) if isinstance(frame, Frame) else frame

@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 from ..algebra.displacements import dual_matrix
 from ..dual import Dual, atan2
 from ..errors import ArgumentError, DualDivisionError
-from ..model import Builder, cylindrical
-from ..model.robot import STANDARD_GRAVITY, Robot
-from ..spatial import UX, Inertia, Pose, Rotation, Vector3
+from ..model.robot import STANDARD_GRAVITY
+from ..spatial import UX, Inertia, Rotation, Vector3
 from .chain import DualChain
 from .locked import Locked
 
@@ -55,17 +54,8 @@ class TwoC:
         gravity: Sequence[float] = STANDARD_GRAVITY,
     ) -> None:
         self.alpha = Dual([alpha1, alpha2], [l1, l2])
-        self.chain = DualChain(self.alpha, bodies, gravity)
-        self.robot = self._robot(bodies, gravity)
-
-    def _robot(self, bodies: Sequence[Inertia] | None, gravity: Sequence[float]) -> Robot:
-        b, on = Builder("2C arm", gravity), None
-        for i in (0, 1):
-            distal = Pose.about(UX, Dual(*map(float, (self.alpha.real[i], self.alpha.dual[i]))))
-            b.joint(f"C{i + 1}", cylindrical(), on=on)
-            on = f"link{i + 1}_end" if i == 0 else "tip"
-            b.fixed(on, on=f"C{i + 1}", placement=distal, inertia=None if bodies is None else bodies[i])
-        return b.robot()
+        self.chain = DualChain(self.alpha, bodies, gravity, name="2C arm")
+        self.robot = self.chain.robot
 
     def inverse_kinematics(self, T: ArrayLike, tol: float = 1e-9) -> np.ndarray:
         """q = (theta1, d1, theta2, d2) of a pose of the tip, shape (..., 4).
