@@ -347,8 +347,7 @@ def hypot(a: Scalar, b: Scalar) -> Scalar:
     """sqrt(a^2 + b^2) of dual and other scalars; of numbers also where the squares over- or underflow."""
     if type(a) is Dual or type(b) is Dual:
         x, y = a.real, b.real
-        dx, dy = (v.dual if type(v) is Dual else ZERO for v in (a, b))
-        r = hypot(x, y)
+        dx, dy, r = a.dual if type(a) is Dual else ZERO, b.dual if type(b) is Dual else ZERO, hypot(x, y)
         refuse(r, "hypot of {}: its derivative at 0 is infinite", (a, b))
         return Dual(r, (x / r) * dx + (y / r) * dy)
     a, b = (float(v) if type(v) is Exact else v for v in (a, b))
@@ -366,7 +365,6 @@ def stumpff(k: int, y: Scalar) -> Scalar:
     differentiation: c_k' = (k c_{k+2} - c_{k+1}) / 2.
     """
     if type(y) is Dual:
-        # k = 0 and 1 have their derivatives among c_1 ... c_3; no algorithm needs more
         slope = -stumpff(1, y.real) if k == 0 else stumpff(3, y.real) - stumpff(2, y.real)
         return Dual(stumpff(k, y.real), slope * y.dual / 2)
     if type(y) is np.ndarray and y.dtype == object:
