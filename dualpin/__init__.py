@@ -34,7 +34,10 @@ _HOMES = {
     "dualpin.model": ("Builder", "Robot"),
     "dualpin.crosscheck": ("judge", "validate"),
     "dualpin.crosscheck.subjects": ("Convention",),
-    "dualpin.tracking": ("Circle", "Line", "Screw", "Waypoints", "ik", "simulate", "track"),
+    "dualpin.tracking": (
+        "Circle", "IKResult", "Line", "Screw", "SimulationResult", "TrackingResult", "Waypoints", "ik", "simulate",
+        "track",
+    ),
 }  # fmt: skip
 _PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model",
              "report", "spatial", "tracking", "view")  # fmt: skip

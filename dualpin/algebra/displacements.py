@@ -13,7 +13,7 @@ from ..parts import array
 from ..spatial import Matrix3, Quaternion, Rotation, Vector3, compose, from_matrix, inverse
 from ..spatial import log as twist_of
 from .arguments import EPSILON, matrices, where
-from .motors import Line, Motor, as_motor
+from .motors import LineVector, Motor, as_motor
 
 
 def dual_matrix(T: ArrayLike) -> Dual:
@@ -175,7 +175,7 @@ def compose_screws(first: Any, second: Any, *, body: bool = False) -> Motor:
     return (a + b + (across if body else -across)) * (1 / bottom)
 
 
-def screw_of(rodrigues_vector: Any) -> tuple[Dual, Line]:
+def screw_of(rodrigues_vector: Any) -> tuple[Dual, LineVector]:
     """The dual angle t in (0, pi) and the axis of T = E tan(t / 2)."""
     T = as_motor("screw_of", rodrigues_vector)
     size = T.magnitude

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..dual import Dual, atan2, cos_sin, sqrt, tan
 from .arguments import EPSILON, AssumptionError, length, where
-from .motors import Line, Motor, as_motor
+from .motors import LineVector, Motor, as_motor
 
 PARALLEL = 8 * EPSILON  # sines below cannot be told from the rounding of two unit vectors
 
@@ -26,7 +26,7 @@ def dual_angle(a: Any, b: Any) -> Dual:
 
     Parameters
     ----------
-    a, b : Line, Motor, Dual (..., 3) or array_like (..., 6)
+    a, b : LineVector, Motor, Dual (..., 3) or array_like (..., 6)
         Only their axes count.
 
     Returns
@@ -52,7 +52,7 @@ def dual_angle(a: Any, b: Any) -> Dual:
     return Dual(np.arctan2(np.where(parallel, 0.0, sine), (e1.real * e2.real).sum(axis=-1))[()], s[()])
 
 
-def common_perpendicular(a: Any, b: Any) -> tuple[Line, np.ndarray, np.ndarray]:
+def common_perpendicular(a: Any, b: Any) -> tuple[LineVector, np.ndarray, np.ndarray]:
     """The common perpendicular of two lines, directed from the first to turn into the second, and its feet.
 
         E3 = E1 x E2 / |E1 x E2|,   P_i = q_i + h_i u_i,
@@ -62,11 +62,11 @@ def common_perpendicular(a: Any, b: Any) -> tuple[Line, np.ndarray, np.ndarray]:
 
     Parameters
     ----------
-    a, b : Line, Motor, Dual (..., 3) or array_like (..., 6)
+    a, b : LineVector, Motor, Dual (..., 3) or array_like (..., 6)
 
     Returns
     -------
-    line : Line
+    line : LineVector
     foot1, foot2 : ndarray, shape (..., 3)
         Where it meets line 1 and line 2.
 
@@ -99,10 +99,10 @@ def common_perpendicular(a: Any, b: Any) -> tuple[Line, np.ndarray, np.ndarray]:
     h1 = (np.cross(gap, e2.real) * normal).sum(axis=-1, keepdims=True) / sine[..., None]
     h2 = (np.cross(gap, e1.real) * normal).sum(axis=-1, keepdims=True) / sine[..., None]
     foot1, foot2 = q1 + h1 * e1.real, q2 + h2 * e2.real
-    return Line(normal, np.cross((foot1 + foot2) / 2, normal)), foot1, foot2
+    return LineVector(normal, np.cross((foot1 + foot2) / 2, normal)), foot1, foot2
 
 
-def _pair(what: str, a: Any, b: Any) -> tuple[Line, Line, np.ndarray, np.ndarray]:
+def _pair(what: str, a: Any, b: Any) -> tuple[LineVector, LineVector, np.ndarray, np.ndarray]:
     """Unit lines, the unit vector along E1 x E2 (0 if parallel), and the sine of the angle."""
     e1, e2 = (as_motor(what, x).axis for x in (a, b))
     across = np.cross(e1.real, e2.real)
@@ -116,12 +116,12 @@ class ScrewSum:
 
     theta: Dual
     """The dual angle from the first axis to the second."""
-    perpendicular: Line
+    perpendicular: LineVector
     """E12, the common perpendicular of the axes."""
     alpha1: Dual
     """The dual angle from the first axis to the axis of the sum."""
     magnitude: Dual
-    axis: Line
+    axis: LineVector
     sum: Motor
 
 
@@ -163,7 +163,7 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
     t = tan(alpha / 2)
     T = normal * t
     axis = e1 + T.cross(e1 + T.cross(e1)) * (2 / (1 + t * t))
-    return ScrewSum(theta, normal, alpha, size, Line(axis.real, axis.dual), axis * size)
+    return ScrewSum(theta, normal, alpha, size, LineVector(axis.real, axis.dual), axis * size)
 
 
 def motor_sum(a: Any, b: Any) -> Motor:
@@ -190,7 +190,7 @@ class Cylindroid:
     pitches: np.ndarray
     """h1 <= h2."""
     center: np.ndarray
-    nodal: Line
+    nodal: LineVector
     """The line that all axes meet at right angles, directed like S1 x S2 of the principal screws."""
 
     def screw(self, phi: ArrayLike) -> Motor:

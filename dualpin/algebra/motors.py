@@ -12,20 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..dual import Dual
+from ..dual import Dual, stack
 from ..errors import ShapeError
+from ..spatial.vector import Vector3
 from .arguments import EPSILON, SingularError, dual_array, length, scaled, where
 
 ROUNDING = 64 * EPSILON  # what vanishes only to rounding, a few operations on entries of size 1, counts as zero
 
 
 class Motor:
-    """A motor (or an array of them):  M + eps M', a magnitude times a line:  (a + eps a') (u + eps p x u).
+    """An array of motors:  M + eps M', a magnitude times a line:  (a + eps a') (u + eps p x u).
 
     Parameters
     ----------
     real, dual : array_like, shape (..., 3)
         M and its moment M' about the origin, [M'] = [M] length in kinematics; or both as one `Dual`.
+
+    Notes
+    -----
+    One motor is a `dualpin.spatial.Vector3` of dual numbers, and its algebra stands there; this class holds arrays
+    of them and says what they are as geometry.
 
     References
     ----------
@@ -74,6 +80,17 @@ class Motor:
         """[real part | dual part], shape (..., 6): of a twist [w; v]."""
         return np.concatenate((self.real, self.dual), axis=-1)
 
+    @property
+    def entries(self) -> Vector3:
+        """The same as a vector of three dual numbers (...)."""
+        return Vector3(*(Dual(self.real[..., i], self.dual[..., i]) for i in range(3)))
+
+    @staticmethod
+    def of_entries(v: Vector3) -> Motor:
+        """The array of a vector of dual numbers."""
+        whole = stack([Dual(*x.arrays) for x in v], axis=-1)
+        return Motor(whole.real, whole.dual)
+
     # algebra
 
     def __neg__(self) -> Motor:
@@ -89,9 +106,7 @@ class Motor:
     def __mul__(self, s: Any) -> Motor:
         """Times a dual number a + eps a': scaled by a, with the pitch increased by a' / a."""
         s = s if isinstance(s, Dual) else Dual(np.asarray(s, dtype=float))
-        a, b = s.arrays
-        a, b = a[..., None], b[..., None]
-        return Motor(a * self.real, a * self.dual + b * self.real)
+        return Motor.of_entries(self.entries * s)
 
     __rmul__ = __mul__
 
@@ -104,12 +119,12 @@ class Motor:
 
     def dot(self, b: Any) -> Dual:
         """A.B + eps (A.B' + A'.B);  of lines cos(theta), theta their dual angle."""
-        return (self.vector * as_motor("dot", b).vector).sum(axis=-1)
+        found: Dual = self.entries.dot(as_motor("dot", b).entries)
+        return found
 
     def cross(self, b: Any) -> Motor:
         """A x B + eps (A x B' + A' x B);  of lines sin(theta) times their common perpendicular."""
-        b = as_motor("cross", b)
-        return Motor(np.cross(self.real, b.real), np.cross(self.real, b.dual) + np.cross(self.dual, b.real))
+        return Motor.of_entries(self.entries.cross(as_motor("cross", b).entries))
 
     # geometry
 
@@ -122,9 +137,9 @@ class Motor:
         return Dual(size * scale[..., 0], _dot(unit, self.dual) / size)
 
     @property
-    def axis(self) -> Line:
+    def axis(self) -> LineVector:
         """The unit line M / sqrt(M.M) along which the motor acts, shape (..., 3)."""
-        return Line.of(self.vector / self.magnitude[..., None])
+        return LineVector.of(self.vector / self.magnitude[..., None])
 
     @property
     def direction(self) -> np.ndarray:
@@ -159,18 +174,18 @@ class Motor:
         return Motor(self.real, self.dual - np.cross(np.asarray(origin, dtype=float), self.real))
 
 
-class Line(Motor):
+class LineVector(Motor):
     """A directed line in space as a unit line vector,  u + eps p x u  with |u| = 1, for any point p of it."""
 
     __slots__ = ()
 
     @classmethod
-    def of(cls, vector: Dual) -> Line:
+    def of(cls, vector: Dual) -> LineVector:
         return cls(vector.real, vector.dual)
 
-    def __neg__(self) -> Line:
+    def __neg__(self) -> LineVector:
         """The same line, run the other way."""
-        return Line(-self.real, -self.dual)
+        return LineVector(-self.real, -self.dual)
 
     @property
     def moment(self) -> np.ndarray:
@@ -181,7 +196,7 @@ class Line(Motor):
         return self.point + np.asarray(t, dtype=float)[..., None] * self.real
 
 
-def line(point: ArrayLike, direction: ArrayLike) -> Line:
+def line(point: ArrayLike, direction: ArrayLike) -> LineVector:
     """The line through a point: u + eps p x u with u = direction / |direction|.
 
     Parameters
@@ -191,7 +206,7 @@ def line(point: ArrayLike, direction: ArrayLike) -> Line:
 
     Returns
     -------
-    Line
+    LineVector
 
     Raises
     ------
@@ -211,7 +226,7 @@ def line(point: ArrayLike, direction: ArrayLike) -> Line:
     size = length(d, -1, keepdims=True)
     _need_direction("line: direction", size[..., 0])
     u = d / size
-    return Line(*np.broadcast_arrays(u, np.cross(p, u)))
+    return LineVector(*np.broadcast_arrays(u, np.cross(p, u)))
 
 
 def as_motor(what: str, x: Any) -> Motor:

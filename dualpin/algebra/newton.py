@@ -4,75 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from .. import dual as functions
 from ..dual import Dual, stack
 from ..errors import ArgumentError
-from ..scalars import NAMES, register
+from ..parts import array
 from .arguments import AssumptionError, dual_array
 from .linear import lstsq, solve
 
 ROUNDING = 1e-9  # steps this small are within reach of rounding, whatever the condition of the root
-
-
-class Jet:
-    """A number and its gradient: a part of a dual number that is being differentiated."""
-
-    __slots__ = ("gradient", "value")
-    __array_ufunc__ = None
-
-    def __init__(self, value: Any, gradient: Any) -> None:
-        self.value, self.gradient = value, gradient
-
-    def __neg__(self) -> Jet:
-        return Jet(-self.value, -self.gradient)
-
-    def __add__(self, b: Any) -> Jet:
-        v, g = _split(b)
-        return Jet(self.value + v, self.gradient + g)
-
-    def __sub__(self, b: Any) -> Jet:
-        return self + -b
-
-    def __rsub__(self, b: Any) -> Jet:
-        return -self + b
-
-    def __mul__(self, b: Any) -> Jet:
-        v, g = _split(b)
-        return Jet(self.value * v, self.value * g + self.gradient * v)
-
-    def __truediv__(self, b: Any) -> Jet:
-        v, g = _split(b)
-        q = self.value / v
-        return Jet(q, (self.gradient - q * g) / v)
-
-    def __rtruediv__(self, b: Any) -> Jet:
-        return Jet(b, 0 * self.gradient) / self
-
-    def __pow__(self, n: float) -> Jet:
-        return Jet(self.value**n, n * self.value ** (n - 1) * self.gradient)
-
-    __radd__, __rmul__ = __add__, __mul__
-
-
-def _split(b: Any) -> tuple[Any, Any]:
-    return (b.value, b.gradient) if type(b) is Jet else (float(b) if hasattr(b, "n") else b, 0.0)
-
-
-def _atan2(y: Any, x: Any) -> Jet:
-    (s, ds), (c, dc) = _split(y), _split(x)
-    return Jet(functions.atan2(s, c), (ds * c - dc * s) / (s * s + c * c))
-
-
-def _lifted(f: functions.Function) -> Callable[[Jet], Jet]:
-    return lambda x: Jet(f(x.value), f.derivative(x.value) * x.gradient)
-
-
-register(Jet, SimpleNamespace(atan2=_atan2, **{name: _lifted(getattr(functions, name)) for name in NAMES}))
 
 
 @dataclass
@@ -144,7 +86,7 @@ def newton(
     """
     if not callable(f):
         raise ArgumentError(f"newton: a function of x expected first, got {type(f).__name__}")
-    scalar = isinstance(x0, (int, float, complex)) or (isinstance(x0, Dual) and not x0.shape)
+    scalar = not (x0.shape if isinstance(x0, Dual) else np.ndim(x0) if not isinstance(x0, (list, tuple)) else 1)
     start = [x0] if scalar else x0
     a, b = dual_array("newton: x0", start if isinstance(start, Dual) else [_dual(x) for x in start], 1)
     x = Dual(a.copy(), b.copy())
@@ -188,14 +130,22 @@ def _linearized(f: Any, x: Dual, scalar: bool, jacobian: Any) -> tuple[Dual, Dua
         F, J = f(argument), jacobian(argument)
         return (stack([F]), stack([stack([J])])) if scalar else (Dual(*dual_array("f", F)), Dual(*dual_array("J", J)))
     n = x.shape[0]
-    seeds = np.eye(n)
-    unknowns = [Dual(Jet(x.real[i], seeds[i]), Jet(x.dual[i], np.zeros(n))) for i in range(n)]
+    # dual numbers whose parts are dual numbers: the inner eps differentiates, once for each unknown
+    seeds, zero = np.eye(n), np.zeros(n)
+    unknowns = [Dual(Dual(x.real[i] + zero, seeds[i]), Dual(x.dual[i] + zero, zero)) for i in range(n)]
     values = f(unknowns[0] if scalar else unknowns)
     rows = [_dual(v) for v in ([values] if scalar else values)]
-    real, dual = ([_split(getattr(v, part)) for v in rows] for part in ("real", "dual"))
-    zero = np.zeros(n)
-    F = Dual(np.array([v for v, _ in real]), np.array([v for v, _ in dual]))
-    return F, Dual(np.array([g + zero for _, g in real]), np.array([g + zero for _, g in dual]))
+    real, dual = ([_with_gradient(getattr(v, part), n) for v in rows] for part in ("real", "dual"))
+    F, J = (Dual(*(np.array([x[k] for x in part]) for part in (real, dual))) for k in (0, 1))
+    return F, J
+
+
+def _with_gradient(part: Any, n: int) -> tuple[Any, np.ndarray]:
+    """A part's value, and its derivatives by the n unknowns."""
+    if not isinstance(part, Dual):
+        return array(part), np.zeros(n)
+    value, gradient = part.arrays
+    return value[0], gradient
 
 
 def _step(F: Dual, J: Dual, real_only: list[int]) -> Dual:

@@ -203,10 +203,30 @@ def test_principal_screws_of_inertia():
         dp.mechanisms.principal_screws(robot, "forearm_lnk")
 
 
+def test_what_is_held_is_a_robot_of_its_own():
+    """Against the whole robot with the other accelerations zero: the rows and columns of the free coordinates."""
+    robot, rng = dp.load("panda"), np.random.default_rng(5)
+    free = [0, 2, 3, 5, 7]
+    at = robot.sample(seed=1)[0]
+    some = dp.mechanisms.Locked(robot, free, at)
+    x, v, a = at[free] + 0.1, rng.standard_normal(5), rng.standard_normal(5)
+    q, dq, ddq = some.q(x), some.spread(v), some.spread(a)
+    close(some.fk(x, "panda_hand"), dp.fk(robot, q, "panda_hand"), 1e-14)
+    close(some.jacobian(x, robot.frame("panda_hand")), dp.jacobian(robot, q, "panda_hand")[:, free], 1e-14)
+    close(some.crba(x), dp.crba(robot, q)[np.ix_(free, free)], 1e-14)
+    tau = dp.rnea(robot, q, dq, ddq)
+    close(some.rnea(x, v, a), tau[free], 1e-12)
+    close(some.reactions(x, v, a), np.delete(tau, free), 1e-12)
+    close(some.aba(x, v, tau[free]), a, 1e-9)
+    assert some.rest.nv == 5 and len(some.rest) == len(robot)
+
+
 def test_locked_refuses_what_it_cannot_hold():
     with pytest.raises(dp.ArgumentError, match="each once"):
         dp.mechanisms.Locked(ARM.robot, [0, 0], np.zeros(4))
     with pytest.raises(dp.ArgumentError, match="nq = 13"):
         dp.mechanisms.Locked(dp.load("ur5", floating=True), [0], np.zeros(13))
+    with pytest.raises(dp.ArgumentError, match="ascending"):
+        dp.mechanisms.Locked(ARM.robot, [2, 0], np.zeros(4))
     with pytest.raises(dp.ShapeError):
         dp.mechanisms.Locked(ARM.robot, [0], np.zeros(4)).crba([1.0, 2.0])

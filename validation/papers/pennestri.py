@@ -254,9 +254,9 @@ def screws() -> list[Row]:
     ]
 
 
-def _axis_of(A: Dual) -> al.Line:
+def _axis_of(A: Dual) -> al.LineVector:
     s = dp.spatial.screw_parameters(al.homogeneous(A))
-    return al.Line(s.axis, s.moment)
+    return al.LineVector(s.axis, s.moment)
 
 
 def polynomials() -> list[Row]:
