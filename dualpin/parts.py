@@ -5,6 +5,7 @@ from __future__ import annotations
 import numbers
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -140,11 +141,11 @@ class Parts:
 
     def sum(self, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
         _no_out(out)
-        return self.both(lambda x: x.sum(axis=axis, dtype=dtype, keepdims=keepdims))
+        return self.both(partial(np.sum, axis=axis, dtype=dtype, keepdims=keepdims))
 
     def mean(self, axis: Any = None, dtype: Any = None, out: Any = None, keepdims: bool = False) -> Any:
         _no_out(out)
-        return self.both(lambda x: x.mean(axis=axis, dtype=dtype, keepdims=keepdims))
+        return self.both(partial(np.mean, axis=axis, dtype=dtype, keepdims=keepdims))
 
     def conj(self) -> Any:
         """The complex conjugate of both parts; see `dual_conjugate` for the sign of eps."""

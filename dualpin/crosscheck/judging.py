@@ -171,7 +171,7 @@ def _compared(term: str, answers: Answers, layout: Layout, court: Court, bounds:
         result.reason = "M is singular to working precision in every sample"
         return result
     ratio = np.where(np.isnan(error), -1.0, error / np.repeat(bound.value, variants))
-    worst = int(ratio.argmax())
+    worst = int(np.argmax(ratio))
     sample, frame = divmod(worst, variants)
     result.max_scaled_error, result.tolerance = float(np.nanmax(error)), float(np.repeat(bound.value, variants)[worst])
     result.quantiles = np.quantile(error[~np.isnan(error)], QUANTILES, method="lower").tolist()

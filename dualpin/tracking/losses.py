@@ -36,7 +36,7 @@ def check_inertia(what: str, robot: Robot, q: np.ndarray, engine: str = "auto") 
     wrong = ~(LOST * n * np.finfo(float).eps * np.diagonal(M, axis1=-2, axis2=-1) < D)
     if not wrong.any():
         return
-    member = int(wrong.any(axis=-1).argmax())
+    member = int(np.argmax(wrong.any(axis=-1)))
     # beyond a pivot that vanishes the others are no numbers: the outermost is the cause
     k = int(np.flatnonzero(wrong[member])[-1])
     moved = [j for j in robot if j.mimic is None and j.v.start <= k < j.v.stop]

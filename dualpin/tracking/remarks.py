@@ -44,7 +44,7 @@ def _joints_enough(loop: Loop, start: np.ndarray, t_end: float) -> str:
                    tolerance=1e-6, limits=False, engine=loop.engine)  # fmt: skip
     if found.success.all():
         return ""
-    worst = int(np.where(found.success, -1.0, np.linalg.norm(found.error, axis=-1)).argmax())
+    worst = int(np.argmax(np.where(found.success, -1.0, np.linalg.norm(found.error, axis=-1))))
     turn, way = (float(np.linalg.norm(x)) for x in np.split(found.error[worst], 2))
     parts = [f"{x:.3g} {unit}" for x, unit in ((turn, "rad"), (way, "m")) if x > 1e-6]
     return f"{why}; at t = {times[worst // loop.n]:.4g} s they come no nearer than {' and '.join(parts)}"
@@ -59,7 +59,7 @@ def _within_reach(loop: Loop, t_end: float) -> str:
     excess = bound.excess(rows).reshape(len(times), loop.n)
     if not excess.any():
         return ""
-    k, member = np.unravel_index(int(excess.argmax()), excess.shape)
+    k, member = np.unravel_index(int(np.argmax(excess)), excess.shape)
     d = float(bound.distance(rows.reshape(len(times), loop.n, 3, 4)[k, member]))
     limit = f"reach only {bound.farthest:.4g} m" if d > bound.farthest else f"keep at least {bound.nearest:.4g} m apart"
     return (
@@ -100,7 +100,7 @@ def after(loop: Loop, q: np.ndarray) -> list[str]:
             x, lower, upper = q[..., joint.q], robot.lower[joint.q], robot.upper[joint.q]
             beyond = (((x < lower - 1e-9) | (x > upper + 1e-9)) & (lower <= upper)).any(axis=(1, 2))
             if beyond.any():
-                at = int(beyond.argmax()) * loop.dt
+                at = int(np.argmax(beyond)) * loop.dt
                 span = f"[{lower[0]:.4g}, {upper[0]:.4g}]"
                 passed.append(f"joint {joint.name!r} passes its limits {span} at t = {at:.4g} s")
     if passed:
@@ -111,7 +111,7 @@ def after(loop: Loop, q: np.ndarray) -> list[str]:
     seen = seen[np.isfinite(seen).all(axis=-1)]
     if len(seen):
         ratio = _ratios(loop, seen)
-        rank = int((_ratios(loop, robot.sample(SAMPLES, seed=0)[0]) > NO_RANK).sum(axis=-1).max())
+        rank = int(np.max(np.sum(_ratios(loop, robot.sample(SAMPLES, seed=0)[0]) > NO_RANK, axis=-1)))
         if rank < min(len(loop.rows), freedoms(loop.frame)):
             notes.append(
                 f"rank: the Jacobian of frame {loop.frame.name!r} has rank {rank} in every configuration: "

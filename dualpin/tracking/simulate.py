@@ -222,7 +222,7 @@ def _finite(robot: Robot, values: np.ndarray, dt: float, engine: str) -> list[st
     bad = ~np.isfinite(values).all(axis=-1)
     if not bad.any():
         return []
-    k = int(bad.any(axis=1).argmax())
+    k = int(np.argmax(bad.any(axis=1)))
     before = values[k - 1][bad[k] & ~bad[k - 1]] if k else values[0]
     check_inertia(f"simulate: at t = {(k - 1) * dt:.6g} s", robot, before[:, : robot.nq], engine)
     text = f"not finite: the motion is not finite from t = {k * dt:.6g} s on; a smaller dt is needed"

@@ -109,9 +109,9 @@ def comfortable(robot: Robot, frame: Frame, samples: int = 2000, seed: int = 0, 
     middle = lower / 2 + upper / 2
     inner = np.where(bounded, middle + (q - middle) / 2, q)
     s = np.linalg.svd(task_jacobian(robot, frame, rows, inner), compute_uv=False)
-    rank = max(1, int((s > 1e-9 * s[:, :1]).sum(axis=-1).max(initial=0)))
+    rank = max(1, int(np.max(np.sum(s > 1e-9 * s[:, :1], axis=-1), initial=0)))
     s = s[:, :rank]
-    return np.asarray(inner[int((s[:, -1] / s[:, 0]).argmax())])
+    return np.asarray(inner[int(np.argmax(s[:, -1] / s[:, 0]))])
 
 
 def run(

@@ -156,7 +156,9 @@ class NewtonEuler:
     def _motions(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> list[_Link]:
         """Poses, velocities and accelerations of all links, parents first."""
         n, zero = len(q), np.zeros((len(q), 3))
-        R, p, w, alpha, acc = np.broadcast_to(np.eye(3), (n, 3, 3)), zero, zero, zero, zero
+        p: np.ndarray = zero
+        w, alpha, acc = zero, zero, zero
+        R: np.ndarray = np.broadcast_to(np.eye(3), (n, 3, 3))
         if self.floating:
             R, p = rotations(q[:, 3:7]), q[:, :3]
             w, alpha = product(R, v[:, :3]), product(R, a[:, :3])
