@@ -122,6 +122,18 @@ def _after_fork_in_child() -> None:
     if LOCK.inner in _mine.missed:
         LOCK.inner, LOCK.depth = threading.RLock(), 0
     _release()
+    if sys.version_info < (3, 12):
+        _renew_locks_of_properties()
+
+
+def _renew_locks_of_properties() -> None:
+    """Until 3.11 a `cached_property` is computed under a lock of its own; another thread may have held it."""
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] == "dualpin":
+            for kind in [x for x in vars(module).values() if isinstance(x, type)]:
+                for x in vars(kind).values():
+                    if isinstance(x, functools.cached_property):
+                        x.lock = threading.RLock()  # type: ignore[attr-defined]
 
 
 def _others_import() -> bool:

@@ -100,6 +100,8 @@ if child:
     while not done and time.monotonic() < end:
         done, status = os.waitpid(child, os.WNOHANG)
         time.sleep(0.01)
+    if not done:
+        os.kill(child, 9)
     print("child", "hung" if not done else status)
     os._exit(0)
 with warnings.catch_warnings(record=True) as said:
@@ -287,3 +289,40 @@ def test_what_fails_is_tried_again():
     assert LOCK.depth == 0
     assert fails_first() == 7 == fails_first()
     assert len(attempts) == 2
+
+
+HELD = """
+import os, sys, threading, time
+import dualpin as dp
+from dualpin.model import robot as module
+
+robot, begun = dp.load("ur5"), threading.Event()
+constants = module._constants
+
+def slow(robot):
+    begun.set()
+    time.sleep(3)
+    return constants(robot)
+
+module._constants = slow
+thread = threading.Thread(target=lambda: robot.numbers)
+thread.start()
+begun.wait()
+child = os.fork()
+if not child:
+    module._constants = constants
+    print(dp.load("ur5").numbers, flush=True)
+    os._exit(0)
+end, done = time.monotonic() + 20, 0
+while not done and time.monotonic() < end:
+    done, status = os.waitpid(child, os.WNOHANG)
+    time.sleep(0.01)
+if not done:
+    os.kill(child, 9)
+assert done and not status
+"""
+
+
+@forks
+def test_a_property_that_another_thread_computes_at_a_fork(tmp_path):
+    assert python("-c", HELD, place=tmp_path).strip() == "double"

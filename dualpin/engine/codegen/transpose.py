@@ -1,4 +1,4 @@
-"""TileTransfer of arrays to slots, and slots to rows, transposed in registers.
+"""Rows of arrays to slots, and slots to rows, transposed in registers.
 
     array (a sample a row)            slots (an entry a vector)
     a0 b0 c0 d0   <- sample 0         a0 a1 a2 a3

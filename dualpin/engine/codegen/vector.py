@@ -1,4 +1,4 @@
-"""CacheLineTransfer of LLVM IR for vectors: one instruction on the same value of `width` samples.
+"""Lines of LLVM IR for vectors: one instruction on the same value of `width` samples.
 
     a     | a0 a1 a2 a3 |   lane k belongs to sample k
     b     | b0 b1 b2 b3 |
@@ -18,7 +18,7 @@ from .number import Number
 
 
 class VectorWriter:
-    """CacheLineTransfer of IR that work on vectors of `width` numbers.  Methods return the name of their value."""
+    """Lines of IR that work on vectors of `width` numbers.  Methods return the name of their value."""
 
     def __init__(self, number: Number, width: int, host: Host) -> None:
         self.number, self.host = number, host
@@ -82,7 +82,7 @@ class VectorWriter:
         self.do(f"store {self.vector} {x}, ptr {self.slot(base, index)}, align {self.align}")
 
     def load_row(self, p: str, count: int) -> str:
-        """`count` numbers, the lanes beyond them zero.  TileTransfer of arrays may lie anywhere."""
+        """`count` numbers, the lanes beyond them zero.  Rows of arrays may lie anywhere."""
         if not count:
             return "zeroinitializer"
         if count == self.width:
@@ -159,7 +159,7 @@ class VectorWriter:
         return self.value(f"shufflevector {self.vector} {a}, {self.vector} {b}, <{self.width} x i32> {pick}")
 
     def picked(self, a: str, b: str, lanes: str) -> str:
-        """VectorWriter of a, or `width` and more of b, that are known only when it runs.  AVX-512."""
+        """Lanes of a, or `width` and more of b, that are known only when it runs.  AVX-512."""
         arguments = f"{self.vector} {a}, {self.integer} {lanes}, {self.vector} {b}"
         return self.value(f"call {self.vector} @{self._pick}({arguments})")
 

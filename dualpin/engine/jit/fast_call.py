@@ -17,6 +17,7 @@ import copyreg
 import ctypes
 import platform
 import sys
+import sysconfig
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -88,6 +89,7 @@ def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
     return (
         platform.python_implementation() == "CPython"
         and sys.version_info >= (3, 11)
+        and not sysconfig.get_config_var("Py_GIL_DISABLED")  # borrowed references need the lock
         and ctypes.sizeof(ctypes.c_void_p) == 8
         and len(shapes) <= source.MOST
         and all(len(shape) <= source.AXES for shape in shapes)
