@@ -24,6 +24,7 @@ SENSITIVE = 1e3
 """Condition of a root, sum |c_k x^k| / |x p'(x)|, above which it is found in multiple precision: below, double
 precision costs at most three of sixteen digits."""
 DIGITS = 50  # of multiple precision, beside two for each degree
+APART = 1e-9 * (1 + 1j)  # relative, and absolute at 0: between approximations from which the iteration begins
 STEPS = 600  # of the simultaneous iteration: simple roots need tens, double ones a step for each bit
 
 
@@ -115,7 +116,7 @@ def polyroots(c: Any) -> Dual:
     given = a if exact is None else exact[..., : n + 1]
     doubtful = [tuple(map(int, i)) for i in np.argwhere(~firm.all(axis=-1))]
     for i in doubtful:
-        root, slide = _refined(given[i], da[i], u=0.0 if exact is not None else EPSILON / 2, at=i)
+        root, slide = _refined(given[i], da[i], x[i], u=0.0 if exact is not None else EPSILON / 2, at=i)
         if root.dtype.kind == "c" and x.dtype.kind != "c":
             x, dx = x.astype(complex), dx.astype(complex)
         x[i], dx[i] = root, slide
@@ -133,8 +134,9 @@ def _whole_numbers(c: Any) -> np.ndarray | None:
     return entries if entries.size and all(type(k) is int for k in entries.flat) else None
 
 
-def _refined(c: np.ndarray, dc: np.ndarray, u: float, at: tuple[int, ...]) -> tuple[np.ndarray, ...]:
-    """Roots and their dual parts in multiple precision, for coefficients known to the relative rounding u."""
+def _refined(c: np.ndarray, dc: np.ndarray, near: np.ndarray, u: float, at: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+    """Roots and their dual parts in multiple precision, from approximations, for coefficients known to the relative
+    rounding u."""
     import mpmath
 
     n = len(c) - 1
@@ -146,7 +148,9 @@ def _refined(c: np.ndarray, dc: np.ndarray, u: float, at: tuple[int, ...]) -> tu
         try:
             # a root of multiplicity m is found to 1/m of the digits, and slowly
             extra = min(n, 6) * mpmath.mp.prec
-            found = mpmath.polyroots(a[::-1], maxsteps=STEPS, extraprec=extra)
+            # equal approximations would never part
+            start = [mpmath.mpmathify(complex(z)) * (1 + k * APART) + k * APART for k, z in enumerate(near.tolist(), 1)]
+            found = mpmath.polyroots(a[::-1], maxsteps=STEPS, extraprec=extra, roots_init=start)
         except mpmath.mp.NoConvergence:
             place = f" at index {at}" if at else ""
             raise AssumptionError(f"polyroots: roots of the real parts{place} are repeated many times") from None
@@ -180,7 +184,7 @@ def _refined(c: np.ndarray, dc: np.ndarray, u: float, at: tuple[int, ...]) -> tu
 
 
 def _short(x: complex) -> str:
-    return f"{x.real:.6g}" if not x.imag else f"{x:.6g}"
+    return f"{x.real:.6g}" if abs(x.imag) <= 1e-12 * abs(x) else f"{x:.6g}"
 
 
 def _at(c: list[Any], x: Any) -> Any:

@@ -72,6 +72,7 @@ def test_extras():
     assert abs(run.y[-1, 0] - np.exp(-1)) < 1e-9
 
 
+@pytest.mark.campaign  # tests/cli does as much in the suite; `make oldest` runs it
 @pytest.mark.skipif(os.name == "nt", reason="Pinocchio has no wheels for Windows")
 def test_validation_and_the_command_line(tmp_path):
     pytest.importorskip("pinocchio")
