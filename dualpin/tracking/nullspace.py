@@ -11,6 +11,7 @@ from ..errors import ArgumentError, ShapeError, nearest
 from ..functions import jacobian, jacobian_dot
 from ..model.robot import Frame, Robot
 
+HUGE = 1e6  # rad or m
 OBJECTIVES = ("joint_limits", "manipulability")
 Objective = Callable[[np.ndarray], np.ndarray]
 
@@ -53,6 +54,8 @@ def away_from_limits(robot: Robot, q: np.ndarray) -> np.ndarray:
     z = np.zeros((*np.shape(q)[:-1], robot.nv))
     for j in robot:
         low, high = robot.lower[j.q], robot.upper[j.q]
+        if np.abs(low).max(initial=0.0) > HUGE or np.abs(high).max(initial=0.0) > HUGE:
+            continue  # a placeholder for no limit, or none
         if j.mimic is None and j.q.stop - j.q.start == j.v.stop - j.v.start and np.isfinite(high - low).all():
             z[..., j.v] = (low + (high - low) / 2 - q[..., j.q]) / np.where(high > low, high - low, np.inf) ** 2
     return z

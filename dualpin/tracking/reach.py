@@ -106,7 +106,7 @@ def _reach(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
         T = T @ _matrix(joint.placement)
         axis = np.array([float(x) for x in joint.model.axis])
         low, high = _travel(robot, joint)
-        if not (isfinite(low) and isfinite(high)):
+        if not isfinite(high - low):
             return None
         if any(float(u.real) for u in joint.model.units):
             pivots.append((T[:3, 3].copy(), T[:3, :3] @ axis, axis))
@@ -162,7 +162,7 @@ def _travel(robot: Robot, joint: Joint) -> tuple[float, float]:
     for i, u in enumerate(joint.model.units, joint.q.start):
         per = float(u.dual)
         if per:
-            ends = sorted(per * x for x in (robot.lower[i], robot.upper[i]))
+            ends = sorted(per * float(x) for x in (robot.lower[i], robot.upper[i]))
             low, high = low + ends[0], high + ends[1]
     return low, high
 

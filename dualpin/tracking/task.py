@@ -91,7 +91,7 @@ def chain_length(robot: Robot, frame: Frame) -> float:
         total += _length(j.placement)
         if j.mimic is None:
             for i, what in enumerate(j.model.coordinates, j.q.start):
-                travel = upper[i] - lower[i] if what == "length" else 0.0
+                travel = float(upper[i]) - float(lower[i]) if what == "length" else 0.0
                 total += travel if 0 < travel < HUGE_TRAVEL else 0.0
     return total if 0 < total < np.inf else 1.0
 

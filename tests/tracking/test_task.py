@@ -14,7 +14,7 @@ import dualpin as dp
 from dualpin.model import Builder, prismatic, revolute
 from dualpin.model.robot import Limits, Mimic, Robot
 from dualpin.spatial import UX, UY, Pose, Vector3
-from dualpin.tracking import reach
+from dualpin.tracking import away_from_limits, reach
 from dualpin.tracking.study import remarks, run
 from dualpin.tracking.task import TASKS
 
@@ -240,8 +240,11 @@ def test_huge_limits_are_none_for_a_search():
         axis = (UX, UY)[i % 2]
         b.joint(f"j{i}", revolute(axis), f"j{i - 1}" if i else None, placement=at(0.1, 0.2, 0.3 * (i > 0)),
                 limits=Limits((-1e308,), (1e308,)))  # fmt: skip
+    b.joint("out", prismatic(UX), "j5", limits=Limits((-1e308,), (1e308,)))
     robot = b.robot()
     q = robot.sample(20, seed=0)[0]
+    assert not away_from_limits(robot, q).any()
+    assert reach(robot, robot.frame(-1)) is None
     found = dp.ik(robot, dp.fk(robot, q, -1))  # an overflow would be an error of these tests
     assert found.success_rate > 0.9 and np.abs(found.q).max() < 100
 
