@@ -8,8 +8,9 @@ import numpy as np
 
 from ..errors import ArgumentError, DualpinWarning
 from ..integrators.methods import Method
+from ..integrators.stability import stability_limit
 from .ik import ik
-from .loop import Loop
+from .loop import Loop, whole_steps
 from .reach import reach_of
 from .task import freedoms, too_few
 
@@ -77,11 +78,13 @@ def _point(x: np.ndarray) -> str:
 
 def unstable(method: Method, gain: float, dt: float, held: bool) -> list[str]:
     """K dt above the limit at which the loop's linear error begins to grow."""
-    # an error held during the step is subtracted K dt times at its end, whatever the method: Euler's limit
-    limit = 2.0 if held else method.stability_limit
-    if getattr(method, "adaptive", False) or not gain * dt > limit:
+    if not whole_steps(method) or not gain * dt > 0:
         return []
-    what = "a held error" if held else method.name
+    limit = stability_limit(method, held=True) if held else method.stability_limit
+    what = method.name + (" with held feedback" if held else "")
+    # bisected to 1e-12: at the limit itself errors stay
+    if gain * dt <= limit * (1 + 1e-9):
+        return []
     return [f"unstable: K dt = {gain * dt:.4g} exceeds {limit:.4g}, the limit of {what}: errors grow"]
 
 

@@ -277,9 +277,8 @@ def test_rank_and_instability_are_said_once_with_their_limit():
     done = dp.track(robot, path, dt=0.5, task="position", gain=10.0, t_end=10.0)
     assert [w.partition(":")[0] for w in done.warnings if w.startswith("unstable")] == ["unstable"]
     assert "K dt = 5 exceeds 2.785, the limit of rk4" in done.warnings[0]
-    # held errors: two, of any method
     calm = dp.track(robot, path, dt=0.5, task="position", gain=5.0, feedback="held", t_end=2.0)
-    assert any("exceeds 2, the limit of a held error" in w for w in calm.warnings)
+    assert any("exceeds 2, the limit of rk4 with held feedback" in w for w in calm.warnings)
     b = Builder("flat")
     for i in range(4):
         b.joint(f"j{i}", revolute(), f"j{i - 1}" if i else None, placement=at(0.3 * (i > 0), 0, 0))
@@ -288,6 +287,20 @@ def test_rank_and_instability_are_said_once_with_their_limit():
     assert [w for w in flat.warnings if "rank" in w] == [
         "rank: the Jacobian of frame 'tip' has rank 3 in every configuration: 3 of 6 directions"
     ]
+
+
+@pytest.mark.parametrize("method", ["euler", "abm4", "rk4"])
+def test_a_held_error_grows_beyond_its_limit_and_not_below(method):
+    """1.412 of AB4-AM4, whose corrector looks back on held errors; 2 of methods of one step."""
+    robot, start = pa10(), np.radians([0, 30, 0, 60, 0, 60, 0])
+    rest, off = dp.Circle(0.0, 1.0, start=start), start + 1e-7 * np.cos(np.arange(7))
+    limit, grown = dp.integrators.stability_limit(method, held=True), []
+    for part in (0.97, 1.03):
+        done = dp.track(robot, rest, off, method=method, dt=0.1, t_end=20.0, gain=part * limit / 0.1, feedback="held")
+        e = done.position_error + done.orientation_error
+        grown.append(e[-10:].max() / e[60:70].max())
+        assert any(w.startswith("unstable") for w in done.warnings) == (part > 1)
+    assert grown[0] < 1 < grown[1]
 
 
 def test_a_study_says_why_and_one_note_a_kind():

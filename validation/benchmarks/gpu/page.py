@@ -81,8 +81,8 @@ def peers(rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> list[str]:
         "## Beside others\n",
         "Millions of samples a second, data on the device; in brackets, how many times longer than dualpin it takes. "
         "Libraries of JAX by calls one after the other, as ours; GRiD by the device's clock, as ours, and with the "
-        "number of threads a sample that suits it best.  The last column: the largest scaled difference of torques from "
-        "dualpin in double precision, before and after.\n",
+        "number of threads a sample that suits it best.  The last column: the largest scaled difference of torques "
+        "from dualpin in double precision, before and after.\n",
         table(["robot", "term", "type", "library", *(f"{n:,}" for n in batches), "difference"], lines),
         *(["Not measured:\n", *absent, ""] if absent else []),
     ]
