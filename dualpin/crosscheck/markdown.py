@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from .findings import Finding
 from .results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 
 
 def markdown(report: Report) -> str:
     verdict = report.verdict.upper()
+    subjects = list(dict.fromkeys(f"{r.subject} {r.subject_version}".strip() for r in report.robots if r.subject))
     settings = sorted({(r.samples, r.seed) for r in report.robots})
     lines = [
-        f"# Validation: {verdict}",
+        f"# {'Judgement of ' + ', '.join(subjects) if subjects else 'Validation'}: {verdict}",
         "",
         f"{len(report.robots)} robots ({report.summary}), "
         + ", ".join(f"{n} samples from seed {s}" for n, s in settings)
@@ -28,6 +30,8 @@ def markdown(report: Report) -> str:
         found = [r for r in report.robots if r.status == status]
         if found:
             lines += ["", f"## {title}", "", *(f"- **{r.label}**: {r.remark}" for r in found)]
+    if report.findings:
+        lines += ["", "## Findings", "", *(line for f in report.findings for line in _finding(f))]
     if report.refused:
         lines += ["", "## Refused files", "", "| file | by | reason |", "|---|---|---|"]
         lines += [
@@ -39,6 +43,13 @@ def markdown(report: Report) -> str:
     if remarks:
         lines += ["", "## Remarks", "", *(f"- {label}: {note}" for label, note in remarks)]
     return "\n".join(lines) + "\n"
+
+
+def _finding(f: Finding) -> list[str]:
+    """One cause, what else it may be, and what to do."""
+    lines = [f"- `{f.key}` {f}"]
+    lines += [f"    - as well explained by: {' / '.join(f.alternatives)}"] if f.alternatives else []
+    return lines + ([f"    - fix: {f.fix}"] if f.fix else [])
 
 
 def _one(r: RobotResult) -> list[str]:

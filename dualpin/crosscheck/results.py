@@ -189,7 +189,8 @@ class RobotResult:
         """Why it failed or was not compared, and which terms differ or were not compared."""
         lists: dict[str, list[str]] = {}
         for name, t in self.terms.items():
-            if t.status != AGREES and not (t.status == self.status == NOT_COMPARED):
+            absent = bool(self.subject) and t.reason.startswith("not offered")  # no subject has all terms
+            if t.status != AGREES and not absent and not (t.status == self.status == NOT_COMPARED):
                 lists.setdefault(t.verdict, []).append(name)
         return "; ".join(x for x in (self.error, self.reason, *(f"{v}: {', '.join(k)}" for v, k in lists.items())) if x)
 

@@ -8,6 +8,7 @@ from functools import cached_property
 from math import isfinite, log10
 from typing import Any
 
+from ..crosscheck.findings import Finding
 from ..crosscheck.results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from .chart import Strips
 
@@ -135,6 +136,20 @@ class RobotView:
         return (self.worst.ratio or 0.0) if self.worst else 0.0
 
     @property
+    def findings(self) -> list[Finding]:
+        """What a diagnosis said, each finding once."""
+        found: list[Finding] = []
+        for t in self.result.terms.values():
+            found += [f for f in t.findings if f not in found]
+        return found
+
+    @property
+    def programs(self) -> list[tuple[str, str]]:
+        """For each term that differs: lines that show it again."""
+        terms = self.result.terms.items()
+        return [(name, t.worst["reproduce"]) for name, t in terms if t.worst.get("reproduce")]
+
+    @property
     def reasons(self) -> list[str]:
         return list(dict.fromkeys(t.tolerance_reason for t in self.result.terms.values() if t.tolerance_reason))
 
@@ -153,6 +168,8 @@ class RobotView:
         """The command that does this again."""
         r = self.result
         options = (" --floating" if r.floating else "") + (" --mimic" if r.mimic else "")
+        if r.subject:
+            return f"dualpin judge {r.name} {r.subject} --samples {r.samples} --seed {r.seed}{options}"
         return f"dualpin validate {r.name} --samples {r.samples} --seed {r.seed}{options}"
 
 
@@ -169,6 +186,18 @@ class Matrix:
         self.robots = [RobotView(k, r, self.terms) for k, r in enumerate(self.report.robots)]
 
     limits = LIMITS
+
+    @property
+    def subjects(self) -> list[str]:
+        """Whose answers are judged; none in a validation."""
+        return list(dict.fromkeys(r.result.subject for r in self.robots if r.result.subject))
+
+    @property
+    def against(self) -> str:
+        """What dualpin is compared with."""
+        judged = {r.result.subject: r.result.subject_version for r in self.robots if r.result.subject}
+        found = ", ".join(f"{name} {version}".strip() for name, version in judged.items())
+        return found or f"Pinocchio {self.report.versions.get('pinocchio', '')}".strip()
 
     @property
     def verdict(self) -> str:

@@ -37,6 +37,8 @@ class Score:
     right: bool = False
 
 
+PLAIN = ("word", "edit", "state", "force")
+"""Places that change forward dynamics as they change M and h."""
 FAR = Score(float("inf"), 0.0, float("inf"))
 ROUNDINGS = 64 * float(np.finfo(float).eps)
 """What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
@@ -234,13 +236,19 @@ class Case:
         if term != "aba":
             limits = [self._limit(p if term == "minv" else None) for p in found]
             return [FAR if p is None else scored(x, p, x, p, limit) for p, limit in zip(found, limits, strict=True)]
-        weights = self.predictions("crba", [tuple(h for h in s if h.place in ("word", "edit")) for s in stories])
+        weights = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
+        plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s)]
+        biases = dict(zip(plain, self.predictions("bias", [stories[k] for k in plain]), strict=True))
         out = []
-        for p, M in zip(found, weights, strict=True):
-            if p is None or M is None or not np.isfinite(p).all():
+        for k, (p, M) in enumerate(zip(found, weights, strict=True)):
+            if p is None or M is None or not np.isfinite(M).all():
                 out.append(FAR)
-            else:
-                out.append(scored(x, p, product(M, x), product(M, p), self._limit(M)))
+                continue
+            h = biases.get(k)
+            # M a + h = tau needs no inverse: right answers fulfil it, however M is conditioned
+            needed = product(M, p) if h is None or not np.isfinite(h).all() else self.sent["tau"] - h
+            load = product(np.abs(M), np.abs(x)) + np.abs(needed)
+            out.append(in_forces(scaled(x, p), product(M, x), needed, load, self.tolerance))
         return out
 
     def _limit(self, M: np.ndarray | None) -> float:
@@ -285,6 +293,16 @@ def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[
                 out[:, :, i] = float(value) if type(value) is Exact else value
             answers.append(out.reshape(h, n, *shape))
     return np.stack(answers, axis=2) if question.framed else answers[0]
+
+
+def in_forces(error: float, x: np.ndarray, reference: np.ndarray, load: np.ndarray, tolerance: float) -> Score:
+    """Forces that accelerations need against those that they had; `load` is what adds up in them."""
+    have = np.isfinite(x).all(axis=1)
+    if not have.any():
+        return FAR
+    apart, scale = np.abs(x - reference)[have], np.maximum(1.0, load[have].max(axis=1, keepdims=True))
+    share = float((apart <= tolerance * scale).mean())
+    return Score(error, share, float(np.sqrt(np.mean(apart**2))), share == 1.0)
 
 
 def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance: float) -> Score:

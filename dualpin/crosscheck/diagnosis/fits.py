@@ -7,17 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...call import evaluate as call
 from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
+from .bodies import bodies, residual
 from .case import Case, View
 from .description import Description, Part
-from .hypothesis import ALL, FORCED, INERTIAL, WEIGHED, Hypothesis, Story, ordered
+from .hypothesis import ALL, FORCED, WEIGHED, Hypothesis, Story, ordered
 from .placements import placements
 
 TRAIN = slice(0, None, 2)
-FITTED_ITEM = 2.6
-"""The cost of ten fitted numbers: more than that of any rule about one link."""
 SNAP = 2e-8
 """A fitted gravity this near to a well-known one is taken for it: float32(9.81) is 3e-8 from 9.81, relatively."""
 KNOWN_GRAVITY = {
@@ -40,7 +38,7 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
     train = np.flatnonzero(whole)[TRAIN]
     if len(train):
-        for estimate in (_gravity, _forces, _rotors, _scale, _bodies):
+        for estimate in (_gravity, _forces, _rotors, _scale, bodies):
             found += estimate(case, term, story, keys, train)
     return found + placements(case, term, story)
 
@@ -107,25 +105,10 @@ def _positions(view: View) -> np.ndarray:
     return out
 
 
-def _residual(case: Case, term: str, story: Story) -> tuple[View, np.ndarray] | None:
-    """What a joint must do besides, in dualpin's columns: tau observed minus tau predicted."""
-    view, x, p = case.view(story), case.observed[term], case.predict(term, story)
-    if view is None or p is None or not np.isfinite(x).all():
-        return None
-    r = x - p
-    if term == "aba":
-        M = case.predict("crba", tuple(h for h in story if h.place in ("word", "edit")))
-        if M is None:
-            return None
-        r = -product(M, r)
-    G, _ = view.layout.matrices(view.states["q"], view.states["v"])
-    return view, product(transposed(G), r)
-
-
 def _forces(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
     if term not in (*FORCED, "gravity") or keys & set(SHAPES):
         return
-    found = _residual(case, term, story)
+    found = residual(case, term, story)
     if found is None:
         return
     view, r = found
@@ -166,7 +149,7 @@ def _rotors(case: Case, term: str, story: Story, keys: set[str], train: np.ndarr
         G, _ = view.layout.matrices(view.states["q"], view.states["v"])
         k = np.einsum("nii->ni", transposed(G) @ (case.observed[term] - p) @ G)[train].mean(0)
     else:
-        found = _residual(case, term, story)
+        found = residual(case, term, story)
         if found is None:
             return
         view, r = found
@@ -221,93 +204,6 @@ def _scale(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
     says = "the answer is multiplied by a number (other units, or counted another number of times)"
     terms = tuple(t for t in ALL if QUESTIONS[t].form != "plain" or t.endswith("energy") or t == "com")
     return [Hypothesis("scale", says, terms, "answer", act, f"divide by {words}", (), words, 1.05 if known else 1.6)]
-
-
-# --- one body's ten parameters -------------------------------------------------------------------
-
-
-def _bodies(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
-    """Other inertial parameters of one body: from this term alone, and from all that it is linear in together."""
-    if term not in (*WEIGHED, "crba") or keys & {"one_link"} or case.robot.coupled or len(story) > 1:
-        return
-    mine = _linear(case, term, story, train)
-    if mine is None:
-        return
-    together = [mine]
-    if not story:
-        others = (t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term)
-        together += [found for t in others if (found := _linear(case, t, story, train)) is not None]
-    for equations in [together, [mine]] if len(together) > 1 else [[mine]]:
-        for joint, delta in _solved(case, equations):
-            yield _body(case, joint, delta)
-
-
-Equations = tuple[np.ndarray, np.ndarray]
-
-
-def _linear(case: Case, term: str, story: Story, train: np.ndarray) -> Equations | None:
-    """(A, b) with A delta = b, for the change of all bodies' parameters that a term needs."""
-    story = tuple(h for h in story if term in h.terms)
-    if term not in QUESTIONS or not np.isfinite(case.observed[term]).all():
-        return None
-    if term == "crba":
-        view, p = case.view(story), case.predict(term, story)
-        if view is None or p is None or case.robot.nv > 12:
-            return None
-        return _mass_equations(case, view, case.observed[term] - p, train[:4])
-    found = _residual(case, term, story)
-    if found is None:
-        return None
-    view, r = found
-    s, zero = view.states, np.zeros_like(view.states["v"])
-    v, a = (zero, zero) if term == "gravity" else (s["v"], zero) if term == "bias" else (s["v"], s["a"])
-    if term == "aba":
-        G, D = view.layout.matrices(s["q"], s["v"])
-        a = np.linalg.solve(G, (case.observed[term] - product(D, s["v"]))[..., None])[..., 0]
-    robot = case.robot if view.description is case.description else view.robot
-    Y = call(robot, "joint_torque_regressor", {"q": s["q"][train], "v": v[train], "a": a[train]}, engine="numpy")
-    return Y.reshape(-1, Y.shape[-1]), r[train].ravel()
-
-
-def _mass_equations(case: Case, view: View, apart: np.ndarray, train: np.ndarray) -> Equations:
-    """M e_k is what unit accelerations need at rest, without gravity."""
-    nv, n = case.robot.nv, len(train)
-    G, _ = view.layout.matrices(view.states["q"], view.states["v"])
-    r = (transposed(G) @ apart @ G)[train]
-    q = np.repeat(view.states["q"][train], nv, axis=0)
-    robot = case.robot.with_gravity((0.0, 0.0, 0.0))
-    inputs = {"q": q, "v": np.zeros((n * nv, nv)), "a": np.tile(np.eye(nv), (n, 1))}
-    Y = call(robot, "joint_torque_regressor", inputs, engine="numpy")
-    return Y.reshape(-1, Y.shape[-1]), np.swapaxes(r, 1, 2).reshape(-1)
-
-
-def _solved(case: Case, equations: Sequence[Equations]) -> list[tuple[str, np.ndarray]]:
-    """The bodies whose parameters alone explain what is asked, with the change."""
-    scale = [max(1.0, float(np.abs(b).max(initial=0.0))) for _, b in equations]
-    out = []
-    for i, joint in enumerate(case.robot):
-        A = np.vstack([A[:, 10 * i : 10 * i + 10] / k for (A, _), k in zip(equations, scale, strict=True)])
-        b = np.concatenate([b / k for (_, b), k in zip(equations, scale, strict=True)])
-        delta, *_ = np.linalg.lstsq(A, b, rcond=1e-11)
-        if np.abs(A @ delta - b).max(initial=0.0) < 1e-9 and np.abs(delta).max() > 1e-12:
-            out.append((joint.name, delta))
-    return out[-3:]  # the outermost first: what an inner body could do as well says less
-
-
-def _body(case: Case, joint: str, delta: np.ndarray) -> Hypothesis:
-    old = np.array([float(x) for x in case.robot.joint(joint).inertia.parameters])
-    size = max(1e-12, float(np.abs(delta).max()))
-    names = ("mass", "m cx", "m cy", "m cz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-    words = [f"{n} {a:.5g} -> {a + d:.5g}" for n, a, d in zip(names, old, delta, strict=True) if abs(d) > 1e-7 * size]
-
-    def edit(d: Description, items: Sequence[str]) -> Description:
-        return d.with_parts(lambda p, _: replace(p, more=p.more + delta) if p.joint == joint else p)
-
-    says = "the body has other inertial parameters (about the joint's moving frame)"
-    fix = "compare the mass, centre and inertia of the links that this joint moves with the file"
-    return Hypothesis(
-        "one_link", says, INERTIAL, "edit", edit, fix, (joint,), ", ".join(words), FITTED_ITEM, single=True
-    )
 
 
 FITTED = {

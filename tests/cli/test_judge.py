@@ -1,0 +1,57 @@
+"""`dualpin judge` and `dualpin ask`: what is printed, and the exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "crosscheck" / "subject_examples.py"
+
+
+def dualpin(*words, cwd=None):
+    command = [sys.executable, "-m", "dualpin", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300, check=False)
+
+
+def test_a_difference_is_named_and_fails(tmp_path):
+    done = dualpin("judge", "ur5", f"{EXAMPLES}:Light", "-n", 4, "--out", tmp_path, "--json")
+    assert done.returncode == 1, done.stderr
+    data = json.loads(done.stdout)
+    (robot,) = data["robots"]
+    assert robot["subject"] == "light" and robot["terms"]["crba"]["status"] == "agrees"
+    assert robot["terms"]["rnea"]["findings"][0]["key"] == "gravity" and data["passed"] is False
+    assert {p.name for p in tmp_path.iterdir()} >= {"report.json", "report.md", "junit.xml", "report.sarif"}
+    again = dualpin("report", tmp_path / "report.json")
+    assert again.returncode == 1 and "differs because: gravity" in again.stdout
+
+
+def test_what_agrees_passes_and_what_crashes_is_said():
+    done = dualpin("judge", "ur5", "pinocchio", f"{EXAMPLES}:Crashes", "-n", 4, "--terms", "crba,gravity")
+    assert done.returncode == 1
+    assert "not answered: light gravity" in done.stdout and "crashed (SIGABRT)" in done.stdout
+    assert dualpin("judge", "ur5", "pinocchio", "-n", 2, "--terms", "crba").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("judge", "ur5"), "name a subject"), (("judge", "ur5", "pinochio"), "did you mean 'pinocchio'"),
+        (("judge", "ur5", "pinocchio", "--terms", "rnae"), "did you mean 'rnea'"),
+        (("ask", "ur5", "x", "--language", "fortran"), "languages: c, cpp, python, matlab, julia"),
+        (("judge", "no_such_robot", "pinocchio"), "no_such_robot"),
+    ],
+)  # fmt: skip
+def test_bad_words_are_answered_with_the_nearest(words, message, tmp_path):
+    done = dualpin(*words, cwd=tmp_path)
+    assert done.returncode == 2 and message in done.stderr, done.stdout + done.stderr
+
+
+def test_a_program_that_is_there_is_not_overwritten(tmp_path):
+    assert dualpin("ask", "ur5", tmp_path, "--language", "python").returncode == 0
+    (tmp_path / "answer.py").write_text("mine")
+    assert dualpin("ask", "ur5", tmp_path, "--language", "python").returncode == 2
+    assert (tmp_path / "answer.py").read_text() == "mine"
