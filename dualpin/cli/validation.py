@@ -35,7 +35,7 @@ def validate(
     mimic: Mimic = False,
     engine: Annotated[str, typer.Option("--engine", help="auto, numpy or compiled.")] = "auto",
     arbitrate: Annotated[
-        bool, typer.Option("--arbitrate", help="Where libraries differ in the last digits, ask 50 digits who is right.")
+        bool, typer.Option("--arbitrate", help="Ask 50 digits also where a term agrees and is off by more than 1e-13.")
     ] = False,
     strict: Annotated[bool, typer.Option("--strict", help="Fail if a term, robot or file was not compared.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,

@@ -13,8 +13,8 @@ from ..call import evaluate
 from ..model.robot import Robot
 from ..terms import TERMS
 from . import tolerance
+from .arbiter import SECONDS, nearer, worst_of
 from .arbiter import arbitrate as by_definition
-from .arbiter import nearer, worst_of
 from .checks import Case, Check
 from .definitions import UndecidedError
 from .extent import Extent
@@ -167,19 +167,21 @@ class _Comparison:
         given: dict[str, np.ndarray],
     ) -> None:  # fmt: skip
         """Ask the definition of the term at its worst sample, and at some others that are out of tolerance."""
-        verdicts, reason = [], ""
+        verdicts: list[str] = []
+        reason, until = "", time.thread_time() + SECONDS
         for row in tally.rows(result.status):
             options, state = variants[row["variant"]], {key: given[key][row["sample"]] for key in check.inputs.values()}
             shape = self._shape(check, options)
             index = tuple(int(i) for i in np.unravel_index(row["entry"], shape)) if shape else ()
             try:
                 found = by_definition(
-                    self.robot, check, state, index, row["dualpin"], row["oracle"], row["scale"], **options
-                )
+                    self.robot, check, state, index, row["dualpin"], row["oracle"], row["scale"],
+                    until - time.thread_time(), **options,
+                )  # fmt: skip
             except UndecidedError as e:
-                verdicts.append(UNDECIDED)
-                reason = str(e)
-                continue
+                if not verdicts:  # the worst sample itself; others are judged as far as time allows
+                    verdicts, reason = [UNDECIDED], str(e)
+                break
             result.worst.setdefault("against_50_digits", found)
             verdicts.append(nearer(found, row["bound"]))
         if result.status == DIFFERS:

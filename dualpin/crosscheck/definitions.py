@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ class Definitions:
     state : mapping
         The arrays of one sample: "q", and "v", "a", "tau", "f_ext" (njoints, 6), "q1" as the term needs them.
     seconds : float
-        When to give up with an `UndecidedError`.
+        Of the processor, after which it gives up with an `UndecidedError`.
 
     Notes
     -----
@@ -55,7 +56,8 @@ class Definitions:
         import mpmath
 
         self.mp, self.robot = mpmath, robot.lift(mpmath.mpf)
-        self.deadline = time.monotonic() + seconds
+        # of this thread: what else the machine does is no reason to give up
+        self.deadline = time.thread_time() + seconds
         self.h = mpmath.mpf(STEP)
         self.state = {key: _exact(mpmath, x) for key, x in state.items()}
         self.joints = list(self.robot)
@@ -74,7 +76,7 @@ class Definitions:
 
     def poses(self, *steps: Array) -> list[Array]:
         """4x4 matrices of all bodies at q, moved by exp(S step) for each step."""
-        if time.monotonic() > self.deadline:
+        if time.thread_time() > self.deadline:
             raise UndecidedError("the time for its evaluation with 50 digits was over")
         found: list[Array] = []
         for i, joint in enumerate(self.joints):
@@ -182,8 +184,13 @@ class Definitions:
 
     def solved(self, b: Array) -> Array:
         """M^-1 b."""
-        M = self.mp.matrix(self.mass_matrix().tolist())
-        return np.array(list(self.mp.lu_solve(M, self.mp.matrix(list(b)))), dtype=object)
+        factors, order = self._factored
+        y = self.mp.mp.L_solve(factors, self.mp.matrix(list(b)), order)
+        return np.array(list(self.mp.mp.U_solve(factors, y)), dtype=object)
+
+    @cached_property
+    def _factored(self) -> Any:
+        return self.mp.mp.LU_decomp(self.mp.matrix(self.mass_matrix().tolist()))
 
     # --- the terms, entry by entry ---------------------------------------------------------------
 
