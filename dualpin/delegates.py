@@ -29,6 +29,7 @@ HOMES = {
     "Robot.summary": "dualpin.model.describe.summary",
     "Robot.to_urdf": "dualpin.io.write.to_urdf",
     "Robot.velocity_limit": "dualpin.model.limits.velocity_limits",
+    "Robot.with_rotors": "dualpin.model.rotors.with_rotors",
     "ScrewTree.export": "dualpin.forms.export_screws.tree_text",
     "Screws.export": "dualpin.forms.export_screws.screws_text",
     "Screws.robot": "dualpin.forms.build_screws.from_screws",

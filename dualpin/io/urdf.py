@@ -21,7 +21,7 @@ from ..dual import sqrt
 from ..errors import ArgumentError, DualpinWarning, UrdfError
 from ..model.builder import Builder
 from ..model.joints import Floating, JointModel, Planar, prismatic, revolute
-from ..model.robot import Limits, Mimic, Robot
+from ..model.robot import Limits, Mimic, Robot, Rotor
 from ..scalars import exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
@@ -130,7 +130,7 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
     pending: list[Any] = _siblings(children, stack.pop())
     while pending:
         joint = pending.pop()
-        _add(b, joint, links[joint.child], mimic)
+        _add(b, joint, links[joint.child], mimic, document.reductions.get(joint.name))
         pending += _siblings(children, joint.child)
     try:
         robot = b.robot()
@@ -158,16 +158,18 @@ def _described(document: Document) -> Any:
             raise UrdfError(f"{document.source}: yourdfpy cannot read what was checked ({e})") from e
 
 
-def _add(b: Builder, joint: Any, link: Any, mimic: bool) -> None:
+def _add(b: Builder, joint: Any, link: Any, mimic: bool, reduction: float | None) -> None:
     placement = GROUND if joint.origin is None else Pose.from_matrix(joint.origin)
     inertia = _inertia(link)
     if joint.type == "fixed":
         b.fixed(joint.name, joint.parent, placement, inertia, link=joint.child)
         return
     follows = joint.mimic if mimic else None
+    model = _model(joint)
     b.joint(
-        joint.name, _model(joint), joint.parent, placement, inertia, link=joint.child, limits=_limits(joint),
+        joint.name, model, joint.parent, placement, inertia, link=joint.child, limits=_limits(joint),
         mimic=None if follows is None else Mimic(follows.joint, *_ratio(follows)),
+        rotor=None if reduction is None or model.nv != 1 else Rotor(ratio=reduction),
     )  # fmt: skip
 
 

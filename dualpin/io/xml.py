@@ -19,6 +19,7 @@ from lxml import etree
 from ..errors import UrdfError
 from .mend import UNREADABLE, decoded, mended, refuse_doctype, without_declaration
 from .notes import Notes
+from .transmissions import reductions
 from .xacro import check_xacro
 
 MAX_BYTES = 64 << 20
@@ -58,6 +59,8 @@ class Document:
     joints: dict[str, etree._Element] = field(default_factory=dict)
     base: str = ""
     """The root link."""
+    reductions: dict[str, float] = field(default_factory=dict)
+    """Joint -> ratio of its transmission."""
 
     @property
     def stem(self) -> str:
@@ -160,7 +163,7 @@ def parse(data: bytes | str, source: str = "<bytes>") -> Document:
     root = _tree(without_declaration(text, notes), source, notes)
     _check_root(root, source, notes)
     hint = check_xacro(root, KEPT, text, source, notes)
-    document = Document(_kept(root, notes), source, notes)
+    document = Document(_kept(root, notes), source, notes, reductions=reductions(root, notes))
     _check_words(document, clean, hint)
     read_links(document)
     read_joints(document)

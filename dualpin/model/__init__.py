@@ -2,9 +2,9 @@
 
 from .builder import Builder
 from .joints import Axial, Floating, JointModel, Planar, Spherical, cylindrical, helical, prismatic, revolute, spherical
-from .robot import Frame, Joint, Limits, Link, Mimic, Robot
+from .robot import Frame, Joint, Limits, Link, Mimic, Robot, Rotor
 
 __all__ = [
     "Axial", "Builder", "Floating", "Frame", "Joint", "JointModel", "Limits", "Link", "Mimic", "Planar", "Robot",
-    "Spherical", "cylindrical", "helical", "prismatic", "revolute", "spherical",
+    "Rotor", "Spherical", "cylindrical", "helical", "prismatic", "revolute", "spherical",
 ]  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import ZERO, Scalar, exact
@@ -11,7 +12,7 @@ from ..spatial.inertia import NOTHING, Inertia
 from ..spatial.pose import GROUND, Pose
 from .joints import Axial, JointModel
 from .limits import remarks
-from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, gravity_vector
+from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, Rotor, gravity_vector
 
 
 @dataclass
@@ -26,6 +27,8 @@ class _Part:
     limits: Limits
     mimic: Mimic | None
     armature: tuple[Scalar, ...]
+    rotor: Rotor | None = None
+    passive: bool = False
 
 
 @dataclass
@@ -74,23 +77,57 @@ class Builder:
             raise ArgumentError(f"Builder.of: a Robot expected, got {type(robot).__name__}")
         b = cls(robot.name)
         b.gravity, b.notes, b.source = robot.gravity, list(robot.notes), robot.source
-        for j in robot:
-            parent = j.parent.name if j.parent else None
-            b._parts[j.name] = _Part(
-                j.name, j.model.free, parent, j.placement, j.inertia, j.limits, j.mimic, j.armature
-            )
-        b._frames = [(f.name, f.role, f.joint.name if f.joint else None, f.placement, f.parent) for f in robot.frames]
-        for i, (name, kind, joint, placement, _) in enumerate(b._frames):
-            places = b._link_places if kind == "link" else b._places
-            places[name] = _Place(joint, placement, i)
-        b._links = [(k.name, k.inertia, k.joint.name if k.joint else None, k.placement) for k in robot.links]
+        b.include(robot)
         return b
+
+    def include(
+        self, robot: Robot, on: str | Frame | None = None, placement: Pose = GROUND, *, prefix: str = ""
+    ) -> None:
+        """All of another robot, its ground fixed in the frame `on`; `prefix` goes before each of its names."""
+        if not isinstance(robot, Robot):
+            raise ArgumentError(f"include: a Robot expected, got {type(robot).__name__}")
+        _check_types(robot.name, placement, None)
+        self._check_new_names(robot, prefix)
+        at, first = self._place(on), len(self._frames) - 1
+        ground = at.placement @ placement
+
+        def named(joint: Joint | None) -> str | None:
+            return at.joint if joint is None else prefix + joint.name
+
+        def placed(joint: Joint | None, X: Pose) -> Pose:
+            return ground @ X if joint is None else X
+
+        for j in robot:
+            name, mimic = prefix + j.name, j.mimic and replace(j.mimic, joint=prefix + j.mimic.joint)
+            self._parts[name] = _Part(
+                name, j.model.free, named(j.parent), placed(j.parent, j.placement), j.inertia, j.limits, mimic,
+                j.armature, j.rotor, j.passive,
+            )  # fmt: skip
+        for f in robot.frames[1:]:
+            X, parent = placed(f.joint, f.placement), first + f.parent if f.parent else at.frame
+            self._frames.append((prefix + f.name, f.role, named(f.joint), X, parent))
+            places = self._link_places if f.role == "link" else self._places
+            places[prefix + f.name] = _Place(named(f.joint), X, len(self._frames) - 1)
+        for k in robot.links:
+            X = placed(k.joint, k.placement)
+            self._links.append((prefix + k.name, k.inertia, named(k.joint), X))
+            if k.joint is None and at.joint is not None:  # what stood on the ground is carried now
+                self._parts[at.joint].inertia = self._parts[at.joint].inertia + X @ k.inertia
+
+    def _check_new_names(self, robot: Robot, prefix: str) -> None:
+        links = [k.name for k in robot.links if prefix + k.name in self._link_places]
+        others = [f.name for f in robot.frames[1:] if f.role != "link" and prefix + f.name in self._places]
+        if links or others:
+            both = ", ".join(map(repr, dict.fromkeys([*others, *links])))
+            raise ArgumentError(
+                f"{robot.name} and {self.name} both have the names {both}; prefix='...' sets other names apart"
+            )
 
     def joint(
         self,
         name: str,
         model: JointModel,
-        on: str | None = None,
+        on: str | Frame | None = None,
         placement: Pose = GROUND,
         inertia: Inertia | None = None,
         *,
@@ -98,8 +135,14 @@ class Builder:
         limits: Limits | None = None,
         mimic: Mimic | None = None,
         armature: Sequence[Scalar] = (),
+        rotor: Rotor | None = None,
+        passive: bool = False,
     ) -> None:
-        """A joint whose fixed side has the pose `placement` in the frame `on`, and the link it moves."""
+        """A joint whose fixed side has the pose `placement` in the frame `on`, and the link it moves.
+
+        A `rotor` adds what the joint feels of it to the armature, and its body to the link `on`.
+        `passive` says that there is no motor.
+        """
         self._unused(name)
         _check_types(name, placement, inertia, model)
         _check_counts(name, model, limits, armature)
@@ -107,17 +150,45 @@ class Builder:
         X = at.placement @ placement
         self._parts[name] = _Part(
             name, model, at.joint, X, NOTHING, limits or Limits(), mimic,
-            tuple(map(exact, armature)) or (ZERO,) * model.nv,
+            tuple(map(exact, armature)) or (ZERO,) * model.nv, None, passive,
         )  # fmt: skip
+        if rotor is not None:
+            self._motor(name, rotor, _Place(at.joint, X, at.frame))
         self._frames.append((name, "joint", name, GROUND, at.frame))
         place = _Place(name, GROUND, len(self._frames) - 1)
         self._places[name] = place
         self._link(link or name, inertia, place)
 
+    def motor(self, joint: str, rotor: Rotor) -> None:
+        """Give a joint that is there a motor, or another: its armature is what it feels of that."""
+        part = self._parts[joint]
+        carried = part.rotor.body if part.rotor else None
+        if carried is not None and rotor.body is not carried:
+            raise ArgumentError(f"joint {joint!r} has a rotor with a body already; another has to have the same")
+        part.armature = (ZERO,) * part.model.nv
+        _, _, _, _, described_in = self._frames[self._places[joint].frame]
+        new = replace(rotor, body=None) if carried is not None else rotor  # the body is there already
+        self._motor(joint, new, _Place(part.parent, part.placement, described_in))
+        part.rotor = rotor
+
+    def _motor(self, name: str, rotor: Rotor, at: _Place) -> None:
+        part = self._parts[name]
+        if part.model.nv != 1:
+            raise ArgumentError(
+                f"joint {name!r}: a rotor belongs to a joint of one coordinate, not to a {part.model.kind} one"
+            )
+        for what, x, wrong in (("inertia", rotor.inertia, _negative), ("ratio", rotor.ratio, _nought)):
+            if wrong(x):
+                raise ArgumentError(f"joint {name!r}: {what} of its rotor is {x}")
+        part.rotor = rotor
+        part.armature = (exact(part.armature[0] + rotor.reflected),)
+        if rotor.body is not None:
+            self._link(f"{name}_rotor", rotor.body, at)
+
     def fixed(
         self,
         name: str,
-        on: str | None = None,
+        on: str | Frame | None = None,
         placement: Pose = GROUND,
         inertia: Inertia | None = None,
         *,
@@ -141,7 +212,7 @@ class Builder:
         """The root link of a robot whose base stands on the ground."""
         self._link(name, inertia, _Place(None, GROUND))
 
-    def frame(self, name: str, on: str | None = None, placement: Pose = GROUND) -> None:
+    def frame(self, name: str, on: str | Frame | None = None, placement: Pose = GROUND) -> None:
         """A named frame without a body."""
         self._unused(name)
         _check_types(name, placement, None)
@@ -166,9 +237,12 @@ class Builder:
         if name in self._places:
             raise ArgumentError(f"joint or frame {name!r} of {self.name} is defined twice")
 
-    def _place(self, on: str | None) -> _Place:
+    def _place(self, on: str | Frame | None) -> _Place:
         if on is None:
             return _Place(None, GROUND)
+        if isinstance(on, Frame):  # of the robot that this builder holds
+            index = self._places.get(on.name) if on.role != "link" else self._link_places.get(on.name)
+            return _Place(on.joint.name if on.joint else None, on.placement, index.frame if index else on.parent)
         place = self._link_places.get(on) or self._places.get(on)
         if place is None:
             names = [*self._link_places, *self._places]
@@ -193,7 +267,7 @@ class Builder:
             q, v = where[source]
             joints[part.name] = Joint(
                 part.name, model, joints[part.parent], part.placement, part.inertia, q, v, index,
-                part.limits, part.mimic, part.armature,
+                part.limits, part.mimic, part.armature, part.rotor, part.passive,
             )  # fmt: skip
         robot = Robot(
             self.name,
@@ -249,3 +323,11 @@ def _check_counts(name: str, model: JointModel, limits: Limits | None, armature:
         given = getattr(limits, bound, ())
         if given and len(given) != model.nq:
             raise ArgumentError(f"joint {name!r}: {len(given)} {bound} limits; {model.nq} expected, one a coordinate")
+
+
+def _negative(x: Scalar) -> bool:
+    return x is None or isinstance(x, (str, bool)) or (isinstance(x, (int, float)) and not 0 <= x < inf)
+
+
+def _nought(x: Scalar) -> bool:
+    return x is None or isinstance(x, (str, bool)) or (isinstance(x, (int, float)) and not 0 < abs(x) < inf)

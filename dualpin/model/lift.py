@@ -14,7 +14,7 @@ from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY, Matrix3, Rotation
 from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import Axial
-from .robot import Frame, Joint, Link, Robot
+from .robot import Frame, Joint, Link, Robot, Rotor
 
 
 def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
@@ -44,6 +44,9 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
     def inertia(body: Inertia) -> Inertia:
         return Inertia(number(body.mass), vector(body.moment), matrix(body.rotational))
 
+    def rotor(motor: Rotor) -> Rotor:
+        return Rotor(number(motor.inertia), number(motor.ratio), motor.body and inertia(motor.body))
+
     def joint_model(model: Any) -> Any:
         if not isinstance(model, Axial):
             return model
@@ -67,6 +70,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
             inertia=inertia(j.inertia),
             model=joint_model(j.model),
             armature=tuple(map(number, j.armature)),
+            rotor=j.rotor and rotor(j.rotor),
         )
     frames = tuple(Frame(f.name, f.role, new[f.joint], pose(f.placement), f.parent) for f in robot.frames)
     links = tuple(Link(k.name, inertia(k.inertia), new[k.joint], pose(k.placement)) for k in robot.links)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
@@ -17,7 +17,7 @@ from ..spatial.inertia import Inertia
 from ..spatial.pose import GROUND, Pose
 from ..spatial.vector import NOUGHT, Vector3, motor
 from .joints import JointModel
-from .tree import Frame, Joint, Limits, Link, Mimic
+from .tree import Frame, Joint, Limits, Link, Mimic, Rotor
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 BASE = "root_joint"
@@ -166,16 +166,22 @@ class Robot:
 
     def attach(
         self,
-        payload: Inertia,
-        on: str | None = None,
+        other: Robot | Inertia,
+        on: str | Frame | None = None,
         placement: Pose | None = None,
         *,
         passive: bool = False,
         joint: JointModel | None = None,
-        name: str = "payload",
+        name: str | None = None,
+        prefix: str = "",
     ) -> Robot:
-        """A new robot that carries a payload on the frame `on`; see `dualpin.model.attach`."""
-        return home("Robot.attach")(self, payload, on, placement or GROUND, passive=passive, joint=joint, name=name)
+        """A new robot that carries a body or another robot on the frame `on`; see `dualpin.model.attach`."""
+        how = {"passive": passive, "joint": joint, "name": name, "prefix": prefix}
+        return home("Robot.attach")(self, other, on, GROUND if placement is None else placement, **how)
+
+    def with_rotors(self, rotors: Mapping[str, Rotor | Scalar]) -> Robot:
+        """The same robot with motors on some joints; see `dualpin.model.rotors`."""
+        return home("Robot.with_rotors")(self, rotors)
 
     def lift(self, scalar: Callable[[Any], Scalar]) -> Robot:
         """The same robot with every constant x replaced by scalar(x); see `dualpin.model.lift`."""
@@ -235,4 +241,4 @@ def gravity_vector(gravity: Sequence[float]) -> Vector3:
     return Vector3(*map(exact, g.tolist()))
 
 
-__all__ = ["BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "gravity_vector"]
+__all__ = ["BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "gravity_vector"]

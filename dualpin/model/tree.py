@@ -36,6 +36,30 @@ class Mimic:
     offset: float = 0.0
 
 
+@dataclass(frozen=True)
+class Rotor:
+    """The motor of a joint with one coordinate.
+
+    Attributes
+    ----------
+    inertia : scalar
+        Of what turns with the motor, about its own axis [kg m^2].
+    ratio : scalar
+        How many times as fast as the joint it turns; of a sliding joint in rad/m.
+    body : Inertia, optional
+        Its mass as the preceding link carries it, in the frame of the joint's fixed side.
+    """
+
+    inertia: Scalar = 0.0
+    ratio: Scalar = 1.0
+    body: Inertia | None = None
+
+    @property
+    def reflected(self) -> Scalar:
+        """What the joint feels of it, ratio^2 inertia: its armature."""
+        return self.inertia * self.ratio * self.ratio
+
+
 @dataclass(frozen=True, eq=False)
 class Joint:
     """A joint and the body it moves.
@@ -62,6 +86,10 @@ class Joint:
     mimic: Mimic | None = None
     armature: tuple[Scalar, ...] = ()
     """Inertia of its rotors, each felt at the joint's own coordinate [kg m^2, or kg of a slide]."""
+    rotor: Rotor | None = None
+    """What is known of its motor; what the joint feels of it is in `armature` already."""
+    passive: bool = False
+    """Whether it has no motor: `dualpin.simulate` gives it no torque."""
 
     def __repr__(self) -> str:
         return f"<Joint {self.name!r}: {self.kind}, q{_span(self.q)}, v{_span(self.v)}>"

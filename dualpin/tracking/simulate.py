@@ -124,7 +124,8 @@ def simulate(
     hold : bool
         Sample a controller once a step (as a computer does) rather than at every evaluation.
     passive : sequence of str
-        Joints that get no torque, whatever tau says: they swing.
+        Joints that get no torque, whatever tau says: they swing.  Those that the robot itself calls
+        passive (see `Robot.attach`) need not be named.
     every : int
         Keep every so many-th step only.
     dissipation : "file" or None
@@ -241,7 +242,7 @@ class _Run:
         self.losses = losses
         self.n, self.space = int(np.prod(batch, dtype=int)), StateSpace(robot)
         self.active = np.ones(robot.nv)
-        for name in passive:
+        for name in (*passive, *(j.name for j in robot if j.passive)):
             self.active[robot.joint(name).v] = 0.0
         self.controller: Controller | None = tau if callable(tau) else None
         self.constant = None if callable(tau) else self.flat(tau) * self.active
