@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,9 @@ import numpy as np
 from .call.arguments import check_robot
 from .engine.graph.trace import Sym, Trace, trace
 from .errors import ArgumentError
+from .escape import c_comment, c_identifier, is_c_identifier
 from .extras import extra
+from .files import write_text
 from .model import frames
 from .model.robot import Robot
 from .terms import Term, flat
@@ -38,10 +39,16 @@ class CCode:
     def write(self, folder: str | Path) -> Path:
         """Write both files into a folder; returns the path of the source."""
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        (place / f"{self.name}.h").write_text(self.header)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            return self._write(place)
+        except OSError as e:
+            raise ArgumentError(f"export_c: {place} cannot be written ({e.strerror or e})") from None
+
+    def _write(self, place: Path) -> Path:
+        write_text(place / f"{self.name}.h", self.header)
         path = place / f"{self.name}.c"
-        path.write_text(self.source)
+        write_text(path, self.source)
         return path
 
 
@@ -87,10 +94,9 @@ def export_c(
     kind = {"d": "double", "f": "float"}.get(np.dtype(dtype).char)
     if kind is None:
         raise ArgumentError(f"export_c: dtype float64 or float32 expected, got {np.dtype(dtype)}")
-    name = re.sub(r"\W", "_", f"{robot.name}_{term}") if name is None else name
-    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
-        better = re.sub(r"[^A-Za-z0-9_]", "_", f"f_{name}")
-        raise ArgumentError(f"export_c: {name!r} is no C identifier; {better!r} would be one")
+    name = c_identifier(f"{robot.name}_{term}") if name is None else name
+    if not isinstance(name, str) or not is_c_identifier(name):
+        raise ArgumentError(f"export_c: {name!r} is no C identifier; {c_identifier(str(name))!r} would be one")
     settled = chosen.settled(robot, options)
     program = trace(robot, chosen, settled)
     shape = chosen.shape(robot, **settled)
@@ -98,7 +104,8 @@ def export_c(
     arguments = [f"const {kind} {key}[{n}]" for key, n in zip(chosen.inputs, program.sizes, strict=True)]
     signature = f"void {name}({', '.join(arguments)}, {kind} result[{size}])"
     detail = "".join(f", {key} {getattr(value, 'name', value)}" for key, value in sorted(settled.items()))
-    about = f"/* {term} of {robot.name}{detail}: result of shape {shape}, row by row. SI units, radians. */\n"
+    about = c_comment(f"{term} of {robot.name}{detail}: result of shape {shape}, row by row. SI units, radians.")
+    about = f"/* {about} */\n"
     guard = f"{name.upper()}_H"
     header = f"{about}#ifndef {guard}\n#define {guard}\n\n{_LINKAGE}\n{signature};\n\n#endif\n"
     body = "\n".join(c_lines(program, chosen, kind))

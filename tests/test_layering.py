@@ -17,7 +17,7 @@ from dualpin.delegates import HOMES, home
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own room and from those before it
 LAYERS = (
-    "errors", "extras", "locking", "renamed", "delegates", "arguments", "machine",
+    "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine",
     "scalars", "parts", "dual", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "boundary", "functions",  # how it is computed on arrays

@@ -8,11 +8,12 @@ from typing import Annotated, Any
 import typer
 
 from .. import __version__
+from .stdin import named
 
 app = typer.Typer(
     name="dualpin",
     help="Robot kinematics and dynamics in dual numbers, checked against Pinocchio.",
-    epilog="ROBOT is a name from example-robot-data (`dualpin list`) or a path to a URDF.  "
+    epilog="ROBOT is a name from example-robot-data (`dualpin list`), a path to a URDF, or - for standard input.  "
     "Examples:  dualpin info panda  |  dualpin validate panda --samples 100  |  dualpin fk ur5 --q 0,0,0,0,0,0",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
@@ -31,7 +32,12 @@ def robot_names(incomplete: str) -> list[str]:
 
 RobotName = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="A name of `dualpin list`, or a path to a URDF.", autocompletion=robot_names),
+    typer.Argument(
+        metavar="ROBOT",
+        help="A name of `dualpin list`, a path to a URDF, or - for one on standard input.",
+        autocompletion=robot_names,
+        callback=named,
+    ),
 ]
 Floating = Annotated[bool, typer.Option("--floating", help="Give the base six degrees of freedom.")]
 Mimic = Annotated[bool, typer.Option("--mimic", help="Let joints with a <mimic> tag follow.")]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 import sys
+from math import isfinite
 from typing import Annotated
 
 import numpy as np
 import typer
 
 from ..errors import ArgumentError
+from ..escape import line
 from .app import Floating, Json, Mimic, RobotName, app, show_json
 
 
@@ -26,7 +28,7 @@ def list_(json: Json = False) -> None:
     if not robots:
         raise ArgumentError("no robots are installed by name; pip install example-robot-data")
     short = {full: alias for alias, full in aliases.items()}
-    for name in robots:
+    for name in map(line, robots):
         print(f"{name}  (also {short[name]})" if name in short else name)
 
 
@@ -34,6 +36,11 @@ def list_(json: Json = False) -> None:
 def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, json: Json = False) -> None:
     """Print the tree of a robot, the order of q and v, limits, and what was assumed."""
     from ..io.urdf import load
+    from ..model.describe import total_mass
+
+    def finite(x: float) -> float | None:
+        """A number of JSON; None where there is no limit."""
+        return x if isfinite(x) else None
 
     r = load(robot, floating, mimic)
     if not json:
@@ -43,14 +50,17 @@ def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, jso
         {
             "name": j.name, "kind": j.kind, "parent": j.parent.name if j.parent else None,
             "q": [j.q.start, j.q.stop], "v": [j.v.start, j.v.stop],
-            "lower": list(j.limits.lower), "upper": list(j.limits.upper),
+            "lower": [*map(finite, j.limits.lower)], "upper": [*map(finite, j.limits.upper)],
+            "velocity": finite(j.limits.velocity), "effort": finite(j.limits.effort),
+            "damping": j.damping, "friction": j.friction,
             "mass": float(j.inertia.mass), "mimic": j.mimic.joint if j.mimic else None,
         }
         for j in r
     ]  # fmt: skip
     show_json(
         {
-            "name": r.name, "nq": r.nq, "nv": r.nv, "mass": r.mass, "source": r.source, "joints": joints,
+            "name": r.name, "nq": r.nq, "nv": r.nv, "mass": r.mass, "moving_mass": r.mass, "total_mass": total_mass(r),
+            "source": r.source, "joints": joints,
             "links": r.link_names, "frames": r.frame_names, "notes": list(r.notes),
         }
     )  # fmt: skip
@@ -81,7 +91,7 @@ def fk(
     if json:
         show_json({"robot": r.name, "frame": name, "q": x.tolist(), "pose": pose.tolist()})
         return
-    print(f"{name} in the world:", file=sys.stderr)
+    print(f"{line(name)} in the world:", file=sys.stderr)
     for row in np.atleast_2d(pose):
         print("  ".join(f"{value: .16g}".rjust(23) for value in row))
 

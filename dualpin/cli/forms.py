@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from .app import Json, RobotName, app
+from ..escape import line
+from .app import Json, Mimic, RobotName, app
 
 Format = Annotated[str, typer.Option("--format", help="table, csv, json, yaml, markdown, latex, python or matlab.")]
 Base = Annotated[str | None, typer.Option("--base", help="Link the chain starts from; the root by default.")]
@@ -30,16 +31,17 @@ def dh(
     ] = None,
     degrees: Degrees = False,
     digits: Digits = None,
+    mimic: Mimic = False,
     json: Json = False,
 ) -> None:
     """Print the Denavit-Hartenberg table of a chain, exactly as the robot has it."""
     from ..forms import to_dh
     from ..io.urdf import load
 
-    table = to_dh(load(robot), base, tip, convention, snap=snap)
+    table = to_dh(load(robot, mimic=mimic), base, tip, convention, snap=snap)
     print(table.export("json" if json else format, degrees=degrees, digits=digits))
     for note in table.notes:
-        print(f"note: {note}", file=sys.stderr)
+        print(f"note: {line(note)}", file=sys.stderr)
 
 
 @app.command()
@@ -51,11 +53,12 @@ def screws(
     tip: Tip = None,
     degrees: Degrees = False,
     digits: Digits = None,
+    mimic: Mimic = False,
     json: Json = False,
 ) -> None:
     """Print the home pose and the screws of a chain (product of exponentials)."""
     from ..forms import to_screws
     from ..io.urdf import load
 
-    found = to_screws(load(robot), tip, frame, base=base)
+    found = to_screws(load(robot, mimic=mimic), tip, frame, base=base)
     print(found.export("json" if json else format, degrees=degrees, digits=digits))

@@ -9,6 +9,7 @@ import sys
 import warnings
 
 from ..errors import DualpinError, DualpinWarning
+from ..escape import lines
 from .app import app
 
 
@@ -17,10 +18,13 @@ def main() -> None:
     from . import cache, commands, forms, judging, measure, report, subjects, validation, view  # noqa: F401  (they register themselves)
 
     warnings.simplefilter("ignore", DualpinWarning)  # remarks are printed where they belong
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # a terminal without a character shows its number
     try:
         app(prog_name="dualpin")
     except DualpinError as e:
-        print(f"dualpin: {e}", file=sys.stderr)
+        print(f"dualpin: {lines(str(e))}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
         print("dualpin: interrupted", file=sys.stderr)

@@ -8,12 +8,16 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
+from ..escape import line
 from .app import Floating, Json, RobotName, app, show_json
+from .stdin import named
 
 
 @app.command()
 def bench(
-    robots: Annotated[list[str], typer.Argument(metavar="ROBOT...", help="Names or paths.")],
+    robots: Annotated[
+        list[str], typer.Argument(metavar="ROBOT...", help="Names or paths; - is standard input.", callback=named)
+    ],
     terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
     batch: Annotated[str, typer.Option("--batch", help="Samples a call; 1 is a single call.")] = "1,4096",
     threads: Annotated[str, typer.Option("--threads", help="Thread counts, between commas.")] = "1",
@@ -28,7 +32,7 @@ def bench(
 
     def tick(row: dict[str, Any]) -> None:
         if sys.stderr.isatty():
-            print(f"{row['robot']} {row['term']} batch {row['batch']}", file=sys.stderr)
+            print(f"{line(row['robot'])} {row['term']} batch {row['batch']}", file=sys.stderr)
 
     rows = measure.run(robots, chosen, batches, counts, floating=floating, progress=tick)
     if json:
@@ -83,7 +87,7 @@ def integrate(
             shown["remark"] = ", ".join(study.kind_of(w) for w in row.warnings).replace("unstable", "UNSTABLE")
         show_rows(data, columns)
         for note in study.remarks(rows):
-            print(f"note: {note}", file=sys.stderr)
+            print(f"note: {line(note)}", file=sys.stderr)
 
 
 def _task(text: str) -> str | list[int]:
@@ -113,7 +117,7 @@ def real(text: str, what: str) -> list[float]:
 
 def show_rows(rows: list[dict[str, Any]], columns: tuple[str, ...]) -> None:
     """Aligned text, numbers to four digits."""
-    cells = [[f"{r[c]:.4g}" if isinstance(r[c], float) else str(r[c]) for c in columns] for r in rows]
+    cells = [[f"{r[c]:.4g}" if isinstance(r[c], float) else line(str(r[c])) for c in columns] for r in rows]
     widths = [max(len(c), *(len(row[i]) for row in cells)) for i, c in enumerate(columns)]
     for row in ([*columns], *cells):
         print("  ".join(cell.rjust(w) for cell, w in zip(row, widths, strict=True)))

@@ -10,6 +10,8 @@ from typing import Annotated
 import typer
 
 from ..errors import ArgumentError
+from ..escape import line
+from ..files import write_text
 from .app import Json, app, show_json
 from .show import formats, show, show_comparison, show_rows
 
@@ -53,7 +55,7 @@ def report(
     if out:
         if len(studies) == 1 and studies[0].report is not None:
             for path in studies[0].report.write(out, formats()):
-                print(f"wrote {path}", file=sys.stderr)
+                print(f"wrote {line(str(path))}", file=sys.stderr)
         else:
             _write(out, *studies)
     if json:
@@ -75,7 +77,7 @@ def _write(folder: Path, *of: object) -> None:
     text = page(*of)  # type: ignore[arg-type]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "report.html").write_text(text, encoding="utf-8")
+        write_text(folder / "report.html", text)
     except OSError as e:
         raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None
-    print(f"wrote {folder / 'report.html'}", file=sys.stderr)
+    print(f"wrote {line(str(folder / 'report.html'))}", file=sys.stderr)

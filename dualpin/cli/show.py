@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any
 
+from ..escape import line
+
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
@@ -29,14 +31,14 @@ def formats() -> tuple[str, ...]:
 def console() -> Console:
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else PIPE, highlight=False)
+    return Console(width=None if sys.stdout.isatty() else PIPE, highlight=False, emoji=False)
 
 
 def table(*columns: str, title: str | None = None) -> Table:
     """A table without lines; a column whose name ends in ">" is flush right."""
     from rich.table import Table
 
-    found = Table(box=None, pad_edge=False, title=title, title_justify="left", header_style="bold")
+    found = Table(box=None, pad_edge=False, title=title and _plain(title), title_justify="left", header_style="bold")
     for name in columns:
         found.add_column(name.removesuffix(">"), justify="right" if name.endswith(">") else "left", overflow="fold")
     return found
@@ -49,10 +51,10 @@ def show(report: Report) -> None:
     if report.robots:
         out.print(_terms(report.robots[0]) if single else _robots(report.robots))
         if single and report.robots[0].reason:
-            out.print(report.robots[0].reason, markup=False)
+            out.print(line(report.robots[0].reason), markup=False)
     for refusal in report.refused:
         who = "dualpin and Pinocchio" if refusal.by_pinocchio else "dualpin only"
-        out.print(f"refused by {who}: {refusal.name}: {refusal.reason}", markup=False)
+        out.print(f"refused by {who}: {line(refusal.name)}: {line(refusal.reason)}", markup=False)
     verdict = report.verdict.replace("failed", "FAILED")
     against = report.versions.get("pinocchio", "?")
     counts = f": {report.summary}" if report.robots else ""
@@ -93,7 +95,7 @@ def show_comparison(found: Comparison) -> None:
             listing.add_row(verdict, c.what, _plain(c.where), _plain(c.old), _plain(c.new), factor)
         out.print(listing)
     for name, old, new in found.versions:
-        out.print(f"{name}: {old} -> {new}", markup=False)
+        out.print(line(f"{name}: {old} -> {new}"), markup=False)
     verdict = "[bold green]nothing got worse[/]" if found.passed else f"[bold red]{len(found.worse)} got WORSE[/]"
     out.print(f"{verdict}: {found.compared} figures compared")
 
@@ -116,7 +118,7 @@ def mark(of: TermResult | RobotResult) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text in which brackets are brackets."""
+    """Text in which brackets are brackets, and controls are shown."""
     from rich.markup import escape
 
-    return escape(text)
+    return escape(line(text))

@@ -11,8 +11,10 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
+from ..escape import line
 from .app import Floating, Json, Mimic, app, robot_names
 from .show import formats, show
+from .stdin import named
 
 EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
 
@@ -20,7 +22,10 @@ EXIT_FAILED, EXIT_INTERRUPTED = 1, 130
 @app.command()
 def validate(
     robots: Annotated[
-        list[str] | None, typer.Argument(metavar="ROBOT...", help="Names or paths.", autocompletion=robot_names)
+        list[str] | None,
+        typer.Argument(
+            metavar="ROBOT...", help="Names or paths; - is standard input.", autocompletion=robot_names, callback=named
+        ),
     ] = None,
     all_: Annotated[
         bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")
@@ -72,7 +77,7 @@ def validate(
     else:
         show(report)
     for path in written:
-        print(f"wrote {path}", file=sys.stderr)
+        print(f"wrote {line(str(path))}", file=sys.stderr)
     if report.partial:
         raise typer.Exit(EXIT_INTERRUPTED)
     if not report.robots and any(r.by_pinocchio for r in report.refused) and not all_:

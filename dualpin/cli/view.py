@@ -10,6 +10,7 @@ from typing import Annotated
 import typer
 
 from ..errors import ArgumentError
+from ..escape import line
 from .app import Floating, Mimic, RobotName, app
 
 
@@ -43,7 +44,7 @@ def view(
         except (OSError, ValueError) as e:
             raise ArgumentError(f"view: cannot read configurations from {play} ({e})") from None
     viewer = Viewer(load(robot, floating, mimic), run, dh=dh, tip=tip, port=port)
-    print(f"{robot} is at {viewer.url}; Ctrl-C ends", file=sys.stderr, flush=True)
+    print(f"{line(robot)} is at {viewer.url}; Ctrl-C ends", file=sys.stderr, flush=True)
     try:
         while True:
             time.sleep(3600)

@@ -14,6 +14,7 @@ from typing import Any
 
 from ..engine.jit.threads import available, set_num_threads
 from ..errors import ArgumentError, DualpinError, DualpinWarning
+from ..files import write_text
 from ..io.catalogue import catalogue, find
 from ..io.urdf import load
 from .checks import Case, Check, chosen
@@ -166,11 +167,8 @@ def _kept(folder: Path, settings: dict[str, Any]) -> dict[str, Result]:
 def _open(folder: Path, settings: dict[str, Any], done: dict[str, Result]) -> Any:
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        log = (folder / PARTIAL).open("w", encoding="utf-8")
+        entries = [settings, *({"key": key, **_packed(result)} for key, result in done.items())]
+        write_text(folder / PARTIAL, "".join(json.dumps(e) + "\n" for e in entries))
+        return (folder / PARTIAL).open("a", encoding="utf-8")
     except OSError as e:
         raise ArgumentError(f"cannot write into {folder} ({e.strerror or e})") from None
-    log.write(json.dumps(settings) + "\n")
-    for key, result in done.items():
-        log.write(json.dumps({"key": key, **_packed(result)}) + "\n")
-    log.flush()
-    return log

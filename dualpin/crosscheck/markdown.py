@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..escape import markdown as escape
 from .findings import Finding
 from .results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 
@@ -29,33 +30,34 @@ def markdown(report: Report) -> str:
     for title, status in (("Differs", DIFFERS), ("Not compared", NOT_COMPARED)):
         found = [r for r in report.robots if r.status == status]
         if found:
-            lines += ["", f"## {title}", "", *(f"- **{r.label}**: {r.remark}" for r in found)]
+            lines += ["", f"## {title}", "", *(f"- **{escape(r.label)}**: {escape(r.remark)}" for r in found)]
     if report.findings:
         lines += ["", "## Findings", "", *(line for f in report.findings for line in _finding(f))]
     if report.refused:
         lines += ["", "## Refused files", "", "| file | by | reason |", "|---|---|---|"]
         lines += [
-            f"| {r.name} | {'both' if r.by_pinocchio else 'dualpin only'} | {_cell(r.reason)} |" for r in report.refused
+            f"| {escape(r.name)} | {'both' if r.by_pinocchio else 'dualpin only'} | {escape(r.reason)} |"
+            for r in report.refused
         ]
     remarks = [
         (r.label, note) for r in report.robots for note in r.notes if "mimic:" in note or len(report.robots) == 1
     ]
     if remarks:
-        lines += ["", "## Remarks", "", *(f"- {label}: {note}" for label, note in remarks)]
+        lines += ["", "## Remarks", "", *(f"- {escape(label)}: {escape(note)}" for label, note in remarks)]
     return "\n".join(lines) + "\n"
 
 
 def _finding(f: Finding) -> list[str]:
     """One cause, what else it may be, and what to do."""
-    lines = [f"- `{f.key}` {f}"]
-    lines += [f"    - as well explained by: {' / '.join(f.alternatives)}"] if f.alternatives else []
-    return lines + ([f"    - fix: {f.fix}"] if f.fix else [])
+    lines = [f"- `{f.key}` {escape(str(f))}"]
+    lines += [f"    - as well explained by: {escape(' / '.join(f.alternatives))}"] if f.alternatives else []
+    return lines + ([f"    - fix: {escape(f.fix)}"] if f.fix else [])
 
 
 def _one(r: RobotResult) -> list[str]:
-    rows = [f"| {name} | {figures(t)} | {_bold(t)} | {t.oracle} | {_cell(t.remark)} |" for name, t in r.terms.items()]
+    rows = [f"| {name} | {figures(t)} | {_bold(t)} | {t.oracle} | {escape(t.remark)} |" for name, t in r.terms.items()]
     head = ["| term | max scaled error | tolerance | verdict | oracle | remark |", "|---|---|---|---|---|---|"]
-    return [f"## {r.label} (nv = {r.nv})", "", *head, *rows]
+    return [f"## {escape(r.label)} (nv = {r.nv})", "", *head, *rows]
 
 
 def _terms(report: Report) -> list[str]:
@@ -66,7 +68,9 @@ def _terms(report: Report) -> list[str]:
         if having:
             worst = max(having, key=lambda r: r.terms[name].max_scaled_error)
             t = worst.terms[name]
-            rows.append(f"| {name} | {t.max_scaled_error:.1e} | {worst.label} | {t.tolerance:.1e} | {len(having)} |")
+            rows.append(
+                f"| {name} | {t.max_scaled_error:.1e} | {escape(worst.label)} | {t.tolerance:.1e} | {len(having)} |"
+            )
     return rows
 
 
@@ -83,7 +87,7 @@ def _robots(report: Report) -> list[str]:
         error = f"{compared[worst].max_scaled_error:.1e}" if compared else "-"
         partly = ", ".join(f"{k} ({t.note.split(' not')[0]})" for k, t in r.terms.items() if t.note)
         remark = "; ".join(x for x in (r.remark, partly and f"samples not compared: {partly}") if x)
-        rows.append(f"| {r.label} | {r.nv} | {error} | {worst} | {_bold(r)} | {_cell(remark)} |")
+        rows.append(f"| {escape(r.label)} | {r.nv} | {error} | {worst} | {_bold(r)} | {escape(remark)} |")
     return rows
 
 
@@ -95,8 +99,3 @@ def figures(t: TermResult) -> str:
 def _bold(of: TermResult | RobotResult) -> str:
     """The verdict, in bold where it fails."""
     return of.verdict if of.passed else f"**{of.verdict}**"
-
-
-def _cell(text: str) -> str:
-    """Text that stays in its cell."""
-    return text.replace("|", "/").replace("\n", " ")

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..delegates import home
 from ..errors import ArgumentError, nearest
+from ..files import write_text
 from .findings import CONVENTIONS, Finding
 
 AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
@@ -347,7 +348,7 @@ class Report:
             folder.mkdir(parents=True, exist_ok=True)
             for form in formats:
                 paths.append(folder / ("junit.xml" if form == "junit" else f"report.{form}"))
-                paths[-1].write_text(writers[form](), encoding="utf-8")
+                write_text(paths[-1], writers[form]())
         except OSError as e:
             raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None
         return paths

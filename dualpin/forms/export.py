@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..arguments import choice
 from ..errors import ArgumentError
+from ..escape import json_text, line, matlab_string, tex
 from . import text
 from .chain import KINDS
 
@@ -25,7 +26,7 @@ def dh_text(table: DHTable, format: str, degrees: bool, digits: int | None) -> s
     text.checked_digits(digits)
     if format in ("json", "yaml"):
         data = text.rounded(_data(table, degrees), digits)
-        return text.as_json(data) if format == "json" else text.yaml(data)
+        return json_text(data) if format == "json" else text.yaml(data)
     if format in ("python", "matlab"):
         return _toolbox(table, format, digits)
     if format == "csv":
@@ -41,8 +42,8 @@ def dh_text(table: DHTable, format: str, degrees: bool, digits: int | None) -> s
     if format == "markdown":
         return text.markdown(titles, cells)
     order = "X(alpha, a) Z(theta, d)" if before else "Z(theta, d) X(alpha, a)"
-    title = f"{table.name}: Denavit-Hartenberg, {table.convention}, row = {order}"
-    return "\n".join([title, text.aligned(titles, cells), *(f"note: {n}" for n in table.notes)])
+    title = f"{line(table.name)}: Denavit-Hartenberg, {table.convention}, row = {order}"
+    return "\n".join([title, text.aligned(titles, cells), *(f"note: {line(n)}" for n in table.notes)])
 
 
 def _four(step: DHStep, degrees: bool) -> list[float]:
@@ -109,7 +110,7 @@ def _latex(table: DHTable, degrees: bool, digits: int | None) -> str:
             "R": (f"q_{{{i}}}", ""), "P": ("", f"q_{{{i}}}"), "C": (rf"\vartheta_{{{i}}}", f"s_{{{i}}}"),
             "H": (f"q_{{{i}}}", f"{text.number(row.pitch, digits)}\\,q_{{{i}}}"), "F": ("", ""),
         }[row.letter]  # fmt: skip
-        rows.append([str(i), text.tex(row.joint or "fixed"), *values(row, symbol)])
+        rows.append([str(i), tex(row.joint or "fixed"), *values(row, symbol)])
     rows += [["tool", "", *values(s)] for s in table.tool.steps]
     return text.latex("rlrrrr", header, rows)
 
@@ -180,7 +181,7 @@ def _python_link(
     kind_name = ("Revolute" if kind == "R" else "Prismatic") + ("DH" if table.convention == "standard" else "MDH")
     given = ", ".join(f"{k}={v}" for k, v in _arguments(theta, d, a, alpha, kind, digits))
     still = ", qlim=[0.0, 0.0]" if fixed else ""
-    return f"        {kind_name}({given}{still}),  # {name}"
+    return f"        {kind_name}({given}{still}),  # {line(name)}"
 
 
 def _matlab_link(
@@ -197,7 +198,7 @@ def _matlab_link(
     given = ", ".join(f"'{k}', {v}" for k, v in _arguments(theta, d, a, alpha, kind, digits))
     still = ", 'qlim', [0 0]" if fixed else ""
     joint = "revolute" if kind == "R" else "prismatic"
-    return f"    Link('{joint}', {given}{still}, '{table.convention}')  % {name}"
+    return f"    Link('{joint}', {given}{still}, '{table.convention}')  % {line(name)}"
 
 
 def _python(table: DHTable, links: list[str], notes: list[str], digits: int | None) -> str:
@@ -205,7 +206,7 @@ def _python(table: DHTable, links: list[str], notes: list[str], digits: int | No
         "from math import pi", "", "import numpy as np",
         "from roboticstoolbox import DHRobot, PrismaticDH, PrismaticMDH, RevoluteDH, RevoluteMDH",
         "from spatialmath import SE3", "",
-        *(f"# {note}" for note in notes),
+        *(f"# {line(note)}" for note in notes),
         text.array("base", table.base.matrix, "python", digits),
         text.array("tool", table.tool.matrix, "python", digits),
         "robot = DHRobot(", "    [", *links, "    ],", f"    name={table.name!r},",
@@ -214,12 +215,12 @@ def _python(table: DHTable, links: list[str], notes: list[str], digits: int | No
 
 
 def _matlab(table: DHTable, links: list[str], notes: list[str], digits: int | None) -> str:
-    name = table.name.replace("'", "''")
     return "\n".join([
-        *(f"% {note}" for note in notes),
+        *(f"% {line(note)}" for note in notes),
         text.array("base", table.base.matrix, "matlab", digits),
         text.array("tool", table.tool.matrix, "matlab", digits),
-        "links = [", *links, "];", f"robot = SerialLink(links, 'name', '{name}', 'base', base, 'tool', tool);", "",
+        "links = [", *links, "];",
+        f"robot = SerialLink(links, 'name', {matlab_string(table.name)}, 'base', base, 'tool', tool);", "",
     ])  # fmt: skip
 
 
@@ -245,7 +246,7 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
             ],
         }  # fmt: skip
         data = text.rounded(data, digits)
-        return text.as_json(data) if format == "json" else text.yaml(data)
+        return json_text(data) if format == "json" else text.yaml(data)
     cells = [
         [str(r.number), str(r.antecedent), r.letter, r.name, *(text.number(x, digits) for x in v)]
         for r, v in zip(table.rows, values, strict=True)
@@ -259,10 +260,10 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
     if format == "latex":
         symbols = [r"$\gamma$", "$b$", r"$\alpha$", "$d$", r"$\theta$", "$r$"]
         return text.latex("rrllrrrrrr", ["$j$", "$a(j)$", "kind", "joint", *symbols], [
-            [*row[:3], text.tex(row[3]), *(f"${x}$" for x in row[4:])] for row in cells
+            [*row[:3], tex(row[3]), *(f"${x}$" for x in row[4:])] for row in cells
         ])  # fmt: skip
     angle = "deg" if degrees else "rad"
     return (
-        f"{table.source.name}: Khalil-Kleinfinger, Z(gamma, b) X(alpha, d) Z(theta, r), {angle} and m\n"
+        f"{line(table.source.name)}: Khalil-Kleinfinger, Z(gamma, b) X(alpha, d) Z(theta, r), {angle} and m\n"
         + text.aligned(header, cells)
     )

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import choice
 from ..errors import ArgumentError
+from ..escape import csv_cell, json_text, line, markdown, tex
 from . import text
 from .export import FORMATS
 
@@ -26,7 +27,7 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
     S = poe.screws * _scale(poe, degrees)
     if format in ("json", "yaml"):
         data = text.rounded(_data(poe, S, degrees), digits)
-        return text.as_json(data) if format == "json" else text.yaml(data)
+        return json_text(data) if format == "json" else text.yaml(data)
     if format in ("python", "matlab"):
         return _code(poe, format, degrees, digits)
     cells = [[name, *(text.number(x, digits) for x in s)] for name, s in zip(poe.joint_names, S.T, strict=True)]
@@ -41,12 +42,12 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
     if format == "latex":
         matrix = " \\\\\n".join(" & ".join(row[1:5]) for row in home)
         symbols = [rf"${c[0] if c[0] == 'v' else chr(92) + 'omega'}_{c[1]}$" for c in AXES]
-        rows = [[text.tex(row[0]), *(f"${x}$" for x in row[1:])] for row in cells]
+        rows = [[tex(row[0]), *(f"${x}$" for x in row[1:])] for row in cells]
         table = text.latex("lrrrrrr", ["joint", *symbols], rows)
         return table + "\n\\[ M = \\left[\\begin{array}{rrrr}\n" + matrix + "\n\\end{array}\\right] \\]"
     unit = "deg" if degrees else "rad"
-    ends = f"from {poe.chain.base.name} to {poe.chain.tip.name}"
-    title = f"{poe.chain.robot.name}: {poe.frame} screws [w; v] per {unit} (or m), {ends}"
+    ends = f"from {line(poe.chain.base.name)} to {line(poe.chain.tip.name)}"
+    title = f"{line(poe.chain.robot.name)}: {poe.frame} screws [w; v] per {unit} (or m), {ends}"
     order = "T = exp(S1 q1) ... exp(Sn qn) M" if poe.frame == "space" else "T = M exp(B1 q1) ... exp(Bn qn)"
     matrix = text.aligned(["M", "", "", ""], [row[1:5] for row in home])
     return f"{title}\n{order}\n{text.aligned(header, cells)}\n\n{matrix}"
@@ -60,10 +61,11 @@ def tree_text(tree: ScrewTree, format: str, degrees: bool, digits: int | None) -
             tip: text.rounded(_data(tree[tip], tree[tip].screws * _scale(tree[tip], degrees), degrees), digits)
             for tip in tree
         }
-        return text.as_json(data) if format == "json" else text.yaml(data)
+        return json_text(data) if format == "json" else text.yaml(data)
     if format in ("python", "matlab"):
         raise ArgumentError(f"export: {format} code holds one chain; choose a tip (tree[tip].export({format!r}))")
-    return "\n\n".join(f"{tip}\n{screws_text(tree[tip], format, degrees, digits)}" for tip in tree)
+    name = {"csv": csv_cell, "markdown": markdown, "latex": tex, "table": line}[format]
+    return "\n\n".join(f"{name(tip)}\n{screws_text(tree[tip], format, degrees, digits)}" for tip in tree)
 
 
 def _scale(poe: Screws, degrees: bool) -> np.ndarray:
@@ -89,7 +91,7 @@ def _code(poe: Screws, language: str, degrees: bool, digits: int | None) -> str:
     """M, Slist, Blist, Mlist, Glist as the Modern Robotics packages take them."""
     if degrees:
         raise ArgumentError("export: code is in radians")
-    joints = ", ".join(poe.joint_names)
+    joints = line(", ".join(poe.joint_names))
     matrices = [(name, getattr(poe, name)) for name in ("M", "Slist", "Blist")]
     if language == "matlab":
         parts = [f"% joints: {joints}", *(text.array(name, A, "matlab", digits) for name, A in matrices)]

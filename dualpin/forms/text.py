@@ -5,13 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Sequence
 from math import pi
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
+from .. import escape
 from ..errors import ArgumentError
+from ..files import write_text
 
 Rows = Sequence[Sequence[str]]
 
@@ -19,7 +21,7 @@ Rows = Sequence[Sequence[str]]
 def write(path: str | PathLike[str], text: str) -> None:
     """A file of this text, or an error that names it."""
     try:
-        Path(path).write_text(text, encoding="utf-8")
+        write_text(path, text)
     except (OSError, TypeError) as e:
         reason = (isinstance(e, OSError) and e.strerror) or e
         raise ArgumentError(f"export: {path} cannot be written ({reason})") from None
@@ -49,23 +51,23 @@ def with_pi(x: float, digits: int | None, symbol: str) -> str:
 
 def aligned(header: Sequence[str], rows: Rows) -> str:
     """Columns padded to one width, numbers to the right."""
-    cells = [list(header), *map(list, rows)]
+    cells = [[escape.line(c) for c in row] for row in (header, *rows)]
     widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
     lines = ["  ".join(c.rjust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells]
     return "\n".join([lines[0], "-" * max(map(len, lines)), *lines[1:]])
 
 
 def markdown(header: Sequence[str], rows: Rows) -> str:
-    """A pipe table."""
-    lines = [header, ["---:"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |" for line in lines)
+    """A pipe table; names in it stay names."""
+    lines = [header, ["---:"] * len(header), *([escape.markdown(str(c)) for c in row] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def comma_separated(header: Sequence[str], rows: Rows) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(header)
-    writer.writerows(rows)
+    writer.writerows([escape.csv_cell(c) for c in row] for row in rows)
     return out.getvalue()
 
 
@@ -78,11 +80,6 @@ def latex(columns: str, header: Sequence[str], rows: Rows) -> str:
     )
 
 
-def tex(name: str) -> str:
-    """A name that LaTeX prints as it is."""
-    return "".join("\\" + c if c in "_&%$#{}" else c for c in name)
-
-
 def rounded(data: Any, digits: int | None) -> Any:
     """Nested data with every float to `digits` significant digits."""
     if isinstance(data, float):
@@ -92,19 +89,15 @@ def rounded(data: Any, digits: int | None) -> Any:
     return [rounded(v, digits) for v in data] if isinstance(data, (list, tuple)) else data
 
 
-def as_json(data: Any) -> str:
-    return json.dumps(data, indent=2, ensure_ascii=False)
-
-
 def yaml(data: Any, indent: int = 0) -> str:
     """Nested dicts and lists of scalars as YAML 1.1."""
     pad, lines = "  " * indent, []
     if isinstance(data, dict):
         for key, value in data.items():
             if isinstance(value, (dict, list)) and value and not _flat(value):
-                lines += [f"{pad}{key}:", yaml(value, indent + 1)]
+                lines += [f"{pad}{_key(key)}:", yaml(value, indent + 1)]
             else:
-                lines.append(f"{pad}{key}: {_scalar(value)}")
+                lines.append(f"{pad}{_key(key)}: {_scalar(value)}")
     else:
         for value in data:
             if isinstance(value, dict):
@@ -119,13 +112,22 @@ def _flat(value: Any) -> bool:
     return isinstance(value, list) and not any(isinstance(v, (dict, list)) for v in value)
 
 
+def _key(name: str) -> str:
+    """A key as it is where YAML takes it for a string, else in quotes."""
+    simple = re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) and name.lower() not in _YAML_WORDS
+    return name if simple else escape.yaml_string(name)
+
+
+_YAML_WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null"}
+
+
 def _scalar(x: Any) -> str:
     if isinstance(x, list):
         return "[" + ", ".join(map(_scalar, x)) + "]"
     if isinstance(x, float):  # YAML 1.1 wants a point in the mantissa
         text = repr(x)
         return text if "." in text or "e" not in text else text.replace("e", ".0e")
-    return json.dumps(x, ensure_ascii=False)
+    return escape.yaml_string(x) if isinstance(x, str) else json.dumps(x)
 
 
 def array(name: str, values: Any, brackets: str, digits: int | None) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 from lxml import etree
 
 from ..errors import ArgumentError, DualpinWarning, UrdfError
+from ..files import write_text
 from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
@@ -21,7 +22,7 @@ from ..spatial.pose import GROUND, Pose
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
 TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
-_CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
@@ -38,7 +39,7 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     Raises
     ------
     ArgumentError
-        For what URDF cannot hold: helical and spherical joints, names with control characters.
+        For what URDF cannot hold: helical and spherical joints, names with characters that XML cannot hold.
 
     Warns
     -----
@@ -61,7 +62,7 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     if path is not None:
         target = Path(path)
         try:
-            target.write_text(text, encoding="utf-8")
+            write_text(target, text)
         except OSError as e:
             raise UrdfError(f"{target}: cannot be written ({e.strerror or e})") from None
     return text
@@ -278,8 +279,9 @@ class _Writer:
 
 
 def _checked(name: str) -> str:
-    if not name or _CONTROL.search(name):
+    if not name or _NOT_XML.search(name):
         raise ArgumentError(
-            f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected"
+            f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected, "
+            "which XML cannot hold"
         )
     return name

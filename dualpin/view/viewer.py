@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import escape
 from ..errors import ArgumentError, nearest
 from ..forms import to_dh
 from ..functions import fk
@@ -105,7 +106,7 @@ class Viewer:
         self.moving = []
         names: dict[Any, str] = {None: "/robot"}
         for j in self.robot:
-            names[j] = f"/robot/{j.index}_{j.name}"
+            names[j] = f"/robot/{j.index}_{escape.line(j.name).replace('/', ':')}"
             self.moving.append(scene.add_frame(names[j], show_axes=False))
             frame = scene.add_frame(f"{names[j]}/frame", axes_length=0.08 * s, axes_radius=0.003 * s)
             self.parts["frames"].append(frame)
@@ -133,7 +134,7 @@ class Viewer:
 
     def _controls(self) -> None:
         gui = self.server.gui
-        gui.add_markdown(f"**{self.robot.name}**: nq {self.robot.nq}, nv {self.robot.nv}")
+        gui.add_markdown(f"**{escape.markdown(self.robot.name)}**: nq {self.robot.nq}, nv {self.robot.nv}")
         for part in PARTS:
             if self.parts[part]:
                 self._checkbox(part)

@@ -144,7 +144,14 @@ def test_the_file_is_written_or_the_reason_is_told(tmp_path: Path) -> None:
     with pytest.raises(dp.UrdfError, match="cannot be written"):
         arm.to_urdf(tmp_path / "no" / "arm.urdf")
     with pytest.raises(dp.ArgumentError, match="control characters"):
-        dp.from_dh([(0, 0, 0.5, 0)], "R", name="a\nb").to_urdf()
+        dp.from_dh([(0, 0, 0.5, 0)], "R", name="a\x1bb").to_urdf()
+
+
+def test_line_breaks_in_names_come_back(tmp_path: Path) -> None:
+    name = "a\nb\r\tc <&>\"'"
+    arm = dp.from_dh([(0, 0, 0.5, 0)], "R", name=name)
+    text = arm.to_urdf(tmp_path / "a.urdf")
+    assert dp.loads(text).name == dp.load(tmp_path / "a.urdf").name == name
 
 
 def test_roll_pitch_yaw_is_exact_also_at_90_degrees_of_pitch(seed: int) -> None:

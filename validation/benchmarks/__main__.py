@@ -24,6 +24,7 @@ import numpy as np
 import dualpin as dp
 from dualpin import bench
 from dualpin.call import find
+from dualpin.files import write_text
 from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import AXES, Inertia, Matrix3, Pose, Vector3
 from dualpin.terms import TERMS
@@ -203,8 +204,8 @@ def main() -> None:
     for name in given.only or SECTIONS:
         results[name] = SECTIONS[name]()
         results.setdefault("load", {})[name] = [round(x, 2) for x in os.getloadavg()]
-        path.write_text(json.dumps(results, indent=1) + "\n")
-        (HERE / "results.md").write_text(markdown(results))
+        write_text(path, json.dumps(results, indent=1) + "\n")
+        write_text(HERE / "results.md", markdown(results))
 
 
 if __name__ == "__main__":

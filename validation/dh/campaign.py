@@ -22,6 +22,7 @@ import numpy as np
 
 import dualpin as dp
 from dualpin.crosscheck.oracles.pinocchio import OracleError, Pinocchio
+from dualpin.files import replacing, write_text
 from dualpin.forms.chain import chain, leaves
 
 HERE = Path(__file__).parent
@@ -109,9 +110,9 @@ def write(result: dict[str, Any]) -> None:
     import pinocchio
 
     s["versions"]["pinocchio"] = str(pinocchio.__version__)
-    (HERE / "results.json").write_text(json.dumps(s, indent=2) + "\n", encoding="utf-8")
+    write_text(HERE / "results.json", json.dumps(s, indent=2) + "\n")
     keys = [k for k in chains[0] if not k.endswith("_ms")]
-    with (HERE / "chains.csv").open("w", newline="", encoding="utf-8") as f:
+    with replacing(HERE / "chains.csv") as beside, beside.open("w", newline="", encoding="utf-8") as f:
         writer = csv.DictWriter(f, keys, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()
         writer.writerows({k: f"{v:.3g}" if isinstance(v, float) else v for k, v in c.items()} for c in chains)
@@ -139,7 +140,7 @@ and abs(d) below {LONGEST:g} m.
 
 Versions: {", ".join(f"{k} {v}" for k, v in s["versions"].items())}.
 """
-    (HERE / "README.md").write_text(text, encoding="utf-8")
+    write_text(HERE / "README.md", text)
 
 
 def main() -> None:

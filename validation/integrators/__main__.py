@@ -12,6 +12,8 @@ import json
 import sys
 from pathlib import Path
 
+from dualpin.files import write_text
+
 from . import figures, measure, page
 
 HERE = Path(__file__).parent
@@ -26,8 +28,8 @@ def main() -> int:
     if quick:
         print(page.markdown(results))
     else:
-        (HERE / "results.json").write_text(json.dumps(results, indent=1, allow_nan=False) + "\n")
-        (HERE / "README.md").write_text(page.markdown(results))
+        write_text(HERE / "results.json", json.dumps(results, indent=1, allow_nan=False) + "\n")
+        write_text(HERE / "README.md", page.markdown(results))
         figures.draw(results, HERE)
     return 0 if results["passed"] else 1
 

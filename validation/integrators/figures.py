@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from dualpin.files import replacing
+
 
 def draw(results: dict[str, Any], where: Path) -> None:
     """work.svg, drift.svg, energy.svg."""
@@ -17,7 +19,8 @@ def draw(results: dict[str, Any], where: Path) -> None:
                          "grid.alpha": 0.3, "axes.spines.top": False, "axes.spines.right": False})  # fmt: skip
     for name, figure in (("work", _work), ("drift", _drift), ("energy", _energy)):
         fig = figure(results)
-        fig.savefig(where / f"{name}.svg", metadata={"Date": None}, bbox_inches="tight")
+        with replacing(where / f"{name}.svg") as beside:
+            fig.savefig(beside, format="svg", metadata={"Date": None}, bbox_inches="tight")
 
 
 def _axes(n: int, **shared: Any) -> Any:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import sys
 
+from dualpin.files import write_text
+
 from .common import HERE, Page
 
 PAPERS = ("tapia_herrera", "laus", "pennestri", "gouasmi", "sariyildiz")
@@ -26,7 +28,7 @@ def main(names: list[str]) -> int:
         bad = sum(not r.consistent for r in page.rows)
         print(f"{page.write().name}: {len(page.rows)} rows, {bad} open", file=sys.stderr)
     if not names:
-        (HERE / "README.md").write_text(index(pages))
+        write_text(HERE / "README.md", index(pages))
     return int(any(not r.consistent for p in pages for r in p.rows))
 
 

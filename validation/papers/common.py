@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dualpin import Dual
+from dualpin.files import write_text
 
 HERE = Path(__file__).parent
 
@@ -133,7 +134,7 @@ class Page:
 
     def write(self) -> Path:
         path = HERE / f"{self.name}.md"
-        path.write_text(self.markdown)
+        write_text(path, self.markdown)
         return path
 
 

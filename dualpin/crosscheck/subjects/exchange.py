@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ArgumentError, nearest
+from ...files import write_text
 from .answers import Answers, poses
 from .asking import Asking
 from .convention import BASE_V, Convention, columns
@@ -60,8 +61,8 @@ def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> N
     }  # fmt: skip
     try:
         (folder / "answers").mkdir(parents=True, exist_ok=True)
-        (folder / "robot.urdf").write_text(asking.text, encoding="utf-8")
-        (folder / "ask.json").write_text(json.dumps(ask, indent=1) + "\n", encoding="utf-8")
+        write_text(folder / "robot.urdf", asking.text)
+        write_text(folder / "ask.json", json.dumps(ask, indent=1) + "\n")
         with (folder / "states.csv").open("w", newline="", encoding="utf-8") as f:
             out = csv.writer(f, lineterminator="\n")
             named = {"q": q, "v": v, "a": v, "tau": v}

@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from ...errors import ArgumentError, nearest
+from ...files import write_text
 from .asking import Asking
 from .convention import columns
 
@@ -26,7 +27,7 @@ def write_starter(asking: Asking, folder: Path, language: str) -> Path:
     if path.exists():
         raise ArgumentError(f"ask: {path} is there already; it is left as it is (move it away for a new one)")
     try:
-        path.write_text(starter(asking, language), encoding="utf-8")
+        write_text(path, starter(asking, language))
     except OSError as e:
         raise ArgumentError(f"ask: cannot write {path} ({e.strerror or e})") from None
     return path
