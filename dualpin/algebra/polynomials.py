@@ -162,9 +162,9 @@ def _refined(c: np.ndarray, dc: np.ndarray, near: np.ndarray, u: float, at: tupl
             change = _at(da, x)
             if abs(d) ** 2 <= 2 * bend * noise:
                 free = abs(change) <= mpmath.sqrt(u_) * _at([abs(k) for k in da], abs(x))
-                place = f" at index {at}" if at else ""
+                place, within = f" at index {at}" if at else "", " to one rounding of the coefficients" if u else ""
                 raise AssumptionError(
-                    f"polyroots: the root {_short(complex(x))} of the real parts{place} is repeated: "
+                    f"polyroots: the root {_short(complex(x))} of the real parts{place} is repeated{within}: "
                     + ("every dual part solves" if free else "no finite dual part solves")
                 )
             if x != 0 and noise:
