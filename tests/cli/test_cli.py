@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -135,6 +136,20 @@ def test_integrate_and_bench_print_rows():
     done = run("bench", "ur5", "--terms", "rnea", "--batch", "64", "--json")
     (row,) = json.loads(done.stdout)
     assert {"robot", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample", "ratio"} <= set(row)
+
+
+def test_integrate_says_what_is_unstable_and_what_a_robot_cannot_do():
+    planar = Path(__file__).parents[2] / "urdf" / "planar_2r" / "planar_2r.urdf"
+    refused = run("integrate", planar)
+    assert refused.returncode == 2
+    assert "2 joints cannot follow 6 numbers" in refused.stderr and "--task position" in refused.stderr
+    asked = {"task": "position", "dt": 1, "gain": 3, "turns": 1, "start": "0.4,1.2", "methods": "abm4,rk4"}
+    how = {"feedback": "held", "startup": "rk4", "rtol": 1e-6}
+    done = run("integrate", planar, *(word for k, x in {**asked, **how}.items() for word in (f"--{k}", x)))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("UNSTABLE") == 2
+    assert done.stderr.count("note: unstable: K dt = 3 exceeds 1.412, the limit of abm4 with held feedback") == 1
+    assert run("integrate", planar, "--unreachable", "perhaps").returncode == 2
 
 
 def test_dh_and_screws_print_every_digit_or_as_many_as_asked():
