@@ -103,7 +103,7 @@ def _reach(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
     for joint in reversed(list(frame.joint.chain)):
         if not isinstance(joint.model, Axial):
             return None
-        T = T @ _matrix(joint.placement)
+        T = T @ joint.placement.array
         axis = np.array([float(x) for x in joint.model.axis])
         low, high = _travel(robot, joint)
         if not isfinite(high - low):
@@ -115,11 +115,11 @@ def _reach(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
             T = np.eye(4)
         else:
             turned = Dual(float(joint.model.offset.real), (low + high) / 2)
-            T = T @ _matrix(Pose.about(joint.model.axis, turned))
+            T = T @ Pose.about(joint.model.axis, turned).array
             slack += (high - low) / 2
     if not pivots:
         return None
-    T = T @ _matrix(frame.placement)
+    T = T @ frame.placement.array
     free = [k for k in range(3) if k not in rows]
     if free:
         axis = np.eye(3)[free[0]] if len(free) == 1 else np.zeros(3)
@@ -165,7 +165,3 @@ def _travel(robot: Robot, joint: Joint) -> tuple[float, float]:
             ends = sorted(per * float(x) for x in (robot.lower[i], robot.upper[i]))
             low, high = low + ends[0], high + ends[1]
     return low, high
-
-
-def _matrix(X: Pose) -> np.ndarray:
-    return np.array([[float(x) for x in row] for row in X.rows])
