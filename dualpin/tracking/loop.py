@@ -77,11 +77,12 @@ class Loop:
         """Joint rates at the time (k + c) dt; with held feedback, the error seen first in the step k."""
         at = self.desired(np.array([(k + c) * self.dt]))
         pose, twist = (np.ascontiguousarray(x[0][rows]) for x in at)
-        if not self.held or self._kept is None or self._kept[0] != k or c == 0:
+        if self.held and (self._kept is None or self._kept[0] != k or c == 0):
             self._kept = k, self.run(ERROR, [q, pose])
+        error = self._kept[1] if self.held and self._kept else np.zeros((len(q), 6))
         drift = np.zeros((len(q), self.robot.nv)) if self.objective is None else self.objective(q)
-        inputs = [q, twist, self._kept[1], np.ascontiguousarray(drift), self._one(self.gain, len(q))]
-        out = self.run(RATE, [*inputs, self._one(self.damping, len(q))], damped=self.damping > 0)
+        inputs = [q, pose, twist, error, np.ascontiguousarray(drift), self._one(self.gain, len(q))]
+        out = self.run(RATE, [*inputs, self._one(self.damping, len(q))], held=self.held, damped=self.damping > 0)
         rate, bad = out[:, :-1], ~(out[:, -1] < SINGULAR)
         if bad.any():
             rate = rate.copy()
@@ -90,8 +91,8 @@ class Loop:
 
     def _by_singular_values(self, *inputs: np.ndarray) -> np.ndarray:
         """z + J^+ aim by the singular value decomposition, for where elimination loses its digits."""
-        drift, m = inputs[3], len(self.rows)
-        out = self.run(AIM, list(inputs))
+        drift, m = inputs[4], len(self.rows)
+        out = self.run(AIM, list(inputs), held=self.held)
         aim, J = out[:, :m], out[:, m:].reshape(len(out), -1, m).swapaxes(-1, -2)
         U, s, Vh = np.linalg.svd(J, full_matrices=False)
         cut = 1e-13 * s[:, :1]  # singular values below rounding of the largest are zero
@@ -168,9 +169,9 @@ class Loop:
 
 def task_jacobian(robot: Robot, frame: Frame, rows: Rows, q: np.ndarray, engine: str = "auto") -> np.ndarray:
     """The rows of the Jacobian that a task asks for, (B, len(rows), nv), for q (B, nq)."""
-    zeros = [np.zeros((len(q), n)) for n in (6, 6, robot.nv, 1)]
-    inputs = [np.ascontiguousarray(q), *zeros]
-    out = call.run(robot, AIM, {"frame": frame, "rows": rows}, inputs, engine=engine)[:, len(rows) :]
+    zeros = [np.zeros((len(q), x.size(robot))) for x in AIM.arguments[1:]]
+    inputs, options = [np.ascontiguousarray(q), *zeros], {"frame": frame, "rows": rows, "held": True}
+    out = call.run(robot, AIM, options, inputs, engine=engine)[:, len(rows) :]
     return out.reshape(len(q), -1, len(rows)).swapaxes(-1, -2)
 
 

@@ -128,18 +128,27 @@ def _error(robot: Robot, q: Any, pose: Any, frame: Frame, rows: Rows) -> Any:
     return task_error(rows, posed(pose), kinematics.frame_pose(robot, q, frame))
 
 
+def _law(
+    robot: Robot, q: Any, pose: Any, twist: Any, held_error: Any, drift: Any, gain: Any, frame: Frame, rows: Rows,
+    held: bool,
+) -> Aim:  # fmt: skip
+    error = held_error if held else _error(robot, q, pose, frame, rows)
+    return law(robot, q, frame, rows, twist, error, gain[0], drift)
+
+
 def _rate(
-    robot: Robot, q: Any, twist: Any, error: Any, drift: Any, gain: Any, damping: Any, frame: Frame, rows: Rows,
-    damped: bool,
+    robot: Robot, q: Any, pose: Any, twist: Any, error: Any, drift: Any, gain: Any, damping: Any, frame: Frame,
+    rows: Rows, held: bool, damped: bool,
 ) -> Any:  # fmt: skip
-    rate, loss = resolved_rate(*law(robot, q, frame, rows, twist, error, gain[0], drift), damping[0], damped)
+    wanted = _law(robot, q, pose, twist, error, drift, gain, frame, rows, held)
+    rate, loss = resolved_rate(*wanted, damping[0], damped)
     return [*(rate + drift), loss]
 
 
 def _aim(
-    robot: Robot, q: Any, twist: Any, error: Any, drift: Any, gain: Any, frame: Frame, rows: Rows
-) -> Any:  # fmt: skip
-    columns, aim = law(robot, q, frame, rows, twist, error, gain[0], drift)
+    robot: Robot, q: Any, pose: Any, twist: Any, error: Any, drift: Any, gain: Any, frame: Frame, rows: Rows, held: bool
+) -> Any:
+    columns, aim = _law(robot, q, pose, twist, error, drift, gain, frame, rows, held)
     zero = [ZERO] * len(rows)
     return [*aim, *(x for c in columns for x in c or zero)]
 
@@ -148,24 +157,27 @@ WANTED, TWIST, LACKING = row("pose", 12), row("twist", 6), row("error", 6)  # [R
 DRIFT, GAIN, DAMPING, H = velocity("drift"), row("gain"), row("damping"), row("h")
 LOSSES = velocity("viscous"), velocity("dry")
 ROWS = Option("rows", lambda robot, what, given: _rows(what, given))
+HELD = Option("held", lambda robot, what, given: flag(what, given))
 DAMPED = Option("damped", lambda robot, what, given: flag(what, given))
 LENGTH = Option("length", lambda robot, what, given: real(what, given, "m", above=0))
 SWEEPS = Option("sweeps", lambda robot, what, given: count(what, given, 1))
 
 
 def _rows(what: str, given: Any) -> Rows:
-    return given if isinstance(given, tuple) and set(given) <= set(POSE) else rows_of(what, given)
+    known = isinstance(given, tuple) and list(given) == sorted({*given} & {*POSE})  # a mask repeats its booleans
+    return given if known else rows_of(what, given)
 
 
 ERROR = Term("task_error", (Q, WANTED), _error, lambda r, **_: (6,), (FRAME, ROWS))
 """What the frame lacks of a pose: six numbers, see `dualpin.tracking.task.task_error`."""
 
-RATE = Term("tracking_rate", (Q, TWIST, LACKING, DRIFT, GAIN, DAMPING), _rate, lambda r, **_: (r.nv + 1,),
-            (FRAME, ROWS, DAMPED))  # fmt: skip
-"""Joint rates by the law of tracking, and how much the elimination behind them lost."""
+RATE = Term("tracking_rate", (Q, WANTED, TWIST, LACKING, DRIFT, GAIN, DAMPING), _rate, lambda r, **_: (r.nv + 1,),
+            (FRAME, ROWS, HELD, DAMPED))  # fmt: skip
+"""Joint rates by the law of tracking, and how much the elimination behind them lost.  The error is that of the pose,
+or as given if it is held."""
 
-AIM = Term("tracking_aim", (Q, TWIST, LACKING, DRIFT, GAIN), _aim,
-           lambda r, rows, **_: (len(rows) * (r.nv + 1),), (FRAME, ROWS))  # fmt: skip
+AIM = Term("tracking_aim", (Q, WANTED, TWIST, LACKING, DRIFT, GAIN), _aim,
+           lambda r, rows, **_: (len(rows) * (r.nv + 1),), (FRAME, ROWS, HELD))  # fmt: skip
 """The right-hand side of the law of tracking, and the columns of the task's Jacobian."""
 
 
