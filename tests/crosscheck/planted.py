@@ -141,6 +141,8 @@ class Student:
             I = I + np.diag([I[2, 2] - I[0, 0], 0, I[0, 0] - I[2, 2]])
         if self.has("point_masses"):
             I = 0 * I
+        if self.has("inertia_units"):
+            I = 1000 * I
         if self.has("principal"):
             I = np.diag(np.linalg.eigvalsh(I))
         if self.has("com_ignored"):
@@ -209,6 +211,8 @@ class Student:
         """In what order it says that its joints are."""
         if self.has("order_alphabetical"):
             return sorted(names)
+        if self.has("two_joints_swapped"):
+            return [names[1], names[0], *names[2:]]
         return names[::-1] if self.has("order_reversed") else list(names)
 
     def _edit(self) -> None:
@@ -267,6 +271,10 @@ class Student:
                 k = j.column + (1 if self.floating else 0)
                 if j.kind != "prismatic":
                     q[k] = q[k] * np.pi / 180
+        if self.has("millimetres"):
+            for j in self.moving:
+                if j.kind == "prismatic":
+                    q[j.column + (1 if self.floating else 0)] /= 1000
         if self.has("float32_states"):
             q = q.astype(np.float32).astype(float)
         if self.has("mimic"):
@@ -479,6 +487,8 @@ class Student:
             p, R = p + R @ self.links[frame].com, R @ self.links[frame].R
         if self.has("fk_rotation_transposed"):
             R = R.T
+        if self.has("fk_rotation_missing"):
+            R = np.eye(3)
         H = np.eye(4)
         H[:3, :3], H[:3, 3] = R, p
         H = np.linalg.inv(H) if self.has("fk_inverse") else H
@@ -517,6 +527,9 @@ class Student:
         tau = self._out(tau)
         if self.has("torque_sign"):
             tau = -tau
+        if self.has("one_torque_sign"):
+            tau = np.array(tau)
+            tau[self.nb + 1] *= -1
         if self.has("newton_millimetres"):
             tau = 1000 * tau
         return tau.astype(np.float32).astype(float) if self.has("float32_answers") else tau
@@ -558,6 +571,9 @@ class Student:
             H = np.linalg.inv(self._seen(q, np.zeros(self.nv))[0])
             M = H.T @ M @ H
         M = self._out(self._out(M).T).T
+        if self.has("crba_constant"):
+            M[self.nb, self.nb + 1] += 0.05
+            M[self.nb + 1, self.nb] += 0.05
         if self.has("crba_upper"):
             M = np.triu(M)
         if self.has("crba_lower"):
@@ -617,7 +633,7 @@ class Student:
         return (1.0 if self.has("energy_without_half") else 0.5) * v @ self.mass_matrix(q) @ v
 
     def coriolis(self, q, v):
-        if self.floating or self.has("degrees", "float32_states"):
+        if self.floating or self.has("degrees", "float32_states", "millimetres"):
             raise NotImplementedError("by complex steps in q as it is given, for fixed bases only")
         n, h = self.nv, 1e-30
         dM = [np.imag(self.mass_matrix(np.array(q, complex) + 1j * h * e)) / h for e in np.eye(n)]
@@ -631,7 +647,7 @@ class Student:
         return C.T if self.has("coriolis_transposed") else C
 
     def jacobian_dot(self, q, v, frame):
-        if self.floating or self.has("degrees", "float32_states"):
+        if self.floating or self.has("degrees", "float32_states", "millimetres"):
             raise NotImplementedError("by complex steps in q as it is given, for fixed bases only")
         if self.has("jdot_zero"):
             return np.zeros((6, self.nv))
@@ -650,7 +666,7 @@ _FIT = ("one_link", "massless")
 FIXED = {
     "inertial_rpy_ignored": ("inertial_rpy",), "inertial_rpy_transposed": ("inertial_rpy_transposed",),
     "inertial_rpy_order": ("inertial_rpy_order",), "com_ignored": ("inertial_xyz",),
-    "inertial_ignored": ("inertial_origin",), "com_sign": ("inertial_xyz_sign",),
+    "inertial_ignored": ("inertial_origin", "inertial_xyz"), "com_sign": ("inertial_xyz_sign",),
     "com_turned": ("inertial_xyz_turned",),
     "about_link_origin": ("about_link_origin",), "steiner_twice": ("steiner_twice",),
     "steiner_diagonal": ("steiner_wrong",), "steiner_outer": ("steiner_wrong",),
@@ -695,7 +711,9 @@ FIXED = {
     "momentum_about_origin": ("about_origin",), "energy_without_half": ("scale",),
     "coriolis_rate": ("coriolis_rate",),
     "coriolis_other": ("coriolis_other",), "coriolis_transposed": ("transposed",), "jdot_zero": ("jdot_zero",),
-    "order_alphabetical": ("order",), "order_reversed": ("order",),
+    "two_joints_swapped": ("order",), "inertia_units": ("inertia_units",), "millimetres": ("millimetres",),
+    "one_torque_sign": ("joint_scale",), "crba_constant": ("constant_entries",),
+    "fk_rotation_missing": ("rotation_missing",), "order_alphabetical": ("order",), "order_reversed": ("order",),
 }  # fmt: skip
 FLOATING = {
     "quaternion_xyzw": ("quaternion",), "base_turn_inverted": ("base_turn",), "base_pose_ignored": ("base_pose",),

@@ -38,7 +38,7 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
     train = np.flatnonzero(whole)[TRAIN]
     if len(train):
-        for estimate in (_gravity, _forces, _rotors, _scale, bodies):
+        for estimate in (_gravity, _forces, _rotors, _scale, _rows, _constants, bodies):
             found += estimate(case, term, story, keys, train)
     return found + placements(case, term, story)
 
@@ -206,12 +206,67 @@ def _scale(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
     return [Hypothesis("scale", says, terms, "answer", act, f"divide by {words}", (), words, 1.05 if known else 1.6)]
 
 
+def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    """Single rows in other units, or with the other sign: a gear, a sign that only one joint has."""
+    x, p = case.observed[term], case.predict(term, story)
+    if term not in (*WEIGHED,) or keys & {"joint_scale", "scale", "sign"} or p is None:
+        return []
+    squares = (p[train] ** 2).sum(0)
+    with np.errstate(all="ignore"):
+        k = np.where(squares > 0, (x[train] * p[train]).sum(0) / squares, 1.0)
+    near = np.round(k)
+    k = np.where(np.abs(k - near) < 1e-9, near, k)
+    off = np.flatnonzero(np.abs(k - 1) > 1e-9)
+    if not np.isfinite(k).all() or not 0 < len(off) < len(k):
+        return []
+    names = tuple(case.how.v[i] for i in off)
+
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        return x * k
+
+    says = "the forces of some joints are multiplied by a number (a gear, a sign)"
+    words = ", ".join(f"{k[i]:.8g}" for i in off[:8])
+    return [
+        Hypothesis("joint_scale", says, WEIGHED, "answer", act, "divide them by it", names, words, 1.3 + 0.2 * len(off))
+    ]
+
+
+def _constants(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    """Entries of the mass matrix that are off by a constant, as where a model by hand forgets one."""
+    x, p = case.observed[term], case.predict(term, story)
+    if term != "crba" or keys & {"constant_entries", "rotor_fit"} or p is None:
+        return []
+    apart = (x - p)[train]
+    K = apart.mean(0)
+    K = np.where(np.abs(K) < 1e-10 * max(1.0, np.abs(K).max()), 0.0, K)
+    if not K.any() or np.abs(apart - K).max() > 1e-9 * max(1.0, np.abs(p).max()):
+        return []
+    v = case.how.v
+    names = [f"({v[i]}, {v[j]}) by {K[i, j]:.6g}" for i, j in np.argwhere(K) if i <= j or not K[j, i]]
+
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        return x + K
+
+    says = "entries of the mass matrix are off by constants"
+    fix = "look for an inertia that is forgotten or counted twice there"
+    return [
+        Hypothesis(
+            "constant_entries", says, ("crba",), "answer", act, fix, (), ", ".join(names[:6]), 1.7 + 0.1 * len(names)
+        )
+    ]
+
+
 FITTED = {
     "gravity": ("gravity is another; the vector is estimated", "pass the robot's gravity"),
     **{key: (says, fix) for key, (says, _, fix) in SHAPES.items()},
     "rotor_fit": (
         "a rotor's inertia (armature) is on the diagonal of M",
         "leave the armature out, or give it to the robot",
+    ),
+    "joint_scale": ("the forces of some joints are multiplied by a number", "divide them by it: a gear, a sign"),
+    "constant_entries": (
+        "entries of the mass matrix are off by constants",
+        "look for an inertia that is forgotten there",
     ),
     "scale": ("the answer is multiplied by a number", "divide by it: other units, or counted another number of times"),
     "one_link": (

@@ -43,6 +43,13 @@ def rotation_transposed(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return out
 
 
+@rule("rotation_missing", "rotations are left out", "multiply the rotations in", ("fk",), "change", cost=1.1)
+def rotation_missing(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    out = x.copy()
+    out[..., :3, :3] = np.eye(3)
+    return out
+
+
 @rule(
     "at_com",
     "taken at the link's centre of mass",

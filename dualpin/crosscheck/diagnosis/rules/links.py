@@ -154,6 +154,33 @@ def moments_swapped(b: Body) -> Body:
     return replace(b, inertia=I)
 
 
+UNITS = {
+    "1000": 1e3,
+    "1/1000": 1e-3,
+    "1e6": 1e6,
+    "1e-6": 1e-6,
+    "1e9": 1e9,
+    "1e-9": 1e-9,
+    "2": 2.0,
+    "1/2": 0.5,
+    "1e-4": 1e-4,
+    "1e4": 1e4,
+}
+
+
+@proposer(
+    "inertia_units", "all tensors of inertia are multiplied by a number (other units)", "give <inertia> in kg m^2"
+)
+def inertia_units(h: Hypothesis, case: object) -> list[Hypothesis]:
+    def one(words: str, k: float) -> Hypothesis:
+        def act(d: Description, items: Sequence[str]) -> Description:
+            return d.with_bodies(lambda b: replace(b, inertia=k * b.inertia), items)
+
+        return replace(h, place="edit", act=act, terms=MASSIVE, values=words)
+
+    return [one(words, k) for words, k in UNITS.items()]
+
+
 @link_rule("no_rotational", "links are point masses", "add the rotational inertia about the centre of mass", MASSIVE)
 def point_mass(b: Body) -> Body:
     return replace(b, inertia=np.zeros((3, 3)))

@@ -120,7 +120,32 @@ def order(h: Hypothesis, case: Case) -> list[Hypothesis]:
         if len(names) == len(here):
             act = _reordered(here, names)
             found.setdefault(tuple(names), replace(h, says=f"joints are {words}", terms=ALL, place="word", act=act))
-    return list(found.values())[1:]
+    whole = list(found.values())[1:]
+    return whole + (_swapped(h, here) if len(here) <= MOST_SWAPPED else [])
+
+
+MOST_SWAPPED = 12  # joints of which every pair is tried in each other's place
+
+
+def _swapped(h: Hypothesis, here: Sequence[str]) -> list[Hypothesis]:
+    """Two joints in each other's place."""
+    out = []
+    for i, a in enumerate(here):
+        for b in here[i + 1 :]:
+            names = [{a: b, b: a}.get(n, n) for n in here]
+            act = _reordered(here, names)
+            out.append(
+                replace(
+                    h,
+                    says="two joints stand in each other's place",
+                    terms=ALL,
+                    place="word",
+                    act=act,
+                    items=(a, b),
+                    cost=1.6,
+                )
+            )
+    return out
 
 
 def _reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
@@ -214,6 +239,18 @@ def degrees_everywhere(view: View) -> States:
     base = 7 if view.case.floating else 0
     q = view.states["q"].copy()
     q[:, base:] *= np.pi / 180
+    return {**view.states, "q": q}
+
+
+@rule(
+    "millimetres", "positions of sliding joints are read as millimetres", "pass lengths in metres", ALL, "state",
+    when=lambda case: any(p.kind == "prismatic" for p, _ in case.parts()),
+)  # fmt: skip
+def millimetres(view: View) -> States:
+    q = view.states["q"].copy()
+    for j in view.case.robot:
+        if j.kind == "prismatic" and j.mimic is None:
+            q[:, j.q] *= 1e-3
     return {**view.states, "q": q}
 
 
