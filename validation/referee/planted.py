@@ -1,7 +1,8 @@
 """Which planted mistakes are named on which robot: `python -m validation.referee.planted [ROBOT...]`.
 
 A student's code (`tests/crosscheck/planted.py`) makes one mistake at a time, or two; the diagnosis of `dp.judge` must
-name it and nothing else.  Results of robots that are not asked are kept.  Writes planted.json and planted.md beside this file.
+name it and nothing else.  Results of robots that are not asked are kept.
+Writes planted.json and planted.md beside this file.
 """
 
 from __future__ import annotations
@@ -58,9 +59,10 @@ def write(results: dict[str, dict[str, Any]]) -> None:
     robots = [r for r in ROBOTS if r in results]
     lines = [
         "# Planted mistakes", "",
-        "`python -m validation.referee.planted` switches one mistake on in a student's code (tests/crosscheck/planted.py:",
-        f"NumPy, world frame, link by link; {SAMPLES} states) and lets the diagnosis name it. *named*: by its key, and",
-        "nothing else; *invisible*: nothing on this robot depends on it; **missed**: not named, or something else besides.",
+        "`python -m validation.referee.planted` switches one mistake on in a student's code",
+        f"(tests/crosscheck/planted.py: NumPy, world frame, link by link; {SAMPLES} states) and lets the diagnosis name it.",
+        "*named*: by its key, and nothing else; *invisible*: nothing on this robot depends on it;",
+        "**missed**: not named, or something else besides.",
         "",
         "| robot | single mistakes | visible | named | pairs named |", "|---|---|---|---|---|",
     ]  # fmt: skip

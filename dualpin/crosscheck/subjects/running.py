@@ -92,9 +92,12 @@ def ask_apart(spec: str, asking: Asking, tick: Tick, *, python: str = sys.execut
     with tempfile.TemporaryDirectory() as at:
         folder, start = Path(at), time.perf_counter()
         child = _Child(spec, folder, asking, python, limit)
-        answers = child.introduced()
-        if not answers.refused:
-            child.asked(answers, tick)
+        try:
+            answers = child.introduced()
+            if not answers.refused:
+                child.asked(answers, tick)
+        finally:
+            stop(child.process)  # also where the user interrupts
         answers.seconds = time.perf_counter() - start
         return answers
 
