@@ -71,9 +71,8 @@ def write(results: dict[str, dict[str, Any]]) -> None:
         pairs = [x["verdict"] == "named" for k, x in results[r].items() if "+" in k]
         visible = [x for x in single.values() if x["verdict"] != "invisible"]
         named = sum(x["verdict"] == "named" for x in visible)
-        lines.append(
-            f"| {r} | {len(single)} | {len(visible)} | {named} | {f'{sum(pairs)} of {len(pairs)}' if pairs else '-'} |"
-        )
+        both = f"{sum(pairs)} of {len(pairs)}" if pairs else "-"
+        lines.append(f"| {r} | {len(single)} | {len(visible)} | {named} | {both} |")
     lines += ["", "| mistake | " + " | ".join(robots) + " |", "|---|" + "---|" * len(robots)]
     for m in dict.fromkeys(m for r in robots for m in results[r]):
         cells = [results[r].get(m) for r in robots]
