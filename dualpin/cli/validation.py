@@ -42,6 +42,9 @@ def validate(
     arbitrate: Annotated[
         bool, typer.Option("--arbitrate", help="Ask 50 digits also where a term agrees and is off by more than 1e-13.")
     ] = False,
+    against: Annotated[
+        str | None, typer.Option("--against", help="Compare with this robot or file instead, and say what differs.")
+    ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Fail if a term, robot or file was not compared.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,
     json: Json = False,
@@ -58,6 +61,10 @@ def validate(
     from ..crosscheck.run import CHECKS, Case
     from ..io.catalogue import find
 
+    if all_ and against:
+        raise ArgumentError("validate: --against goes with one or more robots, not with --all")
+    if against:
+        find(against)
     if all_ == bool(robots):
         raise ArgumentError("validate: name robots, or give --all (not both)")
     for name in robots or []:
@@ -66,7 +73,7 @@ def validate(
                 f"validate: {name!r} is a term, not a robot; terms go between commas: --terms rnea,crba"
             )
         find(name)  # a name that is nothing at all is no file to refuse
-    cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
+    cases = all_cases() if all_ else [Case(name, floating, mimic, against) for name in robots or []]
     workers = min(jobs or os.cpu_count() or 1, len(cases))
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     with _progress(len(cases)) as tick:

@@ -8,6 +8,7 @@ import signal
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from ..files import write_text
 from ..io.catalogue import catalogue, find
 from ..io.urdf import load
 from .checks import Case, Check, chosen
-from .results import Refusal, Report, RobotResult
+from .results import NOT_COMPARED, Refusal, Report, RobotResult
 from .run import attempt, provenance
 
 PARTIAL = "partial.jsonl"
@@ -101,7 +102,7 @@ def campaign(
 
 
 def _key(case: Case) -> str:
-    return f"{case.name}|{case.floating}|{case.mimic}|{case.engine}"
+    return f"{case.name}|{case.floating}|{case.mimic}|{case.engine}|{case.against or ''}"
 
 
 Settings = tuple[int, int, list[Check], str, bool]
@@ -116,12 +117,33 @@ def _results(cases: Sequence[Case], settings: Settings, jobs: int) -> Iterable[t
     with ProcessPoolExecutor(jobs, context, initializer=_one_of, initargs=(jobs,)) as pool:
         # large files are large robots: they begin first, so that none is left to one process at the end
         futures = {pool.submit(attempt, c, *settings): c for c in sorted(cases, key=_size, reverse=True)}
+        lost = []
         try:
             for future in as_completed(futures):
-                yield futures[future], future.result()
+                try:
+                    result = future.result()
+                except BrokenProcessPool:  # one crashed, and took the pool with it
+                    lost.append(futures[future])
+                else:
+                    yield futures[future], result
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+    for case in lost:
+        yield case, _alone(case, settings)
+
+
+def _alone(case: Case, settings: Settings) -> Result:
+    """In a process of its own, whose crash is the result."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), initializer=_one_of, initargs=(1,)) as pool:
+        try:
+            return pool.submit(attempt, case, *settings).result()
+        except BrokenProcessPool:
+            samples, seed, _, engine, _ = settings
+            return RobotResult(
+                case.name, case.floating, case.mimic, 0, samples, seed, True, status=NOT_COMPARED,
+                reason="crashed: Pinocchio or dualpin ended the process", engine=case.engine or engine,
+            )  # fmt: skip
 
 
 def _one_of(jobs: int) -> None:

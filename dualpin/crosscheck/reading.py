@@ -94,10 +94,12 @@ def differences(robot: Robot, theirs: Description, whose: str) -> list[Differenc
     ours = describe(robot)
     others = {b.joint: b for b in theirs.bodies}
     mine = {b.joint for b in ours.bodies}
-    found = [
-        Difference("joint", b.joint, f"joint {b.joint} is not in {whose}") for b in ours.bodies if b.joint not in others
-    ]
-    found += [Difference("joint", n, f"joint {n} is in {whose} only") for n in others if n not in mine]
+    found = []
+    for names, only in ((mine - others.keys(), f"not in {whose}"), (others.keys() - mine, f"in {whose} only")):
+        if names:
+            listed = ", ".join(sorted(names)[:8]) + (", ..." if len(names) > 8 else "")
+            count = "joint" if len(names) == 1 else f"{len(names)} joints:"
+            found.append(Difference("joint", listed, f"{count} {listed} {'is' if len(names) == 1 else 'are'} {only}"))
     if not np.allclose(ours.gravity, theirs.gravity, rtol=PER_STEP, atol=0):
         found.append(Difference("gravity", "", f"gravity is {_list(ours.gravity)}, in {whose} {_list(theirs.gravity)}"))
     for joint, body in zip(robot, ours.bodies, strict=True):

@@ -169,3 +169,10 @@ def test_the_numbers_of_q_may_stand_apart():
         assert done.returncode == 2
         assert "--q" in done.stderr
         assert not done.stdout
+
+
+def test_validation_against_another_file_says_what_differs(tmp_path):
+    done = run("validate", "ur5", "--against", "ur10", "--samples", 2, "--engine", "numpy", "--terms", "fk,crba")
+    assert done.returncode == 1
+    assert "in ur10_robot.urdf" in done.stdout
+    assert run("validate", "ur5", "--against", "ur55").returncode == 2

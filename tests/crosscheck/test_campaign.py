@@ -1,5 +1,7 @@
 """Campaigns lose nothing: refusals are reported, interruptions resumed."""
 
+import os
+
 import pytest
 
 import dualpin as dp
@@ -69,6 +71,23 @@ def test_a_cut_off_partial_file_is_read_as_far_as_it_goes(tmp_path):
     partial = tmp_path / PARTIAL
     partial.write_text(partial.read_text()[:-40])
     assert campaign(CASES, **FEW, folder=tmp_path).passed
+
+
+class Bomb:
+    """Ends whatever process unpickles it."""
+
+    def __reduce__(self):
+        return os.abort, ()
+
+    def __str__(self):
+        return "bomb"
+
+
+def test_a_crash_is_a_result_and_takes_nothing_with_it():
+    report = campaign([Case("ur5"), Case(Bomb()), Case("double_pendulum")], **FEW, jobs=2)
+    found = {r.name: (r.status, r.passed) for r in report.robots}
+    assert found == {"ur5": ("agrees", True), "bomb": ("not compared", True), "double_pendulum": ("agrees", True)}
+    assert "crashed" in report.robots[1].reason
 
 
 def test_two_processes_find_what_one_finds():
