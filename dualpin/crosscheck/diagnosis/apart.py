@@ -33,6 +33,8 @@ def told_apart(case: Case, term: str, a: Story, b: Story) -> dict[str, Any]:
     if x is None or y is None or x.shape != y.shape:
         return {}
     errors = [scaled(x[k : k + 1], y[k : k + 1]) for k in range(TRIED)]
+    if np.isnan(errors).all():
+        return {}
     k = int(np.nanargmax(errors))
     if not errors[k] > case.tolerance:
         return {}
