@@ -22,8 +22,15 @@ $(STAMP): pyproject.toml
 validate: $(STAMP)   ## validate panda against Pinocchio; the report is in out/
 	$(BIN)/dualpin validate panda --samples 1000 --out out
 
-test: $(STAMP) lint  ## everything but the long campaigns
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+# what says within a minute whether a change broke something
+QUICK  := tests/call tests/model tests/spatial tests/algorithms/test_identities.py tests/cli/test_cli.py \
+          tests/engine/test_entry.py tests/test_dual.py tests/test_layering.py tests/test_scalars.py tests/test_shapes.py
+.PHONY: quick
+quick: $(STAMP) lint ## style, types and the unit tests: under a minute
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile $(QUICK)
+
+test: $(STAMP) quick ## everything but the long campaigns
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile $(QUICK:%=--ignore=%)
 
 lint: $(STAMP)       ## style and types
 	$(BIN)/ruff check .

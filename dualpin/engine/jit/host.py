@@ -35,6 +35,8 @@ def _initialised() -> Any:
         llvm.initialize_native_target()
         llvm.initialize_native_asmprinter()
         llvm.Target.from_default_triple()
+    except ModuleNotFoundError as e:
+        raise CompilerError(f"llvmlite: {e} (pip install llvmlite)") from e
     except Exception as e:  # an incomplete installation fails in many ways
         raise CompilerError(f"llvmlite: {type(e).__name__}: {e}") from e
     return llvm
