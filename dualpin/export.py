@@ -198,9 +198,10 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool =
     --------
     >>> import dualpin as dp
     >>> from dualpin.model import Builder, revolute
-    >>> from dualpin.spatial import UY, Inertia, Matrix3, NOUGHT, Vector3
+    >>> from dualpin.spatial import UY, Inertia, Matrix3, ZERO_VECTOR, Vector3
     >>> b = Builder("pendulum")
-    >>> b.joint("hinge", revolute(UY), inertia=Inertia(2.0, Vector3(1.0, 0.0, 0.0), Matrix3(NOUGHT, UY * 0.5, NOUGHT)))
+    >>> J = Matrix3(ZERO_VECTOR, UY * 0.5, ZERO_VECTOR)
+    >>> b.joint("hinge", revolute(UY), inertia=Inertia(2.0, Vector3(1.0, 0.0, 0.0), J))
     >>> dp.symbolic(b.robot(), "crba"), dp.symbolic(b.robot(), "gravity")
     (Matrix([[1/2]]), Matrix([[-981*cos(q0)/100]]))
     >>> dp.symbolic(b.robot(), "gravity", decimals=True)

@@ -19,7 +19,7 @@ from .model.robot import Frame, Robot
 from .scalars import Scalar
 from .spatial.pose import Pose
 from .spatial.quaternion import Quaternion
-from .spatial.vector import Vector3, motor
+from .spatial.vector import Twist, Vector3, Wrench, motor
 
 Options = dict[str, Hashable]
 Shape = tuple[int, ...]
@@ -147,17 +147,17 @@ def flat(nested: Any) -> Iterator[Scalar]:
 # --- how objects become numbers ------------------------------------------------------------------
 
 
-def twist_entries(m: Vector3) -> list[Scalar]:
+def twist_entries(m: Twist) -> list[Scalar]:
     """[w; v] of the motion w + eps v."""
     return [*m.real, *m.dual]
 
 
-def wrench_entries(m: Vector3) -> list[Scalar]:
+def wrench_entries(m: Wrench) -> list[Scalar]:
     """[n; f] of the wrench f + eps n."""
     return [*m.dual, *m.real]
 
 
-def wrenches(entries: Sequence[Scalar]) -> list[Vector3]:
+def wrenches(entries: Sequence[Scalar]) -> list[Wrench]:
     """The wrenches f + eps n of a flat sequence of [n; f]."""
     return [motor(Vector3(*entries[i + 3 : i + 6]), Vector3(*entries[i : i + 3])) for i in range(0, len(entries), 6)]
 

@@ -12,7 +12,7 @@ import pytest
 import dualpin as dp
 from dualpin.call import evaluate as call
 from dualpin.model import Builder, revolute
-from dualpin.spatial import NOUGHT, UX, UY, UZ, Inertia, Matrix3, Pose, Vector3
+from dualpin.spatial import UX, UY, UZ, ZERO_VECTOR, Inertia, Matrix3, Pose, Vector3
 from dualpin.terms import TERMS
 
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
@@ -89,7 +89,7 @@ def double_pendulum():
     for i, parent in enumerate((None, "link0")):
         m, length = (2.0, 1.5) if i == 0 else (3.0, 0.5)
         at = Vector3(length, 0.0, 0.0)
-        J = Matrix3(NOUGHT, UY * (m * length**2), UZ * (m * length**2))
+        J = Matrix3(ZERO_VECTOR, UY * (m * length**2), UZ * (m * length**2))
         place = Pose() if parent is None else Pose(position=Vector3(1.5, 0.0, 0.0))
         b.joint(f"joint{i}", revolute(-UY), parent, place, Inertia(m, at * m, J), link=f"link{i}")
     return b.robot()

@@ -20,13 +20,12 @@ LAYERS = (
     "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine",
     "scalars", "parts", "dual", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
-    "engine", "interpret", "call", "boundary", "functions",  # how it is computed on arrays
+    "engine", "interpret", "call", "functions",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck", "bench",  # what is done with it
     "report", "view", "cli",  # how it is shown
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
-UNDER_WAY = {("engine", "call")}
 ASKING = {"model", "crosscheck"}
 BY_NAME = {"__init__.py", "delegates.py", "forms/__init__.py"}  # tables of names that are imported when used
 
@@ -63,7 +62,7 @@ def rooms() -> dict[str, dict[str, str]]:
     for path in modules():
         here = layer_of(path)
         for line, other in imported(path):
-            if here in found and other in found and other != here and (here, other) not in UNDER_WAY:
+            if here in found and other in found and other != here:
                 found[here].setdefault(other, f"{path.relative_to(PACKAGE)}:{line}")
     return found
 

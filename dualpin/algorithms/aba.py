@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..model.robot import Joint, Robot
 from ..scalars import ONE, ZERO, Scalar, exact
 from ..spatial.inertia import Articulated
-from ..spatial.vector import REST, Vector3, power
+from ..spatial.vector import ZERO_MOTOR, Twist, Wrench, power
 from .crba import Matrix, crba
 from .kinematics import joint_poses
 from .rnea import bias, carried, ride
@@ -18,7 +18,7 @@ def aba(
     q: Sequence[Scalar],
     v: Sequence[Scalar],
     tau: Sequence[Scalar],
-    f_ext: Sequence[Vector3] | None = None,
+    f_ext: Sequence[Wrench] | None = None,
 ) -> list[Scalar]:
     """Forward dynamics, the acceleration.  (Featherstone 1983; 2008, 7.3)
 
@@ -34,17 +34,17 @@ def aba(
         return solve_inertia(crba(robot, q), [t - b for t, b in zip(tau, h, strict=True)])
     X = joint_poses(robot, q)
     I: dict[Joint | None, Articulated] = {}
-    V: dict[Joint | None, Vector3] = {None: REST}
-    P: dict[Joint | None, Vector3] = {None: REST}
-    c: dict[Joint, Vector3] = {}
+    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    P: dict[Joint | None, Wrench] = {None: ZERO_MOTOR}
+    c: dict[Joint, Twist] = {}
     for b in robot:
         Sv = b.model.twist(v[b.v])
-        W, e = carried(X[b], V[b.parent], REST)
+        W, e = carried(X[b], V[b.parent], ZERO_MOTOR)
         V[b], c[b] = ride(W + Sv, e + W.cross(Sv))
         I[b], P[b] = Articulated.of(b.inertia), V[b].cross(b.inertia(V[b]))
         if f_ext is not None:
             P[b] = P[b] - f_ext[b.index]
-    released: dict[int, tuple[Vector3, Scalar, Scalar]] = {}
+    released: dict[int, tuple[Wrench, Scalar, Scalar]] = {}
     for b in reversed(robot):
         for k, s, rotor in reversed(b.driven):
             U = I[b](s)
@@ -54,7 +54,7 @@ def aba(
         if b.parent:
             I[b.parent] = I[b.parent] + X[b] @ I[b]
             P[b.parent] = P[b.parent] + X[b] @ (P[b] + I[b](c[b]))
-    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    A: dict[Joint | None, Twist] = {None: robot.at_rest}
     a: list[Scalar] = [ZERO] * robot.nv
     for b in robot:
         A[b] = X[b].pull(A[b.parent]) + c[b]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..model.robot import Joint, Robot
 from ..scalars import ZERO, Scalar
-from ..spatial.inertia import NOTHING, Inertia
+from ..spatial.inertia import ZERO_INERTIA, Inertia
 from ..spatial.pose import Pose
 from ..spatial.vector import power
 from .kinematics import joint_poses
@@ -21,7 +21,7 @@ def square(robot: Robot, columns: int | None = None) -> Matrix:
 
 def composites(robot: Robot, X: dict[Joint, Pose]) -> dict[Joint | None, Inertia]:
     """Inertia of each subtree in its root's frame; of everything, in the world, under None."""
-    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot} | {None: NOTHING}
+    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot} | {None: ZERO_INERTIA}
     for b in reversed(robot):
         I[b.parent] = I[b.parent] + X[b] @ I[b]
     return I

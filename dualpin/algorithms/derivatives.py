@@ -8,14 +8,31 @@ in the moving frame; for all others the coordinate itself.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from ..model.robot import Joint, Robot
 from ..scalars import Scalar
 from ..spatial.inertia import Connection, Inertia
-from ..spatial.vector import REST, Vector3, power
+from ..spatial.vector import ZERO_MOTOR, Twist, Wrench, power
 from .aba import aba, factorised, inverse, solve_factorised
 from .crba import Matrix, square
 from .kinematics import joint_poses
+
+
+class Response(NamedTuple):
+    """What a screw does to the motion of all it carries."""
+
+    velocity: Twist
+    """P: the twist changes by it, for a unit displacement along the screw."""
+    acceleration: Twist
+    """R: the acceleration changes by it, for a unit displacement."""
+    rate: Twist
+    """Q: the acceleration changes by it, for a unit velocity along the screw."""
+
+    @classmethod
+    def to(cls, s: Twist, V_parent: Twist, A_parent: Twist, V: Twist) -> Response:
+        P = V_parent.cross(s)
+        return cls(P, A_parent.cross(s) + V_parent.cross(P), P + V.cross(s))
 
 
 def rnea_derivatives(
@@ -23,7 +40,7 @@ def rnea_derivatives(
 ) -> tuple[Matrix, Matrix, Matrix]:
     """d tau / dq, d tau / dv and d tau / da = M.  (Singh, Russell, Wensing 2022)
 
-    With V_p, A_p those of the parent, what a screw does to velocity and acceleration beyond it:
+    With V_p, A_p those of the parent, what a screw does to velocity and acceleration beyond it (`Response`):
 
         P_j = V_p x s_j,   R_j = A_p x s_j + V_p x P_j,   Q_j = P_j + V_j x s_j
 
@@ -36,43 +53,43 @@ def rnea_derivatives(
     B is the connection of `coriolis`.
     """
     X = joint_poses(robot, q)
-    V: dict[Joint | None, Vector3] = {None: REST}
-    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    A: dict[Joint | None, Twist] = {None: robot.at_rest}
     I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
     B: dict[Joint | None, Connection] = {}
-    F: dict[Joint | None, Vector3] = {}
-    P: dict[int, list[Vector3]] = {}
+    F: dict[Joint | None, Wrench] = {}
+    responses: dict[Joint, list[Response]] = {}
+    # pass 1, from the root to the leaves: how the bodies move, and what each screw does to that
     for b in robot:
-        Vp, Ap = X[b].pull(V[b.parent]), X[b].pull(A[b.parent])
+        V_parent, A_parent = X[b].pull(V[b.parent]), X[b].pull(A[b.parent])
         Sv, Sa = b.model.twist(v[b.v]), b.model.twist(a[b.v])
-        V[b] = Vp + Sv
-        A[b] = Ap + Sa + V[b].cross(Sv)
+        V[b] = V_parent + Sv
+        A[b] = A_parent + Sa + V[b].cross(Sv)
         B[b] = Connection.of(b.inertia, V[b])
         F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
-        P[b.index] = []
-        for s in b.model.screws:
-            p = Vp.cross(s)
-            P[b.index] += [p, Ap.cross(s) + Vp.cross(p), p + V[b].cross(s)]
+        responses[b] = [Response.to(s, V_parent, A_parent, V[b]) for s in b.model.screws]
+    # pass 2, from the leaves to the root: the wrench each screw causes is felt by all joints down to the ground
     dq, dv, da = square(robot), square(robot), square(robot)
     for b in reversed(robot):
-        for i, (k, s, rotor) in enumerate(b.driven):
-            p, r, Q = P[b.index][3 * i : 3 * i + 3]
-            H = I[b](s)
-            G = B[b].transposed(s) * 2
-            Fq, Fv = B[b](p) * 2 + I[b](r), B[b](s) * 2 + I[b](Q)
+        for (k, s, rotor), response in zip(b.driven, responses[b], strict=True):
+            by_acceleration = I[b](s)
+            by_velocity = B[b](s) * 2 + I[b](response.rate)
+            by_position = B[b](response.velocity) * 2 + I[b](response.acceleration)
+            transposed = B[b].transposed(s) * 2
             for c in b.chain:
-                for n, (j, t) in enumerate(c.dofs):
-                    dq[j][k] = dq[j][k] + power(t, Fq)
-                    dv[j][k] = dv[j][k] + power(t, Fv)
-                    da[j][k] = da[j][k] + power(t, H)
+                for (j, t), before in zip(c.dofs, responses[c], strict=True):
+                    dq[j][k] = dq[j][k] + power(t, by_position)
+                    dv[j][k] = dv[j][k] + power(t, by_velocity)
+                    da[j][k] = da[j][k] + power(t, by_acceleration)
                     if c is not b:
-                        pc, rc, Qc = P[c.index][3 * n : 3 * n + 3]
-                        dq[k][j] = dq[k][j] + power(pc, G) + power(rc, H)
-                        dv[k][j] = dv[k][j] + power(t, G) + power(Qc, H)
-                        da[k][j] = da[k][j] + power(t, H)
+                        dq[k][j] = dq[k][j] + power(before.velocity, transposed)
+                        dq[k][j] = dq[k][j] + power(before.acceleration, by_acceleration)
+                        dv[k][j] = dv[k][j] + power(t, transposed) + power(before.rate, by_acceleration)
+                        da[k][j] = da[k][j] + power(t, by_acceleration)
                 if c is b:  # the joint's own screws are displaced with the body, those before it are not
-                    Fq = Fq + s.cross(F[b])
-                H, G, Fq, Fv = X[c] @ H, X[c] @ G, X[c] @ Fq, X[c] @ Fv
+                    by_position = by_position + s.cross(F[b])
+                by_acceleration, transposed = X[c] @ by_acceleration, X[c] @ transposed
+                by_position, by_velocity = X[c] @ by_position, X[c] @ by_velocity
             da[k][k] = da[k][k] + rotor
         if b.parent:
             I[b.parent] = I[b.parent] + X[b] @ I[b]

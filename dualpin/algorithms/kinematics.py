@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 
 from ..model.robot import Frame, Joint, Robot
 from ..scalars import Scalar
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.quaternion import Quaternion
 from ..spatial.rotation import IDENTITY
-from ..spatial.vector import NOUGHT, REST, Vector3, motor
+from ..spatial.vector import ZERO_MOTOR, ZERO_VECTOR, Twist, motor
 
 References = ("world", "local", "local_world_aligned")
 
@@ -28,7 +28,7 @@ def forward_kinematics(
     robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None
 ) -> dict[Joint | None, Pose]:
     """Each body's pose in the world, of all joints or of a parents-first part of them.   X_b = X_parent X"""
-    world: dict[Joint | None, Pose] = {None: GROUND}
+    world: dict[Joint | None, Pose] = {None: IDENTITY_POSE}
     for b in robot if joints is None else joints:
         X = b.placement @ b.model.motion(q[b.q])
         world[b] = world[b.parent] @ X if b.parent else X
@@ -42,7 +42,7 @@ def frame_pose(robot: Robot, q: Sequence[Scalar], frame: Frame) -> Pose:
 
 def frame_quaternion(robot: Robot, q: Sequence[Scalar], frame: Frame) -> Quaternion:
     """The same as a unit dual quaternion, by products of dual quaternions alone."""
-    total = GROUND.quaternion
+    total = IDENTITY_POSE.quaternion
     for b in path(frame.joint):
         total = total * b.placement.quaternion * b.model.quaternion(q[b.q])
     return total * frame.placement.quaternion
@@ -50,26 +50,26 @@ def frame_quaternion(robot: Robot, q: Sequence[Scalar], frame: Frame) -> Quatern
 
 def viewpoint(pose: Pose, reference: str) -> Pose:
     """The frame in which motions of a frame at `pose` are expressed."""
-    return {"world": GROUND, "local_world_aligned": Pose(IDENTITY, pose.position), "local": pose}[reference]
+    return {"world": IDENTITY_POSE, "local_world_aligned": Pose(IDENTITY, pose.position), "local": pose}[reference]
 
 
-def twists(chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Vector3]:
+def twists(chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Twist]:
     """Twists in world coordinates.   V_b = V_parent + S v"""
-    V: dict[Joint | None, Vector3] = {None: REST}
+    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     for b in chain:
         V[b] = V[b.parent] + world[b] @ b.model.twist(v[b.v])
     return V
 
 
-def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Vector3]:
+def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Twist]:
     """Twists of the bodies, each in its own frame.   V_b = X^-1 V_parent + S v"""
-    V: dict[Joint | None, Vector3] = {None: REST}
+    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     for b in robot:
         V[b] = X[b].pull(V[b.parent]) + b.model.twist(v[b.v])
     return V
 
 
-def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Vector3:
+def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Twist:
     """Twist of a frame, seen from its viewpoint."""
     chain = path(frame.joint)
     world = forward_kinematics(robot, q, chain)
@@ -80,7 +80,7 @@ def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame
 def frame_acceleration(
     robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], a: Sequence[Scalar], frame: Frame, reference: str,
     classical: bool = False,
-) -> Vector3:  # fmt: skip
+) -> Twist:  # fmt: skip
     """Spatial acceleration of a frame, or the classical one of its origin.   A_b = A_parent + S a + V x S v
 
     classical:  A + eps w x v, the acceleration of the point instead of that of the field.
@@ -88,10 +88,10 @@ def frame_acceleration(
     chain = path(frame.joint)
     world = forward_kinematics(robot, q, chain)
     V = twists(chain, world, v)
-    A: dict[Joint | None, Vector3] = {None: REST}
+    A: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     for b in chain:
         Sv, Sa = world[b] @ b.model.twist(v[b.v]), world[b] @ b.model.twist(a[b.v])
         A[b] = A[b.parent] + Sa + V[b].cross(Sv)
     view = viewpoint(world[frame.joint] @ frame.placement, reference)
     seen, twist = view.pull(A[frame.joint]), view.pull(V[frame.joint])
-    return seen + motor(NOUGHT, twist.real.cross(twist.dual)) if classical else seen
+    return seen + motor(ZERO_VECTOR, twist.real.cross(twist.dual)) if classical else seen

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from ..model.robot import Joint, Robot
 from ..scalars import ZERO, Scalar
 from ..spatial.inertia import Connection
-from ..spatial.pose import GROUND
-from ..spatial.vector import Vector3, power
+from ..spatial.pose import IDENTITY_POSE
+from ..spatial.vector import Twist, power
 from .crba import Matrix, square
 from .kinematics import body_twists, joint_poses
 
@@ -23,13 +23,13 @@ def link_terms(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[l
     """
     X = joint_poses(robot, q)
     V = body_twists(robot, X, v)
-    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    A: dict[Joint | None, Twist] = {None: robot.at_rest}
     terms: list[list[Matrix | list[Scalar]]] = []
     for b in robot:
         A[b] = X[b].pull(A[b.parent])
         B, weight = Connection.of(b.inertia, V[b]), b.inertia(A[b])
         M, C, g = square(robot), square(robot), [ZERO] * robot.nv
-        outward, screws = GROUND, []
+        outward, screws = IDENTITY_POSE, []
         for c in b.chain:
             screws += [(k, outward.pull(s), outward.pull(V[c].cross(s))) for k, s in c.dofs]
             outward = X[c] @ outward

@@ -9,7 +9,7 @@ from ..model.robot import Robot
 from ..scalars import ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY
-from ..spatial.vector import REST, Vector3, power
+from ..spatial.vector import ZERO_MOTOR, Momentum, Vector3, power
 from .crba import composites
 from .kinematics import body_twists, forward_kinematics, joint_poses
 
@@ -27,14 +27,14 @@ def center_of_mass(robot: Robot, q: Sequence[Scalar]) -> Vector3:
     return total.moment * (1 / _weight(robot, total.mass))
 
 
-def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Vector3]:
+def centroidal_momentum_matrix(robot: Robot, q: Sequence[Scalar]) -> list[Momentum]:
     """Columns h_k = I_c s_k, moved to the centre of mass, world axes.  (Orin & Goswami 2008)
 
     Momentum p + eps l = sum h_k v_k.
     """
     I = composites(robot, joint_poses(robot, q))
     world = forward_kinematics(robot, q)
-    A = [REST] * robot.nv
+    A = [ZERO_MOTOR] * robot.nv
     if not A:
         return A
     at_com = Pose(IDENTITY, I[None].moment * (1 / _weight(robot, I[None].mass)))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..model.robot import Joint, Robot
 from ..scalars import Exact, Scalar
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND
+from ..spatial.pose import IDENTITY_POSE
 from ..spatial.vector import power
 from .crba import Matrix, square
 from .kinematics import joint_poses
@@ -40,7 +40,7 @@ def joint_torque_regressor(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar
     basis = Inertia.basis()
     for b in robot:
         columns = [E(A[b]) + V[b].cross(E(V[b])) for E in basis]
-        outward = GROUND
+        outward = IDENTITY_POSE
         for c in b.chain:
             for k, s in c.dofs:
                 r = outward.pull(s)

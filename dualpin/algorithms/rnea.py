@@ -13,17 +13,17 @@ from collections.abc import Iterator, Sequence
 from ..model.robot import Joint, Robot
 from ..scalars import ZERO, Scalar
 from ..spatial.pose import Pose
-from ..spatial.vector import NOUGHT, REST, Vector3, motor, power
+from ..spatial.vector import ZERO_MOTOR, ZERO_VECTOR, Twist, Wrench, motor, power
 from .kinematics import joint_poses
 
 
-def ride(V: Vector3, A: Vector3) -> tuple[Vector3, Vector3]:
+def ride(V: Twist, A: Twist) -> tuple[Twist, Twist]:
     """The observer takes on the origin's velocity v:   V -> w,   A -> A + eps w x v."""
     w, v = V.real, V.dual
-    return motor(w, NOUGHT), A + motor(NOUGHT, w.cross(v))
+    return motor(w, ZERO_VECTOR), A + motor(ZERO_VECTOR, w.cross(v))
 
 
-def carried(X: Pose, V: Vector3, A: Vector3) -> tuple[Vector3, Vector3]:
+def carried(X: Pose, V: Twist, A: Twist) -> tuple[Twist, Twist]:
     """The parent's V and A in the frame of b, its observer riding with the origin of b."""
     V, A = ride(X.untranslate(V), X.untranslate(A))
     return X.rotation.T @ V, X.rotation.T @ A
@@ -31,14 +31,14 @@ def carried(X: Pose, V: Vector3, A: Vector3) -> tuple[Vector3, Vector3]:
 
 def motions(
     robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar], a: Sequence[Scalar]
-) -> tuple[dict[Joint | None, Vector3], dict[Joint | None, Vector3]]:
+) -> tuple[dict[Joint | None, Twist], dict[Joint | None, Twist]]:
     """Twists and accelerations, the observer riding along.
 
     V = X^-1 V_parent + S v
     A = X^-1 A_parent + S a + V x S v              A_ground = -gravity
     """
-    V: dict[Joint | None, Vector3] = {None: REST}
-    A: dict[Joint | None, Vector3] = {None: robot.at_rest}
+    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    A: dict[Joint | None, Twist] = {None: robot.at_rest}
     for b in robot:
         W, B = carried(X[b], V[b.parent], A[b.parent])
         Sv, Sa = b.model.twist(v[b.v]), b.model.twist(a[b.v])
@@ -51,8 +51,8 @@ def transmitted(
     q: Sequence[Scalar],
     v: Sequence[Scalar],
     a: Sequence[Scalar],
-    f_ext: Sequence[Vector3] | None = None,
-) -> Iterator[tuple[Joint, Vector3]]:
+    f_ext: Sequence[Wrench] | None = None,
+) -> Iterator[tuple[Joint, Wrench]]:
     """(b, F_b), leaves first: the wrench that each body gets from its parent, through its joint.
 
         F = I A + V x I V - F_ext + sum X F_children
@@ -61,7 +61,7 @@ def transmitted(
     """
     X = joint_poses(robot, q)
     V, A = motions(robot, X, v, a)
-    F: dict[Joint | None, Vector3] = {None: REST}
+    F: dict[Joint | None, Wrench] = {None: ZERO_MOTOR}
     for b in robot:
         F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
         if f_ext is not None:
@@ -76,8 +76,8 @@ def joint_wrenches(
     q: Sequence[Scalar],
     v: Sequence[Scalar],
     a: Sequence[Scalar],
-    f_ext: Sequence[Vector3] | None = None,
-) -> list[Vector3]:
+    f_ext: Sequence[Wrench] | None = None,
+) -> list[Wrench]:
     """The wrenches F of `transmitted`, in the joints' order, each about and in the joint's moving frame."""
     F = dict(transmitted(robot, q, v, a, f_ext))
     return [F[b] for b in robot]
@@ -88,7 +88,7 @@ def rnea(
     q: Sequence[Scalar],
     v: Sequence[Scalar],
     a: Sequence[Scalar],
-    f_ext: Sequence[Vector3] | None = None,
+    f_ext: Sequence[Wrench] | None = None,
 ) -> list[Scalar]:
     """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
 
@@ -101,9 +101,7 @@ def rnea(
     return tau
 
 
-def bias(
-    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Vector3] | None = None
-) -> list[Scalar]:
+def bias(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Wrench] | None = None) -> list[Scalar]:
     """C v + g, what inverse dynamics asks for without acceleration."""
     return rnea(robot, q, v, [ZERO] * robot.nv, f_ext)
 

@@ -21,7 +21,7 @@ from math import atan2 as angle_of
 
 from ..dual import Dual, atan2, sqrt
 from ..spatial.pose import Pose
-from ..spatial.vector import NOUGHT, Vector3, motor
+from ..spatial.vector import ZERO_VECTOR, Vector3, motor
 from .chain import Axis
 
 Step = tuple[Dual, Dual]
@@ -133,7 +133,7 @@ def _nearly_parallel(line: Vector3) -> list[Step]:
 def ahead(axis: Axis, X: Pose) -> Vector3:
     """The axis in the frame X; a prismatic one, whose place is free, through X's origin."""
     line = X.inverse @ axis.line
-    return motor(line.real, NOUGHT) if axis.letter == "P" else line
+    return motor(line.real, ZERO_VECTOR) if axis.letter == "P" else line
 
 
 def numeric(X: Pose) -> Pose:

@@ -16,7 +16,7 @@ from ..model.robot import STANDARD_GRAVITY, Limits, Robot
 from ..scalars import exact
 from ..spatial.arrays import from_matrix
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import UX, UZ
 from .chain import KINDS
 from .table import CONVENTIONS, DHEnd, DHRow, DHStep, DHTable
@@ -148,7 +148,7 @@ def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
 
 def _end(what: str, value: Any, convention: str) -> Pose:
     if value is None:
-        return GROUND
+        return IDENTITY_POSE
     if isinstance(value, Pose):
         return value
     if isinstance(value, Dual):
@@ -266,13 +266,13 @@ def assembled(
     on, start = "base_link", table.base.pose if base is None else base
     for i, (row, body, bound) in enumerate(zip(table.rows, bodies, limits, strict=True), 1):
         Z, X = Pose.about(UZ, row.theta_hat), Pose.about(UX, row.alpha_hat)
-        place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), GROUND)
+        place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), IDENTITY_POSE)
         inertia = None if body is None else far @ body
         if row.letter == "F":
             b.fixed(f"fixed_{i}", on, place, inertia, link=f"link_{i}")
         else:
             b.joint(f"joint_{i}", model(row.letter, row.pitch), on, place, inertia, link=f"link_{i}", limits=bound)
-        on, start = f"link_{i}", GROUND
+        on, start = f"link_{i}", IDENTITY_POSE
         if standard:
             b.fixed(f"frame_{i}_joint", on, far, link=f"frame_{i}")
             on = f"frame_{i}"

@@ -21,8 +21,8 @@ from ..functions import fk
 from ..model.joints import Axial, Floating, Planar
 from ..model.robot import Frame, Joint, Robot
 from ..scalars import ONE, ZERO, Scalar
-from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT, UX, UY, UZ, Vector3, motor
+from ..spatial.pose import IDENTITY_POSE, Pose
+from ..spatial.vector import UX, UY, UZ, ZERO_VECTOR, Vector3, motor
 
 KINDS = {"R": "revolute", "P": "prismatic", "C": "cylindrical", "H": "helical", "F": "fixed"}
 MOST = 40  # leaves that an error message lists
@@ -87,7 +87,7 @@ class Chain:
     def fk(self, q: ArrayLike, *, engine: str = "auto") -> np.ndarray:
         """Pose of the tip in the base as the robot has it, shape (..., 4, 4)."""
         T = fk(self.robot, q, self.tip, engine=engine)
-        if self.base.joint is None and self.base.placement is GROUND:
+        if self.base.joint is None and self.base.placement is IDENTITY_POSE:
             return T
         return np.linalg.inv(fk(self.robot, q, self.base, engine=engine)) @ T
 
@@ -177,7 +177,7 @@ def _ways(start: Joint | None, end: Joint | None) -> tuple[list[Joint], list[Joi
 
 def homes(robot: Robot, joints: list[Joint]) -> dict[Joint | None, Pose]:
     """Poses of the joints' moving frames at zero; a floating base stands at the world's origin."""
-    world: dict[Joint | None, Pose] = {None: GROUND}
+    world: dict[Joint | None, Pose] = {None: IDENTITY_POSE}
     for b in joints:
         if b not in world:
             zero: list[Scalar] = [ZERO] * b.model.nq
@@ -191,11 +191,11 @@ def axes_of(joint: Joint, X: Pose, what: str) -> list[Axis]:
     """The axes of a joint whose moving frame is X at home, in the order they act."""
     model, q = joint.model, joint.q
     if isinstance(model, Axial):
-        return [Axis(joint, X @ motor(model.axis, NOUGHT), model.units, tuple(range(q.start, q.stop)))]
+        return [Axis(joint, X @ motor(model.axis, ZERO_VECTOR), model.units, tuple(range(q.start, q.stop)))]
     if isinstance(model, Planar):  # slides along x and y, then turns about z
         units = EPS, EPS, Dual(ONE, ZERO)
         return [
-            Axis(joint, X @ motor(direction, NOUGHT), (unit,), (q.start + i,))
+            Axis(joint, X @ motor(direction, ZERO_VECTOR), (unit,), (q.start + i,))
             for i, (direction, unit) in enumerate(zip((UX, UY, UZ), units, strict=True))
         ]
     raise ArgumentError(

@@ -10,8 +10,8 @@ from ..arguments import choice
 from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
 from ..model.robot import Frame, Robot
-from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT, UZ, motor
+from ..spatial.pose import IDENTITY_POSE, Pose
+from ..spatial.vector import UZ, ZERO_VECTOR, motor
 from .align import CLEAN, NEAR, NONE, PARALLEL, Rules, ahead, numeric, remaining, step
 from .chain import Axis, Chain, chain
 from .khalil import KhalilTable, khalil_table
@@ -112,13 +112,13 @@ def _tree(robot: Robot, rules: Rules, snapped: bool) -> KhalilTable:
 
 def _alternating(links: Chain, rules: Rules, convention: str) -> tuple[list[tuple[Dual, Axis | None]], list[Dual]]:
     """Z_0 X_0 Z_1 X_1 ... Z_{n+1}: the z screws with their axes (None: fixed), and the x screws."""
-    here, axis = GROUND, None
+    here, axis = IDENTITY_POSE, None
     z: list[tuple[Dual, Axis | None]] = []
     x: list[Dual] = []
     for following in (*links.axes, None):
         if following is None:
             rest = here.inverse @ links.home
-            steps = step(rest @ motor(UZ, NOUGHT), rules, rest)
+            steps = step(rest @ motor(UZ, ZERO_VECTOR), rules, rest)
         else:
             steps = step(ahead(following, here), rules)
         for theta, alpha in steps:

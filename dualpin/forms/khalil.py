@@ -21,8 +21,8 @@ from ..model.joints import Floating
 from ..model.robot import Frame, Robot
 from ..renamed import Renamed
 from ..scalars import Scalar
-from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT, UX, UZ, motor
+from ..spatial.pose import IDENTITY_POSE, Pose
+from ..spatial.vector import UX, UZ, ZERO_VECTOR, motor
 from .align import NONE, Rules, Step, ahead, numeric, remaining, step
 from .build import model, placed
 from .chain import Axis, axes_of, chain, homes, leaves, root, whole_q
@@ -207,7 +207,7 @@ class _Tree:
         self.robot, self.rules = robot, rules
         self.rows: list[KhalilRow] = []
         self.base = NONE
-        self.poses: list[Pose] = [GROUND]
+        self.poses: list[Pose] = [IDENTITY_POSE]
         self.open = {0}
         self.tips: dict[str, int] = {}
 
@@ -260,7 +260,7 @@ def khalil_table(robot: Robot, rules: Rules) -> KhalilTable:
             continue  # fixed to the base: nothing moves it
         number, home = frames[leaf.joint], origin @ world[leaf.joint] @ leaf.placement
         rest = tree.poses[number].inverse @ home
-        last = tree.add(number, step(rest @ motor(UZ, NOUGHT), rules, rest), leaf.name, None)
+        last = tree.add(number, step(rest @ motor(UZ, ZERO_VECTOR), rules, rest), leaf.name, None)
         tree._close(last, remaining(tree.poses[last].inverse @ home, rules))
         tree.tips[leaf.name] = last
     fixed = sum(r.letter == "F" for r in tree.rows) - len(tree.tips)

@@ -19,7 +19,7 @@ from ..functions import fk
 from ..model.robot import Robot
 from ..renamed import Renamed
 from ..scalars import Scalar
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 from .chain import Chain, whole_q
 from .text import write
 
@@ -136,7 +136,7 @@ class DHEnd:
     @property
     def pose(self) -> Pose:
         """The displacement."""
-        X = GROUND
+        X = IDENTITY_POSE
         for step in self.steps:
             X = X @ step.pose
         return X

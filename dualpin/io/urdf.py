@@ -24,9 +24,9 @@ from ..model.joints import Floating, JointModel, Planar, prismatic, revolute
 from ..model.robot import Limits, Mimic, Robot, Rotor
 from ..scalars import exact
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.rotation import Matrix3
-from ..spatial.vector import AXES, NOUGHT, Vector3
+from ..spatial.vector import AXES, ZERO_VECTOR, Vector3
 from .catalogue import find
 from .remarks import remark
 from .xml import Document, parse, read, read_stream
@@ -159,7 +159,7 @@ def _described(document: Document) -> Any:
 
 
 def _add(b: Builder, joint: Any, link: Any, mimic: bool, reduction: float | None) -> None:
-    placement = GROUND if joint.origin is None else Pose.from_matrix(joint.origin)
+    placement = IDENTITY_POSE if joint.origin is None else Pose.from_matrix(joint.origin)
     inertia = _inertia(link)
     if joint.type == "fixed":
         b.fixed(joint.name, joint.parent, placement, inertia, link=joint.child)
@@ -217,6 +217,6 @@ def _inertia(link: Any) -> Inertia | None:
     """The ten parameters about the link's own frame, from mass, centre and inertia about it."""
     if link.inertial is None:
         return None
-    origin = GROUND if link.inertial.origin is None else Pose.from_matrix(link.inertial.origin)
+    origin = IDENTITY_POSE if link.inertial.origin is None else Pose.from_matrix(link.inertial.origin)
     rows = [Vector3(*map(exact, row)) for row in np.asarray(link.inertial.inertia, dtype=float).tolist()]
-    return origin @ Inertia(exact(float(link.inertial.mass)), NOUGHT, Matrix3(*rows))
+    return origin @ Inertia(exact(float(link.inertial.mass)), ZERO_VECTOR, Matrix3(*rows))

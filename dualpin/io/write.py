@@ -18,7 +18,7 @@ from ..files import write_text
 from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
 TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
@@ -216,7 +216,7 @@ class _Writer:
         for name, part in zip(names, parts, strict=True):
             below = child if part is parts[-1] else self._link(self._free(f"{child}_turned", self.link_names), None)
             self._part(joint, name, part, parent, below, origin)
-            parent, origin = below, GROUND
+            parent, origin = below, IDENTITY_POSE
 
     def _part(self, joint: Joint, name: str, part: Written, parent: str, child: str, origin: Pose) -> None:
         kind, at, bounds = part.type, part.coordinate, (-inf, inf)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..errors import ArgumentError
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND, Pose
+from ..spatial.pose import IDENTITY_POSE, Pose
 from .builder import Builder
 from .joints import JointModel, revolute
 from .robot import Frame, Limits, Robot
@@ -14,7 +14,7 @@ def attached(
     robot: Robot,
     other: Robot | Inertia,
     on: str | Frame | None = None,
-    placement: Pose = GROUND,
+    placement: Pose = IDENTITY_POSE,
     *,
     passive: bool = False,
     joint: JointModel | None = None,
@@ -85,7 +85,7 @@ def attached(
         mount = name or _free(robot, default)
         limits = Limits(effort=0.0) if passive else None
         b.joint(mount, joint or revolute(), at, placement, inertia, limits=limits, passive=passive)
-        place = mount, GROUND
+        place = mount, IDENTITY_POSE
     elif inertia is not None:
         b.fixed(name or _free(robot, default), at, placement, inertia)
     if isinstance(other, Robot):

@@ -8,8 +8,8 @@ from math import inf
 
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import ZERO, Scalar, exact
-from ..spatial.inertia import NOTHING, Inertia
-from ..spatial.pose import GROUND, Pose
+from ..spatial.inertia import ZERO_INERTIA, Inertia
+from ..spatial.pose import IDENTITY_POSE, Pose
 from .joints import Axial, JointModel
 from .limits import remarks
 from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, Rotor, gravity_vector
@@ -66,8 +66,8 @@ class Builder:
         self._parts: dict[str, _Part] = {}
         # a link and a joint may share a name; a link is what things are fixed to
         self._link_places: dict[str, _Place] = {}
-        self._places: dict[str, _Place] = {"universe": _Place(None, GROUND)}
-        self._frames: list[tuple[str, str, str | None, Pose, int]] = [("universe", "universe", None, GROUND, 0)]
+        self._places: dict[str, _Place] = {"universe": _Place(None, IDENTITY_POSE)}
+        self._frames: list[tuple[str, str, str | None, Pose, int]] = [("universe", "universe", None, IDENTITY_POSE, 0)]
         self._links: list[tuple[str, Inertia, str | None, Pose]] = []
 
     @classmethod
@@ -81,7 +81,7 @@ class Builder:
         return b
 
     def include(
-        self, robot: Robot, on: str | Frame | None = None, placement: Pose = GROUND, *, prefix: str = ""
+        self, robot: Robot, on: str | Frame | None = None, placement: Pose = IDENTITY_POSE, *, prefix: str = ""
     ) -> None:
         """All of another robot, its ground fixed in the frame `on`; `prefix` goes before each of its names."""
         if not isinstance(robot, Robot):
@@ -128,7 +128,7 @@ class Builder:
         name: str,
         model: JointModel,
         on: str | Frame | None = None,
-        placement: Pose = GROUND,
+        placement: Pose = IDENTITY_POSE,
         inertia: Inertia | None = None,
         *,
         link: str | None = None,
@@ -149,13 +149,13 @@ class Builder:
         at = self._place(on)
         X = at.placement @ placement
         self._parts[name] = _Part(
-            name, model, at.joint, X, NOTHING, limits or Limits(), mimic,
+            name, model, at.joint, X, ZERO_INERTIA, limits or Limits(), mimic,
             tuple(map(exact, armature)) or (ZERO,) * model.nv, None, passive,
         )  # fmt: skip
         if rotor is not None:
             self._motor(name, rotor, _Place(at.joint, X, at.frame))
-        self._frames.append((name, "joint", name, GROUND, at.frame))
-        place = _Place(name, GROUND, len(self._frames) - 1)
+        self._frames.append((name, "joint", name, IDENTITY_POSE, at.frame))
+        place = _Place(name, IDENTITY_POSE, len(self._frames) - 1)
         self._places[name] = place
         self._link(link or name, inertia, place)
 
@@ -189,7 +189,7 @@ class Builder:
         self,
         name: str,
         on: str | Frame | None = None,
-        placement: Pose = GROUND,
+        placement: Pose = IDENTITY_POSE,
         inertia: Inertia | None = None,
         *,
         link: str | None = None,
@@ -210,9 +210,9 @@ class Builder:
 
     def base(self, name: str, inertia: Inertia | None = None) -> None:
         """The root link of a robot whose base stands on the ground."""
-        self._link(name, inertia, _Place(None, GROUND))
+        self._link(name, inertia, _Place(None, IDENTITY_POSE))
 
-    def frame(self, name: str, on: str | Frame | None = None, placement: Pose = GROUND) -> None:
+    def frame(self, name: str, on: str | Frame | None = None, placement: Pose = IDENTITY_POSE) -> None:
         """A named frame without a body."""
         self._unused(name)
         _check_types(name, placement, None)
@@ -224,7 +224,7 @@ class Builder:
     def _link(self, name: str, inertia: Inertia | None, at: _Place) -> None:
         if name in self._link_places:
             raise ArgumentError(f"link {name!r} of {self.name} is defined twice; links: {', '.join(self._link_places)}")
-        body = NOTHING if inertia is None else inertia
+        body = ZERO_INERTIA if inertia is None else inertia
         if inertia is not None and at.joint is not None:
             part = self._parts[at.joint]
             part.inertia = part.inertia + at.placement @ body
@@ -239,7 +239,7 @@ class Builder:
 
     def _place(self, on: str | Frame | None) -> _Place:
         if on is None:
-            return _Place(None, GROUND)
+            return _Place(None, IDENTITY_POSE)
         if isinstance(on, Frame):  # of the robot that this builder holds
             index = self._places.get(on.name) if on.role != "link" else self._link_places.get(on.name)
             return _Place(on.joint.name if on.joint else None, on.placement, index.frame if index else on.parent)

@@ -21,7 +21,7 @@ from ..scalars import ONE, ZERO, Exact, Scalar
 from ..spatial.pose import Pose
 from ..spatial.quaternion import Quaternion, displaced
 from ..spatial.rotation import Rotation
-from ..spatial.vector import AXES, NOUGHT, REST, UX, UY, UZ, Vector3, motor, power
+from ..spatial.vector import AXES, UX, UY, UZ, ZERO_MOTOR, ZERO_VECTOR, Vector3, motor, power
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class JointModel:
 
     def twist(self, v: Sequence[Scalar]) -> Vector3:
         """S v, in the moving frame."""
-        total = REST
+        total = ZERO_MOTOR
         for s, x in zip(self.screws, v, strict=True):
             total = total + s * x
         return total
@@ -131,7 +131,7 @@ class Axial(JointModel):
         _check_unit(axis, kind)
         self.axis, self.units, self.kind, self.coordinates = axis, units, kind, coordinates
         self.offset = Dual(ZERO, ZERO) if offset is None else offset
-        self.screws = tuple(motor(axis, NOUGHT) * u for u in units)
+        self.screws = tuple(motor(axis, ZERO_VECTOR) * u for u in units)
         self.velocity_names = ("",) if len(units) == 1 else ("angle", "slide")
         self._leader: Axial | None = None
         self.nq = len(units)
@@ -141,7 +141,7 @@ class Axial(JointModel):
         return Pose.about(self.axis, self.angle(q))
 
     def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
-        return Quaternion.about(motor(self.axis, NOUGHT), self.angle(q))
+        return Quaternion.about(motor(self.axis, ZERO_VECTOR), self.angle(q))
 
     def angle(self, q: Sequence[Scalar]) -> Dual:
         """The dual angle t + eps d of the coordinates."""
@@ -211,7 +211,7 @@ class Planar(JointModel):
     coordinates = ("length", "length", "angle")
     additive, velocity_names = False, ("vx", "vy", "w")
     layout = "q = x y angle; v = the body's own velocity vx vy w"
-    screws = motor(NOUGHT, UX), motor(NOUGHT, UY), motor(UZ, NOUGHT)
+    screws = motor(ZERO_VECTOR, UX), motor(ZERO_VECTOR, UY), motor(UZ, ZERO_VECTOR)
 
     def motion(self, q: Sequence[Scalar]) -> Pose:
         x, y, angle = q
@@ -251,7 +251,7 @@ class Floating(JointModel):
     additive, velocity_names = False, ("wx", "wy", "wz", "vx", "vy", "vz")
     layout = "q = x y z, qw qx qy qz (unit quaternion, scalar first); v = body twist [w; v]"
     drawn = ()  # a body that goes anywhere has no axis of its own
-    screws = tuple(motor(a, NOUGHT) for a in AXES) + tuple(motor(NOUGHT, a) for a in AXES)
+    screws = tuple(motor(a, ZERO_VECTOR) for a in AXES) + tuple(motor(ZERO_VECTOR, a) for a in AXES)
 
     def motion(self, q: Sequence[Scalar]) -> Pose:
         return Pose(Quaternion(*q[3:]).rotation, Vector3(*q[:3]))
@@ -280,7 +280,7 @@ class Spherical(JointModel):
 
     kind, nq, neutral = "spherical", 4, (1.0, 0.0, 0.0, 0.0)
     coordinates = ("quaternion",) * 4
-    screws = tuple(motor(a, NOUGHT) for a in AXES)
+    screws = tuple(motor(a, ZERO_VECTOR) for a in AXES)
     additive, velocity_names = False, ("wx", "wy", "wz")
     layout = "q = qw qx qy qz (unit quaternion, scalar first); v = body rate [w]"
 
@@ -288,7 +288,7 @@ class Spherical(JointModel):
         return Pose(Quaternion(*q).rotation)
 
     def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
-        return displaced(Quaternion(*q), NOUGHT)
+        return displaced(Quaternion(*q), ZERO_VECTOR)
 
     def written(self) -> tuple[Written, ...]:
         raise ArgumentError(

@@ -12,7 +12,7 @@ from ..scalars import Exact, Scalar
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
 from ..spatial.rotation import IDENTITY, Matrix3, Rotation
-from ..spatial.vector import NOUGHT, Vector3, motor
+from ..spatial.vector import ZERO_VECTOR, Vector3, motor
 from .joints import Axial
 from .robot import Frame, Joint, Link, Robot, Rotor
 
@@ -56,7 +56,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
         other.axis = axis if exactly_unit else axis / sqrt(axis.dot(axis))
         other.units = tuple(Dual(number(u.real), number(u.dual)) for u in model.units)
         other.offset = Dual(number(model.offset.real), number(model.offset.dual))
-        other.screws = tuple(motor(other.axis, NOUGHT) * u for u in other.units)
+        other.screws = tuple(motor(other.axis, ZERO_VECTOR) * u for u in other.units)
         if model._leader is not None:  # the joint as it is without following another
             other._leader = joint_model(model._leader)
         return other

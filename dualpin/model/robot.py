@@ -14,8 +14,8 @@ from ..delegates import home
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import Exact, Scalar, exact
 from ..spatial.inertia import Inertia
-from ..spatial.pose import GROUND, Pose
-from ..spatial.vector import NOUGHT, Vector3, motor
+from ..spatial.pose import IDENTITY_POSE, Pose
+from ..spatial.vector import ZERO_VECTOR, Vector3, motor
 from .joints import JointModel
 from .tree import Frame, Joint, Limits, Link, Mimic, Rotor
 
@@ -74,7 +74,7 @@ class Robot:
     @property
     def at_rest(self) -> Vector3:
         """Acceleration that stands for gravity: a base at rest accelerates upwards (Einstein)."""
-        return motor(NOUGHT, -self.gravity)
+        return motor(ZERO_VECTOR, -self.gravity)
 
     @property
     def coupled(self) -> bool:
@@ -177,7 +177,7 @@ class Robot:
     ) -> Robot:
         """A new robot that carries a body or another robot on the frame `on`; see `dualpin.model.attach`."""
         how = {"passive": passive, "joint": joint, "name": name, "prefix": prefix}
-        return home("Robot.attach")(self, other, on, GROUND if placement is None else placement, **how)
+        return home("Robot.attach")(self, other, on, IDENTITY_POSE if placement is None else placement, **how)
 
     def with_rotors(self, rotors: Mapping[str, Rotor | Scalar]) -> Robot:
         """The same robot with motors on some joints; see `dualpin.model.rotors`."""

@@ -1,5 +1,6 @@
 """The vocabulary: vectors, rotations, quaternions, poses, inertias over any scalar; motions as arrays."""
 
+from ..renamed import former_names
 from .arrays import (
     ScrewParameters,
     compose,
@@ -11,15 +12,17 @@ from .arrays import (
     screw_parameters,
     to_matrix,
 )
-from .inertia import Articulated, Connection, Inertia
-from .pose import GROUND, Pose
+from .inertia import ZERO_INERTIA, Articulated, Connection, Inertia
+from .pose import IDENTITY_POSE, Pose
 from .quaternion import Quaternion, displaced
 from .rotation import IDENTITY, Matrix3, Rotation, dh_rotation, diagonal, skew
-from .vector import AXES, NOUGHT, REST, UX, UY, UZ, Vector3, motor, power
+from .vector import AXES, UX, UY, UZ, ZERO_MOTOR, ZERO_VECTOR, Momentum, Twist, Vector3, Wrench, motor, power
 
 __all__ = [
-    "AXES", "GROUND", "IDENTITY", "NOUGHT", "REST", "UX", "UY", "UZ", "Articulated", "Connection", "Inertia",
-    "Matrix3", "Pose", "Quaternion", "Rotation", "ScrewParameters", "Vector3", "compose", "dh_rotation", "diagonal",
-    "displaced", "exp", "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew",
-    "to_matrix",
+    "AXES", "IDENTITY", "IDENTITY_POSE", "UX", "UY", "UZ", "ZERO_INERTIA", "ZERO_MOTOR", "ZERO_VECTOR",
+    "Articulated", "Connection", "Inertia", "Matrix3", "Momentum", "Pose", "Quaternion", "Rotation",
+    "ScrewParameters", "Twist", "Vector3", "Wrench", "compose", "dh_rotation", "diagonal", "displaced", "exp",
+    "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew", "to_matrix",
 ]  # fmt: skip
+
+__getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR", "GROUND": "IDENTITY_POSE"})

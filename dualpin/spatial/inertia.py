@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..renamed import former_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .pose import Pose
 from .rotation import ZEROS, Matrix3, diagonal, skew
-from .vector import AXES, NOUGHT, Vector3, motor
+from .vector import AXES, ZERO_VECTOR, Momentum, Twist, Vector3, Wrench, motor
 
 
 class Inertia:
@@ -30,7 +31,7 @@ class Inertia:
     def of(cls, mass: Scalar, com: Iterable[Scalar], about_com: Iterable[Iterable[Scalar]]) -> Inertia:
         """Of a body's mass, centre of mass, and rotational inertia about that, in the axes of the frame."""
         J = Matrix3(*(Vector3(*map(exact, row)) for row in about_com))
-        return Pose(position=Vector3(*map(exact, com))) @ cls(exact(mass), NOUGHT, J)
+        return Pose(position=Vector3(*map(exact, com))) @ cls(exact(mass), ZERO_VECTOR, J)
 
     @property
     def massless(self) -> bool:
@@ -40,10 +41,10 @@ class Inertia:
     @property
     def central(self) -> tuple[Vector3, Matrix3]:
         """Centre of mass, and the rotational inertia about it; of a body without mass, about the origin."""
-        c = NOUGHT if self.massless else self.moment / self.mass
+        c = ZERO_VECTOR if self.massless else self.moment / self.mass
         return c, (Pose(position=-c) @ self).rotational
 
-    def __call__(self, twist: Vector3) -> Vector3:
+    def __call__(self, twist: Twist) -> Momentum:
         """Momentum of the twist w + eps v:   p = m v + w x h,   l = J w + h x v"""
         w, v, h = twist.real, twist.dual, self.moment
         return motor(v * self.mass + w.cross(h), self.rotational @ w + h.cross(v))
@@ -68,15 +69,15 @@ class Inertia:
     @classmethod
     def basis(cls) -> list[Inertia]:
         """The ten unit inertias, in the order of `parameters`:  I = sum parameter * basis."""
-        units = [cls(ONE, NOUGHT, ZEROS)] + [cls(ZERO, axis, ZEROS) for axis in AXES]
+        units = [cls(ONE, ZERO_VECTOR, ZEROS)] + [cls(ZERO, axis, ZEROS) for axis in AXES]
         for c in range(3):
             for r in range(c + 1):
                 unit = AXES[r].outer(AXES[c])
-                units.append(cls(ZERO, NOUGHT, unit if r == c else unit + unit.T))
+                units.append(cls(ZERO, ZERO_VECTOR, unit if r == c else unit + unit.T))
         return units
 
 
-NOTHING = Inertia(ZERO, NOUGHT, ZEROS)
+ZERO_INERTIA = Inertia(ZERO, ZERO_VECTOR, ZEROS)
 
 
 class Articulated:
@@ -91,14 +92,14 @@ class Articulated:
     def of(cls, body: Inertia) -> Articulated:
         return cls(diagonal(body.mass), skew(-body.moment), body.rotational)
 
-    def __call__(self, twist: Vector3) -> Vector3:
+    def __call__(self, twist: Twist) -> Momentum:
         w, v = twist.real, twist.dual
         return motor(self.M @ v + self.H @ w, self.H.T @ v + self.J @ w)
 
     def __add__(self, b: Articulated) -> Articulated:
         return Articulated(self.M + b.M, self.H + b.H, self.J + b.J)
 
-    def released(self, U: Vector3, d: Scalar) -> Articulated:
+    def released(self, U: Wrench, d: Scalar) -> Articulated:
         """I - U U^T / d: what is left to feel when the screw with U = I(s), d = power(s, U) is let go."""
         f, n = U.real, U.dual
         kf, kn = f * (1 / d), n * (1 / d)
@@ -127,21 +128,21 @@ class Connection:
         self.p, self.B = p, B
 
     @classmethod
-    def of(cls, I: Inertia, V: Vector3) -> Connection:
+    def of(cls, I: Inertia, V: Twist) -> Connection:
         P = I(V)
 
         def column(a: Vector3) -> Vector3:
-            U = motor(a, NOUGHT)
+            U = motor(a, ZERO_VECTOR)
             return ((V.cross(I(U)) + U.cross(P) - I(V.cross(U))) / 2).dual
 
         return cls(P.real, Matrix3(*map(column, AXES)).T)
 
-    def __call__(self, U: Vector3) -> Vector3:
+    def __call__(self, U: Twist) -> Wrench:
         return motor(U.real.cross(self.p), self.B @ U.real)
 
-    def transposed(self, U: Vector3) -> Vector3:
+    def transposed(self, U: Twist) -> Wrench:
         """power(W, B(U)) = power(U, B^T(W))"""
-        return motor(NOUGHT, self.B.T @ U.real + self.p.cross(U.dual))
+        return motor(ZERO_VECTOR, self.B.T @ U.real + self.p.cross(U.dual))
 
     def __add__(self, b: Connection) -> Connection:
         return Connection(self.p + b.p, self.B + b.B)
@@ -151,3 +152,6 @@ class Connection:
         R, r = X.rotation, X.position
         p, B = R @ self.p, R @ self.B @ R.T
         return Connection(p, B + diagonal(r.dot(p)) - p.outer(r))
+
+
+__getattr__ = former_names(__name__, {"NOTHING": "ZERO_INERTIA"})

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..dual import Dual
+from ..renamed import former_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .quaternion import Quaternion, displaced
 from .rotation import IDENTITY, Rotation, check_convention
-from .vector import AXES, NOUGHT, UX, UZ, Vector3, motor
+from .vector import AXES, UX, UZ, ZERO_VECTOR, Vector3, motor
 
 EPSILON = float_info.epsilon
 
@@ -25,9 +26,9 @@ class Pose:
 
     __slots__ = ("position", "rotation", "shift")
 
-    def __init__(self, rotation: Rotation = IDENTITY, position: Vector3 = NOUGHT) -> None:
+    def __init__(self, rotation: Rotation = IDENTITY, position: Vector3 = ZERO_VECTOR) -> None:
         self.rotation, self.position = rotation, position
-        self.shift = motor(NOUGHT, position)  # eps p
+        self.shift = motor(ZERO_VECTOR, position)  # eps p
 
     def __repr__(self) -> str:
         return f"Pose({self.rotation!r}, {self.position!r})"
@@ -78,7 +79,7 @@ class Pose:
     @property
     def dual_matrix(self) -> Rotation:
         """(1 + eps [p]) R multiplied out."""
-        columns = (self @ motor(a, NOUGHT) for a in AXES)
+        columns = (self @ motor(a, ZERO_VECTOR) for a in AXES)
         return Rotation(*columns).T
 
     @property
@@ -111,7 +112,7 @@ class Pose:
         return cls(Rotation(Vector3(a, b, c), Vector3(d, e, f), Vector3(g, h, i)), Vector3(x, y, z))
 
 
-GROUND = Pose()
+IDENTITY_POSE = Pose()
 
 
 def _snapped(x: float, scale: float, values: tuple[int, ...]) -> Scalar:
@@ -119,3 +120,6 @@ def _snapped(x: float, scale: float, values: tuple[int, ...]) -> Scalar:
         if abs(x - n) <= 4 * EPSILON * scale:
             return exact(n)
     return exact(x)
+
+
+__getattr__ = former_names(__name__, {"GROUND": "IDENTITY_POSE"})

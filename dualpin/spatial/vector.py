@@ -10,9 +10,10 @@ Mind the order: the *real* part of a twist is angular, the real part of a wrench
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from ..dual import Compound, Dual
+from ..renamed import former_names
 from ..scalars import ONE, ZERO, Scalar
 
 if TYPE_CHECKING:
@@ -83,7 +84,15 @@ class Vector3(Compound):
         return X.translate(X.rotation @ self)
 
 
-NOUGHT = Vector3(ZERO, ZERO, ZERO)
+Twist: TypeAlias = Vector3
+"""A motion w + eps v: angular velocity, and velocity of the point at the origin [rad/s, m/s]; also a unit screw, and
+their rates of change."""
+Wrench: TypeAlias = Vector3
+"""A force f + eps n: force, and moment about the origin [N, N m]."""
+Momentum: TypeAlias = Vector3
+"""A momentum p + eps l: linear, and angular about the origin [kg m/s, kg m^2/s]."""
+
+ZERO_VECTOR = Vector3(ZERO, ZERO, ZERO)
 AXES = UX, UY, UZ = Vector3(ONE, ZERO, ZERO), Vector3(ZERO, ONE, ZERO), Vector3(ZERO, ZERO, ONE)
 
 
@@ -92,13 +101,16 @@ def motor(real: Vector3, dual: Vector3) -> Vector3:
     return Vector3(Dual(real.x, dual.x), Dual(real.y, dual.y), Dual(real.z, dual.z))
 
 
-REST = motor(NOUGHT, NOUGHT)
+ZERO_MOTOR = motor(ZERO_VECTOR, ZERO_VECTOR)
 
 
-def power(screw: Vector3, wrench: Vector3) -> Scalar:
+def power(screw: Twist, wrench: Wrench) -> Scalar:
     """Virtual power w.n + v.f of a wrench f + eps n on a twist w + eps v.
 
     The dual part of the dot product; Ball's reciprocal product (Ball 1900).  It stands for every
     product with a transposed motion subspace, whatever the kind of joint.
     """
     return screw.dot(wrench).dual
+
+
+__getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR"})

@@ -26,7 +26,7 @@ from ..model.robot import Frame, Robot
 from ..scalars import ZERO, Scalar
 from ..spatial.pose import Pose
 from ..spatial.rotation import Rotation
-from ..spatial.vector import REST
+from ..spatial.vector import ZERO_MOTOR
 from ..terms import FRAME, TAU, Option, Q, Term, V, row, twist_entries, velocity
 from .task import POSE, Rows, rows_of, selected, task_error
 
@@ -118,7 +118,7 @@ def law(
 def _columns(robot: Robot, q: Sequence[Scalar], frame: Frame, rows: Rows, R: Rotation) -> list[list[Scalar] | None]:
     """Columns of the task's Jacobian at the frame's origin; None where a joint does not carry it."""
     J = jacobian(robot, q, frame, "local_world_aligned")
-    return [None if c is REST else selected(rows, R, twist_entries(c)) for c in J]
+    return [None if c is ZERO_MOTOR else selected(rows, R, twist_entries(c)) for c in J]
 
 
 # --- terms ---------------------------------------------------------------------------------------
@@ -187,7 +187,7 @@ def _gauss_newton(
     wanted, X = posed(pose), kinematics.frame_pose(robot, q, frame)
     if rows == POSE:  # log of X^-1 X_d as a dual quaternion: the body twist [w; v] that leads to the target
         error: Sequence[Scalar] = twist_entries((X.inverse @ wanted).quaternion.log * 2)
-        J = [None if c is REST else twist_entries(c) for c in jacobian(robot, q, frame, "local")]
+        J = [None if c is ZERO_MOTOR else twist_entries(c) for c in jacobian(robot, q, frame, "local")]
     else:
         error = task_error(rows, wanted, X)
         J = _columns(robot, q, frame, rows, X.rotation)

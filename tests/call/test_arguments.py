@@ -10,7 +10,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.arguments import count, flag
-from dualpin.call import ENGINES, evaluate, find
+from dualpin.call import evaluate, find
 from dualpin.interpret import interpret
 from dualpin.terms import TERMS, Term, configuration, row, velocity
 
@@ -232,7 +232,7 @@ def test_dual_quaternions_of_all_joints_are_those_of_their_matrices(robot):
     assert np.abs(one - x[:, -1]).max() < 1e-14
 
 
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("engine", ["auto", "compiled", "numpy"])
 def test_engines_share_kernels_and_agree(robot, state, engine):
     expected = interpret(robot, TERMS["rnea"], {}, [x[None] for x in state])[0]
     assert np.abs(dp.rnea(robot, *state, engine=engine) - expected).max() < 1e-12 * np.abs(expected).max()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from dualpin.dual import Dual
 from dualpin.forms.align import Rules, step
 from dualpin.spatial import UZ, Pose, Vector3, motor
-from dualpin.spatial.vector import NOUGHT
+from dualpin.spatial.vector import ZERO_VECTOR
 
 angle = st.floats(-3.1, 3.1)
 length = st.floats(-3, 3)
@@ -27,7 +27,7 @@ def carried(steps: list) -> Vector3:
     X = Pose()
     for theta, alpha in steps:
         X = X @ Pose.dh(theta, alpha)
-    return X @ motor(UZ, NOUGHT)
+    return X @ motor(UZ, ZERO_VECTOR)
 
 
 def distance(a: Vector3, b: Vector3) -> float:

@@ -13,7 +13,7 @@ from dualpin.io.urdf import loads
 from dualpin.model import Builder, Floating, JointModel, Planar, cylindrical, helical, prismatic, revolute, spherical
 from dualpin.model.joints import Written
 from dualpin.spatial import AXES, Pose, Quaternion, Vector3, displaced
-from dualpin.spatial.vector import NOUGHT, motor
+from dualpin.spatial.vector import ZERO_VECTOR, motor
 from tests.pinocchio_trees import layout_of
 from tests.random_robots import random_inertia, random_pose, robot, tree
 
@@ -198,7 +198,7 @@ class Translation(JointModel):
 
     kind, nq, neutral = "translation", 3, (0.0, 0.0, 0.0)
     coordinates, velocity_names = ("length",) * 3, ("x", "y", "z")
-    screws = tuple(motor(NOUGHT, a) for a in AXES)
+    screws = tuple(motor(ZERO_VECTOR, a) for a in AXES)
 
     def motion(self, q: Sequence) -> Pose:
         return Pose(position=Vector3(*q))

@@ -10,14 +10,15 @@ import pytest
 import sympy as sp
 
 import dualpin as dp
+from dualpin import spatial
 from dualpin.dual import Dual, cos_sin, real_part
 from dualpin.scalars import ONE, ZERO, Exact
 from dualpin.spatial import (
     AXES,
-    GROUND,
     IDENTITY,
-    NOUGHT,
-    REST,
+    IDENTITY_POSE,
+    ZERO_MOTOR,
+    ZERO_VECTOR,
     Inertia,
     Matrix3,
     Pose,
@@ -120,7 +121,9 @@ def test_identities_of_vectors_hold_for_motors(kind, dual):
 
     a, b, c = vector(), vector(), vector()
     assert close(kind, a.cross(b), -b.cross(a))
-    assert close(kind, a.cross(b.cross(c)) + b.cross(c.cross(a)) + c.cross(a.cross(b)), REST if dual else NOUGHT)
+    assert close(
+        kind, a.cross(b.cross(c)) + b.cross(c.cross(a)) + c.cross(a.cross(b)), ZERO_MOTOR if dual else ZERO_VECTOR
+    )
     assert close(kind, a.cross(b.cross(c)), b * a.dot(c) - c * a.dot(b))
     assert close(kind, a.dot(b.cross(c)), b.dot(c.cross(a)))
     assert close(kind, a.outer(b) @ c, a * b.dot(c))
@@ -151,7 +154,7 @@ def test_a_rotation_by_a_dual_angle_is_a_screw_displacement(kind):
     foot = n.cross(moment)  # the point of the line nearest to the origin
     there = Pose(position=foot) @ Pose.about(n, Dual(t, d)) @ Pose(position=-foot)
     assert close(kind, R, there.dual_matrix)
-    assert close(kind, Rotation.about(motor(axis, NOUGHT), Dual(t, d)), Pose.about(axis, Dual(t, d)).dual_matrix)
+    assert close(kind, Rotation.about(motor(axis, ZERO_VECTOR), Dual(t, d)), Pose.about(axis, Dual(t, d)).dual_matrix)
 
 
 @kinds
@@ -163,11 +166,11 @@ def test_dual_orthogonal_matrices_carry_motors_as_poses_do(kind):
     assert close(kind, D.T @ m, X.pull(m)) and close(kind, X.inverse @ m, X.pull(m))
     assert close(kind, D @ D.T, motor_identity())
     assert close(kind, (X @ X).dual_matrix, D @ D)
-    assert close(kind, X @ X.inverse, GROUND)
+    assert close(kind, X @ X.inverse, IDENTITY_POSE)
 
 
 def motor_identity() -> Matrix3:
-    return Matrix3(*(motor(a, NOUGHT) for a in AXES))
+    return Matrix3(*(motor(a, ZERO_VECTOR) for a in AXES))
 
 
 @kinds
@@ -196,7 +199,7 @@ def test_quaternions_of_rotations(kind):
         back = Quaternion.from_rotation(q.rotation)
         assert close(kind, back.rotation, q.rotation)
     assert list(Quaternion.from_rotation(IDENTITY)) == [1, 0, 0, 0]
-    assert list(GROUND.quaternion.real) == [1, 0, 0, 0] and list(GROUND.quaternion.dual) == [0, 0, 0, 0]
+    assert list(IDENTITY_POSE.quaternion.real) == [1, 0, 0, 0] and list(IDENTITY_POSE.quaternion.dual) == [0, 0, 0, 0]
 
 
 @pytest.mark.parametrize("kind", ["float", "array", "mpmath"])
@@ -218,10 +221,10 @@ def test_exp_near_half_turns_in_fifty_digits():
 
 
 def test_exp_and_log_of_known_constants():
-    assert [float(x) for x in Quaternion.exp(NOUGHT)] == [1, 0, 0, 0]
-    q = Quaternion.exp(REST)
+    assert [float(x) for x in Quaternion.exp(ZERO_VECTOR)] == [1, 0, 0, 0]
+    q = Quaternion.exp(ZERO_MOTOR)
     assert [float(x) for x in (*q.real, *q.dual)] == [1, 0, 0, 0, 0, 0, 0, 0]
-    still = GROUND.quaternion.log
+    still = IDENTITY_POSE.quaternion.log
     assert [float(x) for x in (*still.real, *still.dual)] == [0] * 6
 
 
@@ -281,7 +284,7 @@ def test_inertias_move_as_what_they_multiply(kind):
     assert close(kind, power(U, body(V)), power(V, body(U)))
     assert close(kind, (X @ (X.inverse @ body))(V), body(V), 60)
     basis = Inertia.basis()
-    total = REST
+    total = ZERO_MOTOR
     for p, E in zip(body.parameters, basis, strict=True):
         total = total + E(V) * p
     assert close(kind, total, body(V))
@@ -304,3 +307,13 @@ def test_a_scalar_may_stand_on_either_side(s):
         left, right = s * thing, thing * s
         assert type(left) is type(right) is type(thing)
         assert distance(left, right) == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("NOUGHT", "ZERO_VECTOR"), ("REST", "ZERO_MOTOR"), ("GROUND", "IDENTITY_POSE")]
+)
+def test_former_names_of_constants_work_and_say_the_new_ones(old, new):
+    with pytest.warns(DeprecationWarning, match=f"is called {new} now"):
+        assert getattr(spatial, old) is getattr(spatial, new)
+    with pytest.raises(AttributeError, match="no_such"):
+        spatial.no_such

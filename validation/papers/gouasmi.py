@@ -12,7 +12,7 @@ import numpy as np
 
 import dualpin as dp
 from dualpin import Dual
-from dualpin.spatial import NOUGHT, UX, UZ, Pose, Quaternion, Rotation, Vector3, motor
+from dualpin.spatial import UX, UZ, ZERO_VECTOR, Pose, Quaternion, Rotation, Vector3, motor
 
 from .common import Claim, Page, Row
 from .counting import Counted, count
@@ -258,7 +258,7 @@ def _links(kind: Any) -> list[Any]:
 
 
 def displacement_axis(axis: Vector3) -> Vector3:
-    return motor(axis, NOUGHT)
+    return motor(axis, ZERO_VECTOR)
 
 
 def by_quaternions(q: list[Any]) -> Quaternion:

@@ -22,7 +22,7 @@ from ...scalars import Scalar, exact
 from ...spatial.inertia import Inertia
 from ...spatial.pose import Pose
 from ...spatial.rotation import Matrix3, Rotation
-from ...spatial.vector import NOUGHT, Vector3
+from ...spatial.vector import ZERO_VECTOR, Vector3
 
 NO_MOTION = np.eye(4)
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -287,7 +287,7 @@ def _inertia(bodies: Sequence[Body | None]) -> Inertia | None:
     X = _pose(np.array([homogeneous(x.rotation, x.com) for x in known]))
     I = np.array([x.inertia for x in known])
     about_com = Inertia(
-        _scalar(np.array([x.mass for x in known])), NOUGHT, Matrix3(*(_vector(I[:, r]) for r in range(3)))
+        _scalar(np.array([x.mass for x in known])), ZERO_VECTOR, Matrix3(*(_vector(I[:, r]) for r in range(3)))
     )
     found: Inertia = X @ about_com
     return found
