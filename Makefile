@@ -59,6 +59,9 @@ referee: $(STAMP)    ## libraries judged on twenty robots: writes validation/ref
 dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
 	$(BIN)/python validation/dh/campaign.py
 
+zoo: $(STAMP)        ## any folder of URDFs, DIR=..., read and validated by both libraries: writes out/zoo
+	$(BIN)/python -m validation.zoo $(DIR) --out out/zoo
+
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks
 

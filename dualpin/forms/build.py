@@ -12,7 +12,7 @@ from ..dual import Dual
 from ..errors import ArgumentError, ShapeError, nearest
 from ..model.builder import Builder
 from ..model.joints import JointModel, cylindrical, helical, prismatic, revolute
-from ..model.robot import STANDARD_GRAVITY, Limits, Robot
+from ..model.robot import STANDARD_GRAVITY, Limits, Mimic, Robot
 from ..scalars import exact
 from ..spatial.arrays import from_matrix
 from ..spatial.inertia import Inertia
@@ -44,6 +44,7 @@ def from_dh(
     ----------
     rows : array_like, shape (n, 4), or sequence of DHRow, or DHTable
         theta, d, a, alpha in rad and m.  Modified rows carry the a and alpha before the joint (Craig).
+        Rows of a table that share a coordinate become joints that follow the first of them (mimic).
     joints : str or sequence
         One for each row: "R" (q adds to theta), "P" (to d), "C" (angle to theta, slide to d, in
         this order), ("H", pitch) (q to theta, pitch * q to d; pitch in m/rad), "F" (fixed row).
@@ -83,7 +84,11 @@ def from_dh(
     >>> dp.fk(arm, [0.0, np.pi / 2], frame="tool")[:3, 3].round(12).tolist()
     [0.5, 0.4, 0.0]
     """
+    couplings: list[Mimic | None] = []
+    notes: list[str] = []
     if isinstance(rows, DHTable):
+        if joints is None:
+            couplings, notes = _couplings(rows)
         joints = rows.joints if joints is None else joints
         convention = convention or rows.convention
         base, tool = rows.base if base is None else base, rows.tool if tool is None else tool
@@ -100,8 +105,32 @@ def from_dh(
     first = DHTable(tuple(table_rows), DHEnd(), DHEnd(), convention, name)
     return assembled(
         first, _end("base", base, convention), _end("tool", tool, convention),
-        _bodies(inertias, len(values)), _bounds(limits, kinds), gravity,
+        _bodies(inertias, len(values)), _bounds(limits, kinds), gravity, couplings, notes,
     )  # fmt: skip
+
+
+def _couplings(table: DHTable) -> tuple[list[Mimic | None], list[str]]:
+    """What rows of one coordinate become: joints that follow the first of them; and what is lost."""
+    leaders: dict[int, tuple[str, float]] = {}
+    found: list[Mimic | None] = []
+    notes = []
+    for i, row in enumerate(table.rows, 1):
+        name = f"joint_{i}"
+        if len(row.q) != 1:
+            found.append(None)
+            continue
+        (q,), (factor,) = row.q, row.factors
+        leader, ratio = leaders.setdefault(q, (name, factor))
+        if leader == name:
+            found.append(None)
+            if factor != 1.0:
+                notes.append(
+                    f"{name} ({row.joint}) followed a joint that is not in the table, with multiplier {factor:g}; "
+                    "it is free here"
+                )
+        else:
+            found.append(Mimic(leader, factor / ratio))
+    return found, notes
 
 
 def _values(rows: Any) -> list[list[float]]:
@@ -254,6 +283,8 @@ def assembled(
     bodies: Sequence[Inertia | None] | None = None,
     limits: Sequence[Limits] | None = None,
     gravity: Sequence[float] = STANDARD_GRAVITY,
+    couplings: Sequence[Mimic | None] = (),
+    notes: Sequence[str] = (),
 ) -> Robot:
     """The robot of a table, every row on the DH frame of the one before.
 
@@ -261,17 +292,20 @@ def assembled(
     """
     n, standard = len(table.rows), table.convention == "standard"
     bodies, limits = bodies or [None] * n, limits or [Limits()] * n
+    couplings = couplings or [None] * n
     b = Builder(table.name, gravity)
+    b.notes += notes
     b.base("base_link")
     on, start = "base_link", table.base.pose if base is None else base
-    for i, (row, body, bound) in enumerate(zip(table.rows, bodies, limits, strict=True), 1):
+    for i, (row, body, bound, mimic) in enumerate(zip(table.rows, bodies, limits, couplings, strict=True), 1):
         Z, X = Pose.about(UZ, row.theta_hat), Pose.about(UX, row.alpha_hat)
         place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), IDENTITY_POSE)
         inertia = None if body is None else far @ body
         if row.letter == "F":
             b.fixed(f"fixed_{i}", on, place, inertia, link=f"link_{i}")
         else:
-            b.joint(f"joint_{i}", model(row.letter, row.pitch), on, place, inertia, link=f"link_{i}", limits=bound)
+            kind = model(row.letter, row.pitch)
+            b.joint(f"joint_{i}", kind, on, place, inertia, link=f"link_{i}", limits=bound, mimic=mimic)
         on, start = f"link_{i}", IDENTITY_POSE
         if standard:
             b.fixed(f"frame_{i}_joint", on, far, link=f"frame_{i}")

@@ -45,7 +45,8 @@ def from_screws(
         M, pose of the tip at q = 0.
     screws : array_like, shape (6, n)
         Columns [w; v]: revolute (w unit, w . v = 0), prismatic (w zero, v unit), or helical (w
-        unit, pitch w . v in m/rad).
+        unit, pitch w . v in m/rad).  A pitch within the precision of printed numbers (six decimals,
+        say) is zero; ``robot.notes`` says so.
     frame : "space" or "body"
         The frame of the screws.
     Mlist : array_like, shape (n + 1, 4, 4) or (n, 4, 4), optional
@@ -86,20 +87,29 @@ def from_screws(
         raise ArgumentError(
             f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite"
         )
+    blur = _blur(S)
     if frame == "body":
         S = carried(tip, S)
     bodies = _bodies(Mlist, Glist, S.shape[1])
     b = Builder(name, gravity)
     b.base("base_link")
     on, at = "base_link", np.zeros(3)
-    for i, (w, v) in enumerate(zip(S[:3].T, S[3:].T, strict=True), 1):
-        model, point = _joint(w, v, i, unit)
+    rounded = []
+    for i, (w, v, least) in enumerate(zip(S[:3].T, S[3:].T, blur, strict=True), 1):
+        model, point = _joint(w, v, i, unit, float(least))
+        if PITCH < abs(w @ v) <= least and np.linalg.norm(w) > UNIT:
+            rounded.append(f"joint_{i} ({w @ v:.2g} m/rad)")
         # every moving frame stands on its axis, parallel to the base at home
         point = at if point is None else point
         here = Pose(position=_vector(point))
         body = None if bodies is None else here.inverse @ bodies[i - 1]
         b.joint(f"joint_{i}", model, on, Pose(position=_vector(point - at)), body, link=f"link_{i}")
         on, at = f"link_{i}", point
+    if rounded:
+        b.notes.append(
+            "pitches within the precision of the screws' own decimals count as zero, the joints are revolute: "
+            + ", ".join(rounded)
+        )
     b.fixed("tool_joint", on, Pose(position=_vector(-at)) @ tip, link="tool")
     return b.robot()
 
@@ -108,7 +118,19 @@ def _vector(x: np.ndarray) -> Vector3:
     return Vector3(*map(exact, x.tolist()))
 
 
-def _joint(w: np.ndarray, v: np.ndarray, i: int, unit: bool) -> tuple[JointModel, np.ndarray | None]:
+def _blur(S: np.ndarray) -> np.ndarray:
+    """How exactly the pitch w . v of each screw is known, shape (n,), in m/rad.
+
+    Numbers of 4 to 12 decimals were printed, and are known to half of the last; others to rounding.
+    An error of delta in every number changes w . v by up to delta (|w|_1 + |v|_1).
+    """
+    size = np.abs(S).max(initial=1.0)
+    decimals = next((k for k in range(13) if np.abs(S - S.round(k)).max(initial=0.0) <= 1e-15 * size), 13)
+    delta = 0.5 * 10.0**-decimals if 4 <= decimals <= 12 else 0.0
+    return np.maximum(PITCH, delta * np.abs(S).sum(axis=0))
+
+
+def _joint(w: np.ndarray, v: np.ndarray, i: int, unit: bool, least: float) -> tuple[JointModel, np.ndarray | None]:
     """The joint of a screw [w; v], and the point of its axis next to the origin (None: anywhere)."""
     turn, slide = float(np.linalg.norm(w)), float(np.linalg.norm(v))
     size = turn if turn > UNIT else slide
@@ -122,7 +144,7 @@ def _joint(w: np.ndarray, v: np.ndarray, i: int, unit: bool) -> tuple[JointModel
             _direction(v / slide), Dual(exact(0), _near(slide)), kind="prismatic", coordinates=("length",)
         ), None
     axis, pitch = w / turn, float(w @ v) / turn**2
-    if abs(pitch) <= PITCH:
+    if abs(pitch) <= least / turn**2:
         pitch = 0.0
     kind = "helical" if pitch else "revolute"
     units = Dual(_near(turn), exact(_near(turn) * pitch))

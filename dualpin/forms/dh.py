@@ -93,7 +93,7 @@ def to_dh(
         return _tree(robot, rules, snap is not None)
     links = chain(robot, base, tip, "to_dh")
     table = _paired(links, *_alternating(links, rules, convention), convention)
-    return table if snap is None else _announced(table, snap)
+    return _offering(table, near_parallel) if snap is None else _announced(table, snap)
 
 
 def _rules(snap: float | tuple[float, float] | None, near: float) -> Rules:
@@ -161,6 +161,33 @@ def _paired(links: Chain, z: list[tuple[Dual, Axis | None]], x: list[Dual], conv
 def end(rows: list[DHRow], convention: str) -> DHEnd:
     """Rows without a joint, as a base or a tool."""
     return DHEnd(tuple(DHStep(r.theta_hat, r.alpha_hat, convention) for r in rows))
+
+
+OFFERED = (1e-5, 1e-4, 1e-3, 2e-3)
+"""Roundings that are offered [rad]: of 1.5708 (4e-6), of 3.142 (4e-4), of 1.57 (8e-4) and 3.14 (1.6e-3)."""
+
+
+def _offering(table: DHTable, near_parallel: float) -> DHTable:
+    """A table with fixed rows, with a note if rounding its angles would remove some of them."""
+    extra = _extra(table)
+    if not extra or table.chain is None:
+        return table
+    for snap in OFFERED:
+        rules = _rules(snap, near_parallel)
+        other = _paired(table.chain, *_alternating(table.chain, rules, table.convention), table.convention)
+        if _extra(other) < extra:
+            fewer = "it" if extra == 1 else "them" if not _extra(other) else f"{extra - _extra(other)} of them"
+            note = (
+                f"snap={snap:g} would remove {fewer}: angles that are nearly multiples of 90 degrees, as rounded ones "
+                f"are, become those; the tip would move by up to {other.residual:.2g} (m and matrix entries)"
+            )
+            return replace(table, notes=(*table.notes, note))
+    return table
+
+
+def _extra(table: DHTable) -> int:
+    """Steps that stand for no joint, beyond the one of the tool."""
+    return sum(r.letter == "F" for r in table.rows) + max(len(table.tool.steps) - 1, 0)
 
 
 def _announced(table: DHTable, snap: float | tuple[float, float]) -> DHTable:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import warnings
-from math import atan2, cos, hypot, inf, sin
+from math import atan2, copysign, cos, hypot, inf, isinf, sin
 from pathlib import Path
 from sys import float_info
 from typing import Any
@@ -45,7 +45,8 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     -----
     DualpinWarning
         Cylindrical joints are split into a continuous and a prismatic one with a massless link
-        between; a prismatic joint without limits gets -1 m ... 1 m; gravity, armature and a
+        between; a prismatic joint without limits gets -1 m ... 1 m; a negative effort or velocity
+        limit loses its sign; gravity, armature and a
         floating base (read it back with ``floating=True``) are not in the file.
 
     Examples
@@ -142,11 +143,12 @@ class _Writer:
         if m == 0 and h.any():
             raise ArgumentError(f"to_urdf: link {name!r} has a first moment {h.tolist()} kg m but no mass")
         c, J = body.central
+        inertia = _rounded(J.array, float(np.abs(ten[4:]).max()))
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
         etree.SubElement(inertial, "mass", value=_numbers([m]))
         keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-        values = J.array[np.triu_indices(3)].tolist()
+        values = inertia[np.triu_indices(3)].tolist()
         etree.SubElement(inertial, "inertia", **{k: _numbers([x]) for k, x in zip(keys, values, strict=True)})
         return name
 
@@ -223,7 +225,7 @@ class _Writer:
         if at is not None:
             free, limits = (inf,) * joint.model.nq, joint.limits
             bounds = (limits.lower or tuple(-x for x in free))[at], (limits.upper or free)[at]
-        bounded = all(abs(b) < inf for b in bounds)
+        bounded = any(abs(b) < inf for b in bounds)
         if kind == "prismatic" and not bounded:
             self.notes.append(
                 f"prismatic joint {name!r} has no limits, URDF demands them: -{TRAVEL:g} ... {TRAVEL:g} m written"
@@ -231,6 +233,8 @@ class _Writer:
             bounds, bounded = (-TRAVEL, TRAVEL), True
         if kind == "revolute" and not bounded:
             kind = "continuous"
+        # an end without limit beside one that has some: a huge number, which counts as none
+        lower, upper = (copysign(UNBOUNDED, x) if isinf(x) else x for x in bounds)
         e = self._element(name, kind, parent, child, origin)
         if part.axis is not None:
             etree.SubElement(e, "axis", xyz=_numbers(part.axis))
@@ -238,12 +242,9 @@ class _Writer:
             return
         limits = joint.limits
         if bounded or limits.velocity < inf or limits.effort < inf:
-            span = {"lower": _numbers([bounds[0]]), "upper": _numbers([bounds[1]])} if bounded else {}
-            most = {
-                "effort": _numbers([min(limits.effort, UNBOUNDED)]),
-                "velocity": _numbers([min(limits.velocity, UNBOUNDED)]),
-            }
-            etree.SubElement(e, "limit", **span, **most)
+            span = {"lower": _numbers([lower]), "upper": _numbers([upper])} if bounded else {}
+            etree.SubElement(e, "limit", **span, effort=self._most(name, "effort", limits.effort),
+                             velocity=self._most(name, "velocity", limits.velocity))  # fmt: skip
         if limits.damping or limits.friction:
             etree.SubElement(e, "dynamics", damping=_numbers([limits.damping]), friction=_numbers([limits.friction]))
         if joint.mimic is not None:
@@ -251,6 +252,12 @@ class _Writer:
             etree.SubElement(
                 e, "mimic", joint=m.joint, multiplier=_numbers([m.multiplier]), offset=_numbers([m.offset])
             )  # fmt: skip
+
+    def _most(self, joint: str, what: str, value: float) -> str:
+        """An effort or velocity limit as readers take it: not infinite, not negative."""
+        if value < 0:
+            self.notes.append(f"the {what} limit {value:g} of joint {joint!r} is negative: {-value:g} written")
+        return _numbers([min(abs(value), UNBOUNDED)])
 
     def _check_order(self) -> None:
         """URDF readers walk the tree depth-first, siblings by name: q may come in another order."""
@@ -276,6 +283,11 @@ class _Writer:
             below = children.get(e.find("child").get("link"), ())
             stack += sorted(below, key=lambda e: e.get("name").encode(), reverse=True)
         return out
+
+
+def _rounded(J: np.ndarray, size: float) -> np.ndarray:
+    """J about a centre with zeros where only the rounding of Steiner's terms, of that size, is left."""
+    return np.where(np.abs(J) <= 8 * float_info.epsilon * size, 0.0, J)
 
 
 def _checked(name: str) -> str:

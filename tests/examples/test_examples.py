@@ -14,7 +14,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 def test_it_runs(path, tmp_path, monkeypatch, capsys):
     text = path.read_text(encoding="utf-8")
     assert 15 <= len(text.splitlines()) <= 60 and text.startswith('"""')
-    if any(word in text for word in ("validate", "dp.load(\"", "judge")):
+    if any(word in text for word in ("validate", 'dp.load("', "judge")):
         pytest.importorskip("pinocchio")  # which brings the robots
     if "symbolic" in text:
         pytest.importorskip("sympy")

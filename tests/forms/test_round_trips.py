@@ -161,3 +161,49 @@ def test_converting_the_panda_takes_less_than_20_milliseconds() -> None:
         dp.to_dh(robot, "panda_link0", "panda_link8", "modified")
         times.append(time.perf_counter() - start)
     assert min(times) < 0.020  # the best of seven: other processes may run
+
+
+@pytest.mark.parametrize(("digits", "snap"), [(4, "1e-05"), (2, "0.001")])
+@pytest.mark.parametrize("convention", ["standard", "modified"])
+def test_a_table_with_extra_rows_offers_the_rounding_that_removes_them(digits, snap, convention):
+    text = nearly_parallel_axes(digits)
+    table = dp.to_dh(dp.loads(text), convention=convention)
+    (said,) = [n for n in table.notes if "snap=" in n]
+    assert f"snap={snap} would remove" in said and "90 degrees" in said and said in table.table()
+    other = dp.to_dh(dp.loads(text), convention=convention, snap=float(snap))
+    assert len(other) < len(table) and f"{other.residual:.2g}" in said
+    assert not [n for n in dp.to_dh(dp.load("panda"), tip="panda_link8").notes if "snap" in n]
+
+
+def nearly_parallel_axes(digits: int) -> str:
+    """Two turns of a rounded right angle make the next axis nearly, not quite, parallel to the one before."""
+    right = f"{np.pi / 2:.{digits}f}"
+    joint = (
+        '<joint name="j{0}" type="continuous"><parent link="l{0}"/><child link="l{1}"/>'
+        '<origin xyz="0.1 0.2 0.3" rpy="{2}"/><axis xyz="{3}"/></joint>'
+    )
+    joints = [joint.format(0, 1, "0 0 0", "0 0 1"), joint.format(1, 2, f"{right} 0 0", "0 1 0"),
+              joint.format(2, 3, "0 0 0", "1 0 0")]  # fmt: skip
+    return f'<robot name="r">{"".join(f"""<link name="l{i}"/>""" for i in range(4))}{"".join(joints)}</robot>'
+
+
+def test_a_table_of_coupled_joints_gives_coupled_joints():
+    """The fingers of a gripper follow one another; the robot of their table has as few coordinates."""
+    text = (
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/><link name="d"/>'
+        '<joint name="x" type="continuous"><parent link="a"/><child link="b"/><origin xyz="0 0 1"/>'
+        '<axis xyz="0 0 1"/></joint>'
+        '<joint name="y" type="continuous"><parent link="b"/><child link="c"/><origin xyz="1 0 0"/><axis xyz="0 1 0"/>'
+        '<mimic joint="x" multiplier="-2" offset="0.3"/></joint>'
+        '<joint name="z" type="continuous"><parent link="c"/><child link="d"/><origin xyz="0 1 0"/><axis xyz="1 0 0"/>'
+        '<mimic joint="x" multiplier="0.5"/></joint></robot>'
+    )
+    whole = dp.loads(text, mimic=True)
+    for convention in ("standard", "modified"):
+        arm = dp.from_dh(dp.to_dh(whole, convention=convention))
+        assert (arm.nq, len(arm.joints), arm.notes) == (1, 3, ())
+        q = np.linspace(-3, 3, 20)[:, None]
+        assert np.abs(dp.fk(arm, q, "tool") - dp.fk(whole, q, "d")).max() < 1e-13
+    part = dp.from_dh(dp.to_dh(whole, base="b", tip="d"))
+    assert (part.nq, part.joint(part.joint_names[1]).mimic.multiplier) == (1, -0.25)
+    assert "followed a joint that is not in the table, with multiplier -2" in part.notes[0]

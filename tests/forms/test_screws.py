@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import expm
 
 import dualpin as dp
+from dualpin.spatial import exp, to_matrix
 
 TOLERANCE = 1e-12
 
@@ -140,3 +141,33 @@ def test_screws_are_exported_in_full_and_as_code() -> None:
     assert isinstance(types.SimpleNamespace(t=tree.export()).t, str)
     with pytest.raises(dp.ArgumentError, match="choose a tip"):
         tree.export("python")
+
+
+@pytest.mark.parametrize("frame", ["space", "body"])
+@pytest.mark.parametrize("name", ["ur5", "panda", "ur10"])
+def test_screws_of_six_decimals_are_those_of_revolute_joints(name: str, frame: str, seed: int) -> None:
+    """Rounding leaves w . v at 1e-7: no pitch of a screw, but the input's own precision."""
+    turn = exp(np.r_[0.3, -0.5, 0.7, 0.1, 0.2, -0.3])  # otherwise axes are those of the base, and zeros exact
+    poe = dp.to_screws(dp.load(name), frame=frame, tip="panda_link8" if name == "panda" else "tool0")
+    T = to_matrix(turn)
+    R, p = T[:3, :3], T[:3, 3]
+    skew = np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
+    adjoint = np.block([[R, np.zeros((3, 3))], [skew @ R, R]])
+    S, home = (adjoint @ poe.screws, T @ poe.home) if frame == "space" else (poe.screws, poe.home)
+    arm = dp.from_screws(home, S.round(6), frame)
+    pitches = np.abs((S.round(6)[:3] * S.round(6)[3:]).sum(0))
+    assert {j.kind for j in arm} == {"revolute"}
+    assert (pitches.max() > 1e-12) == any("pitches within the precision" in n for n in arm.notes)
+    exact, q = dp.from_screws(home, S, frame), np.random.default_rng(seed).uniform(-3, 3, (50, arm.nq))
+    # each rounded number moves the tip by half of its last digit, times lengths below 2 m
+    assert np.abs(dp.fk(arm, q, "tool", engine="numpy") - dp.fk(exact, q, "tool", engine="numpy")).max() < 3e-5
+
+
+def test_a_pitch_that_the_numbers_state_stays() -> None:
+    """Of any number of decimals: it is larger than half of the last."""
+    w = np.array([0.0, 0.6, 0.8])
+    for pitch in (0.1, 1e-3, 1.5e-4, 2.5e-5, 3e-6, 1 / 3):
+        moment = np.cross([0.2, 0.1, -0.3], w)
+        for S in (np.r_[0, 0, 1, 0, 0, pitch], np.r_[w, moment + pitch * w]):
+            (joint,) = dp.from_screws(np.eye(4), S[:, None])
+            assert joint.kind == "helical" and not dp.from_screws(np.eye(4), S[:, None]).notes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import dualpin as dp
 from dualpin.io.urdf import loads
 from dualpin.io.write import roll_pitch_yaw
 from dualpin.model import Builder, revolute
+from dualpin.model.robot import Limits
 from dualpin.spatial import Pose, Vector3
 
 # roll, pitch, yaw and back: three rotations, each within an eps of it
@@ -167,3 +169,41 @@ def test_roll_pitch_yaw_is_exact_also_at_90_degrees_of_pitch(seed: int) -> None:
         for sign in (-1, 1):
             R = rpy(rng.uniform(-3, 3), sign * (np.pi / 2 - near), rng.uniform(-3, 3))
             assert np.abs(rpy(*roll_pitch_yaw(R)) - R).max() <= 1e-15
+
+
+def test_point_masses_are_written_with_zeros(seed: int) -> None:
+    """What is left of Steiner's terms is rounding, and a reader would find it indefinite."""
+    rng = np.random.default_rng(seed)
+    masses, centres = 10.0 ** rng.uniform(-3, 4, 6), rng.uniform(-2, 2, (6, 3))
+    points = [{"mass": float(m), "com": c} for m, c in zip(masses, centres, strict=True)]
+    arm = dp.from_dh(rng.uniform(-1, 1, (6, 4)), inertias=points)
+    text = arm.to_urdf()
+    assert text.count('ixx="0.0" ixy="0.0" ixz="0.0" iyy="0.0" iyz="0.0" izz="0.0"') == 6
+    assert not [n for n in dp.loads(text).notes if "eigenvalues" in n or "triangle" in n]
+
+
+@pytest.mark.parametrize(
+    ("limits", "written", "said"),
+    [
+        (Limits((-inf,), (inf,)), 'type="continuous"', None),
+        (Limits((-1.0,), (inf,)), 'lower="-1.0" upper="1000000000.0"', None),
+        (Limits((-inf,), (2.0,), 3.0, 4.0), 'lower="-1000000000.0" upper="2.0" effort="4.0" velocity="3.0"', None),
+        (Limits((-1e30,), (1e30,)), 'lower="-1e+30" upper="1e+30"', None),
+        (Limits((-1.0,), (1.0,), -2.0, 3.0), 'velocity="2.0"', "velocity limit -2 of joint 'j' is negative"),
+        (Limits((-1.0,), (1.0,), 2.0, -3.0), 'effort="3.0"', "effort limit -3 of joint 'j' is negative"),
+        (Limits((1.0,), (-1.0,)), 'lower="1.0" upper="-1.0"', None),
+    ],
+)
+def test_pinocchio_reads_what_is_written_of_odd_limits(
+    limits: Limits, written: str, said: str | None, tmp_path
+) -> None:
+    pin = pytest.importorskip("pinocchio")
+    b = Builder("r")
+    b.base("ground")
+    b.joint("j", revolute(), "ground", limits=limits)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        text = b.robot().to_urdf(tmp_path / "r.urdf")
+    assert written in text
+    assert (said is None and caught == []) or said in str(caught[0].message)
+    assert list(pin.buildModelFromUrdf(str(tmp_path / "r.urdf")).names) == ["universe", "j"]
