@@ -14,8 +14,9 @@ from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import located, partly, precision
 from .search import Catalogue, Explanation, explain
 
-BUDGET = 60.0
-"""Seconds of processor time for all terms of a subject; a term gets a share of what is left."""
+BUDGETS = (10.0, 60.0)
+"""Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share."""
+ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
 MOST = 16  # stories of a term that it looks at
 
@@ -42,8 +43,9 @@ class Diagnosis:
         return [f for f in self.findings if term in f.terms]
 
 
-def diagnose(case: Case, budget: float = BUDGET, tick: Callable[[str], None] = lambda what: None) -> Diagnosis:
-    """Explain what deviates."""
+def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None] = lambda what: None) -> Diagnosis:
+    """Explain what deviates, within so many seconds of processor time (by default `BUDGETS`)."""
+    budget = BUDGETS[case.robot.nv > ARM] if budget is None else budget
     start = time.process_time()
     found = Diagnosis()
     found.findings += _history(case)

@@ -176,7 +176,7 @@ def inertia_units(h: Hypothesis, case: object) -> list[Hypothesis]:
         def act(d: Description, items: Sequence[str]) -> Description:
             return d.with_bodies(lambda b: replace(b, inertia=k * b.inertia), items)
 
-        return replace(h, place="edit", act=act, terms=MASSIVE, values=words)
+        return replace(h, place="edit", act=act, terms=MASSIVE, values=words, cost=1.05)
 
     return [one(words, k) for words, k in UNITS.items()]
 

@@ -49,6 +49,8 @@ def interview(
     f = function(subject, term)
     if f is None:
         return None, {"absent": True}
+    if frames == []:
+        return None, {"absent": True, "errors": {"": "not offered: the robot has no link besides its root"}}
     n, start = len(given[0]), time.perf_counter()
     note: dict[str, Any] = {}
     asked = frames if frames is not None else [None]
