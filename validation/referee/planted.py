@@ -60,7 +60,7 @@ def write(results: dict[str, dict[str, Any]]) -> None:
     lines = [
         "# Planted mistakes", "",
         "`python -m validation.referee.planted` switches one mistake on in a student's code",
-        f"(tests/crosscheck/planted.py: NumPy, world frame, link by link; {SAMPLES} states) and lets the diagnosis name it.",
+        f"(tests/crosscheck/planted.py: NumPy, world frame, link by link; {SAMPLES} states); it must be named.",
         "*named*: by its key, and nothing else; *invisible*: nothing on this robot depends on it;",
         "**missed**: not named, or something else besides.",
         "",
