@@ -39,7 +39,7 @@ EVERYDAY = ["panda", "ur5_robot", "xarm7", "kinova", "talos_left_arm", "tiago", 
 def examined(name: str, mimic: bool = False, samples: int = 10) -> list[dict]:
     path = dp.io.find(name)
     robot = dp.load(path, mimic=mimic)
-    oracle = campaign.Pinocchio(robot, str(path), floating=False, mimic=mimic)
+    oracle = campaign.Pinocchio.of_file(robot, str(path), floating=False)
     found = (campaign.examine(robot, oracle, leaf, samples, seed=5) for leaf in leaves(robot))
     return [c for c in found if c is not None]
 
