@@ -22,6 +22,7 @@ LAYERS = (
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "functions",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck", "bench",  # what is done with it
+    "bench_device",
     "report", "view", "cli",  # how it is shown
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class

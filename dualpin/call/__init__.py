@@ -72,7 +72,7 @@ def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]
 
 
 def on_device(
-    robot: Robot, term: Term, options: Options, dtype: np.dtype | None = None, device: str | int = "cuda"
+    robot: Robot, term: Term, options: Options, dtype: np.dtype | None = None, device: Any = "cuda"
 ) -> DeviceEvaluator:
     """The term on arrays of a GPU; see `DeviceEvaluator`."""
     from .device import device_evaluator
@@ -131,4 +131,4 @@ def kernel(
     return function_of(robot, term, settled, kind)
 
 
-__all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "run"]
+__all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "on_device", "run"]

@@ -21,11 +21,24 @@ def bench(
     terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
     batch: Annotated[str, typer.Option("--batch", help="Samples a call; 1 is a single call.")] = "1,4096",
     threads: Annotated[str, typer.Option("--threads", help="Thread counts, between commas.")] = "1",
+    device: Annotated[str, typer.Option("--device", help="A GPU: cuda, cuda:1, ...; terms are measured there.")] = "",
+    explain: Annotated[
+        bool, typer.Option("--explain", help="With --device: registers, spills and occupancy; needs no GPU.")
+    ] = False,
     floating: Floating = False,
     json: Json = False,
 ) -> None:
-    """Measure terms beside Pinocchio, in one run, after checking that both agree."""
+    """Measure terms beside Pinocchio, in one run, after checking that both agree.
+
+    With --device, kernels on a GPU are measured instead, after checking that they give the bits of the host's.
+    """
     from .. import bench as measure
+
+    if explain and not device:
+        raise ArgumentError("bench: --explain is of kernels on a GPU; --device cuda")
+    if device:
+        _on_device(robots, terms, batch, device, explain, floating, json)
+        return
 
     chosen = [t for t in terms.replace(",", " ").split() if t] or measure.TERMS_MEASURED
     batches, counts = whole(batch, "--batch"), whole(threads, "--threads")
@@ -39,6 +52,28 @@ def bench(
         show_json(rows)
     else:
         show_rows(rows, ("robot", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample", "ratio"))
+
+
+def _on_device(
+    robots: list[str], terms: str, batch: str, device: str, explain: bool, floating: bool, json: bool
+) -> None:
+    from .. import bench_device as measure
+
+    chosen = [t for t in terms.replace(",", " ").split() if t] or ["rnea", "aba", "crba", "fk"]
+    if explain:
+        rows = measure.explained(robots, chosen, device, floating=floating)
+        columns: tuple[str, ...] = ("robot", "term", "dtype", "operations", "registers", "stack", "spill_stores")
+        columns += ("spill_loads", "shared", "occupancy", "architecture")
+    else:
+        rows = measure.run(robots, chosen, whole(batch.removeprefix("1,"), "--batch"), device, floating=floating)
+        columns = ("robot", "term", "dtype", "batch", "us_per_call", "million_per_second", "device")
+    if json:
+        show_json(rows)
+        return
+    said = [r for r in rows if "reason" in r]
+    show_rows([r for r in rows if "reason" not in r], columns)
+    for r in said:
+        print(f"note: {r['robot']} {r['term']} {r['dtype']}: {r['reason']}", file=sys.stderr)
 
 
 @app.command()

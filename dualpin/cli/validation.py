@@ -38,7 +38,7 @@ def validate(
     ] = None,
     floating: Floating = False,
     mimic: Mimic = False,
-    engine: Annotated[str, typer.Option("--engine", help="auto, numpy or compiled.")] = "auto",
+    engine: Annotated[str, typer.Option("--engine", help="auto, numpy, compiled or cuda.")] = "auto",
     arbitrate: Annotated[
         bool, typer.Option("--arbitrate", help="Ask 50 digits also where a term agrees and is off by more than 1e-13.")
     ] = False,
@@ -73,8 +73,8 @@ def validate(
                 f"validate: {name!r} is a term, not a robot; terms go between commas: --terms rnea,crba"
             )
         find(name)  # a name that is nothing at all is no file to refuse
-    cases = all_cases() if all_ else [Case(name, floating, mimic, against) for name in robots or []]
-    workers = min(jobs or os.cpu_count() or 1, len(cases))
+    cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
+    workers = 1 if engine == "cuda" else min(jobs or os.cpu_count() or 1, len(cases))  # processes share no device
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     with _progress(len(cases)) as tick:
         report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick)

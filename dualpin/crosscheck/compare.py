@@ -90,7 +90,8 @@ class _Comparison:
         """Those that cannot be compared with the reason, the others batch by batch, and the differences decided."""
         variants = {c.term: [o for o in c.variants(self.robot, self.seed) if self.oracle.offers(o)] for c in checks}
         hindered = {c.term: _hindrance(c, self.pair, variants[c.term]) for c in checks}
-        given = states(self.robot, self.samples, self.seed, self.engine) | {"sample": np.arange(self.samples)}
+        here = "auto" if self.engine == "cuda" else self.engine  # states are made on the host
+        given = states(self.robot, self.samples, self.seed, here) | {"sample": np.arange(self.samples)}
         (poses,) = self.oracle.compute("fk", {"q": given["q"]})
         extent = Extent(self.robot, poses[..., :3, 3], {key: given[key] for key in ("v", "a", "f_ext")})
         tallies = {c: Tally() for c in checks if not hindered[c.term]}

@@ -90,6 +90,10 @@ def provenance(engine: str) -> dict[str, str]:
 
         bits = 8 * this_host().width
         found["engine"] += f", vectors of {bits} bits ({bits // 64} doubles)"
+    if found["engine"] == "cuda":
+        from ..engine.cuda.driver import device
+
+        found["engine"] += f", {device().name}"
     return found
 
 

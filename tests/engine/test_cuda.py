@@ -14,6 +14,7 @@ import pytest
 from random_robots import tree
 
 import dualpin as dp
+from dualpin import bench_device
 from dualpin.engine.codegen.number import DOUBLE, SINGLE
 from dualpin.engine.cuda import arrays, dlpack, driver, far, layout, program, resources
 from dualpin.engine.cuda.arrays import one_step
@@ -27,6 +28,7 @@ from .test_kernels import options, states
 
 SIX = [("ur5", False), ("panda", False), ("talos", False), ("anymal_c", True), ("g1", True), ("tiago_dual", False)]
 TYPES = (np.float64, np.float32)
+TYPE_NAMES = ("float64", "float32")
 needs_device = pytest.mark.skipif(driver.count() == 0, reason="no CUDA device")
 needs_ptxas = pytest.mark.skipif(resources.ptxas() is None, reason="the wheel nvidia-cuda-nvcc is not installed")
 
@@ -341,3 +343,27 @@ def test_a_device_gives_the_bits_of_the_host(term):
         compute = robot.kernel(term, dtype, device="cuda")
         assert np.array_equal(compute(*there).to_host(), expected)
         assert np.array_equal(compute(*xs, copy=True), expected)
+
+
+# --- the report ------------------------------------------------------------------------------------
+
+
+@needs_ptxas
+def test_the_report_of_registers_needs_no_device():
+    rows = bench_device.explained(["ur5"], ["rnea", "jacobian"])
+    assert [(r["term"], r["dtype"]) for r in rows] == [
+        (t, d) for t in ("rnea", "jacobian") for d in bench_device.DTYPES
+    ]
+    assert all(0 < r["registers"] <= 255 and 0 < r["occupancy"] <= 1 for r in rows)
+
+
+@pytest.mark.skipif(driver.count() > 0, reason="there is a CUDA device")
+def test_nothing_is_measured_without_a_device():
+    with pytest.raises(dp.DeviceError):
+        bench_device.run(["ur5"], ["rnea"])
+
+
+def test_terms_that_are_too_long_are_in_the_report(monkeypatch):
+    monkeypatch.setattr(program, "LONGEST", 10)
+    rows = bench_device.explained(["ur5"], ["rnea"])
+    assert all("too long for a GPU" in r["reason"] for r in rows)

@@ -24,7 +24,7 @@ from dualpin.errors import DeviceError
 from . import correctness, peers, throughput
 from .page import markdown
 
-SECTIONS = ("throughput", "peers", "correctness")
+SECTIONS = ("throughput", "columns", "peers", "correctness")
 
 
 def shown(row: dict[str, Any]) -> None:
@@ -68,6 +68,8 @@ def main() -> int:
         start = time.perf_counter()
         if section == "throughput":
             results[section] = throughput.run(progress=shown)
+        elif section == "columns":
+            results[section] = throughput.columns(progress=shown)
         elif section == "peers":
             results[section] = peers.run(grid=args.grid, progress=shown)
         else:
@@ -77,7 +79,7 @@ def main() -> int:
         path.write_text(json.dumps(results, indent=1) + "\n")
         (args.out / "results.md").write_text(markdown(results))
     wrong = [r for r in results.get("correctness", []) if not correctness.passed(r)]
-    wrong += [r for r in results.get("throughput", []) if not r.get("equal", True)]
+    wrong += [r for name in ("throughput", "columns") for r in results.get(name, []) if not r.get("equal", True)]
     for row in wrong:
         print("wrong:", end=" ", file=sys.stderr)
         shown(row)

@@ -23,7 +23,7 @@ from dualpin.terms import TERMS
 ROBOTS = (("ur5", False), ("panda", False), ("talos", False), ("anymal_c", True), ("g1", True), ("tiago_dual", False))
 STATES = 1_000_000
 MEMORY = 1 << 30  # bytes of arguments and results at a time: what is larger has fewer states
-SLOW = 30_000  # operations beyond which a term is left out: the host's compiler takes minutes for some
+SLOW, WIDE = 30_000, 50_000  # operations and results beyond which a term is left out: the host's compiler takes minutes
 
 
 def options(robot: Robot, term: str) -> dict[str, Any]:
@@ -62,6 +62,8 @@ def compared(name: str, floating: bool, term: str, dtype: str, states: int) -> d
     if operations > SLOW:
         return row | {"left_out": f"{operations} operations: more than the {SLOW} that this check takes time for"}
     shape = made.shape(robot, **chosen)
+    if np.prod(shape) > WIDE:
+        return row | {"left_out": f"{int(np.prod(shape))} results: more than the {WIDE} that this check takes time for"}
     entries = sum(made.sizes(robot)) + int(np.prod(shape))
     n = min(states, max(1000, MEMORY // (entries * np.dtype(dtype).itemsize)))
     rng = np.random.default_rng(0)

@@ -1,15 +1,16 @@
-// Inverse dynamics of GRiD on the samples of a file:  program float32|float64 N IN OUT
+// Inverse dynamics of GRiD on the samples of a file:  program N IN OUT, compiled with -DREAL=float or double
+// (both in one program declare GRiD's shared memory twice).
 // Prints the number of threads a sample that was fastest, and seconds of a launch (the median of many, by events).
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <vector>
 
 #include "grid.cuh"
 
-template <typename T>
+using T = REAL;
+
 int run(int n, const char *source, const char *target) {
     const int nq = grid::NUM_JOINTS;
     std::vector<T> in(size_t(3) * nq * n), q_qd_u(size_t(3) * nq * n, T(0)), qdd(size_t(nq) * n), out(size_t(nq) * n);
@@ -56,7 +57,4 @@ int run(int n, const char *source, const char *target) {
     return 0;
 }
 
-int main(int argc, char **argv) {
-    if (argc != 5) return 2;
-    return strcmp(argv[1], "float64") ? run<float>(atoi(argv[2]), argv[3], argv[4]) : run<double>(atoi(argv[2]), argv[3], argv[4]);
-}
+int main(int argc, char **argv) { return argc == 4 ? run(atoi(argv[1]), argv[2], argv[3]) : 2; }

@@ -168,6 +168,34 @@ def run(
     return rows
 
 
+WIDE = (("panda", False, ("rnea", "fk", "crba", "rnea_derivatives")), ("talos", False, ("rnea", "fk", "crba")))
+
+
+def columns(progress: Callable[[dict[str, Any]], None] | None = None) -> list[dict[str, Any]]:
+    """Structures of arrays, by the device's clock: each entry's samples are neighbours, as threads are."""
+    rows = []
+    for name, floating, terms in WIDE:
+        robot, states = robot_and_states(name, floating, BLOCK)
+        for term in terms:
+            for dtype in ("float64", "float32"):
+                made = TERMS[term]
+                width = int(np.prod(made.shape(robot)))
+                n = 1_000_000 if width < 300 else BLOCK
+                sources = [np.resize(states[x], (n, states[x].shape[1])).astype(dtype) for x in made.inputs]
+                arrays = [cuda.to_device(np.ascontiguousarray(x.T)) for x in sources]
+                out = cuda.DeviceArray((width, n), np.dtype(dtype), cuda.device(), 0)
+                launch = robot.kernel(term, dtype, device="cuda").launch(dtype, strided=True)
+                numbers = [x for array in (*arrays, out) for x in (array.pointer, 1, n)]
+                seconds = on_device(lambda stream: launch.start(n, stream, numbers))  # noqa: B023
+                expected = robot.kernel(term, dtype)(*(x[:1000] for x in sources)).reshape(1000, width)
+                equal = bool(np.array_equal(out.to_host()[:, :1000].T, expected))
+                row = {"robot": name, "floating": floating, "term": term, "dtype": dtype, "batch": n}
+                rows.append(row | {"device_seconds": seconds, "equal": equal})
+                if progress:
+                    progress(rows[-1])
+    return rows
+
+
 def copy_rate(size: int = 4 << 30) -> float:
     """Bytes a second that the device's memory moves, read and written both counted."""
     where = cuda.device()
