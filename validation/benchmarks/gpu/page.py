@@ -100,7 +100,7 @@ def peers(rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> list[str]:
     return [
         "## Beside others\n",
         "Millions of samples a second, data on the device; in brackets, how many times as long as ours it takes.\n"
-        "Libraries of JAX are measured by calls one after the other, as ours; GRiD by the device's clock, as ours, and\n"
+        "Libraries of JAX: by calls one after the other, as ours; GRiD: by the device's clock, as ours, and\n"
         "with the number of threads a sample that suits it best.  The last column: the largest scaled difference of\n"
         "torques from dualpin in double precision, before and after.  In single precision JAX multiplies matrices in\n"
         "TF32 by default; where torques differ by more than 0.2 % for that, the table says so.\n",
