@@ -73,7 +73,7 @@ def validate(
                 f"validate: {name!r} is a term, not a robot; terms go between commas: --terms rnea,crba"
             )
         find(name)  # a name that is nothing at all is no file to refuse
-    cases = all_cases() if all_ else [Case(name, floating, mimic) for name in robots or []]
+    cases = all_cases() if all_ else [Case(name, floating, mimic, against) for name in robots or []]
     workers = 1 if engine == "cuda" else min(jobs or os.cpu_count() or 1, len(cases))  # processes share no device
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     with _progress(len(cases)) as tick:
