@@ -19,6 +19,7 @@ from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
+from .transmissions import REDUCTION
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
 TRAVEL = 1.0  # m; URDF demands limits of every prismatic joint, see `to_urdf`
@@ -96,6 +97,7 @@ class _Writer:
         self.root = etree.Element("robot", name=_checked(robot.name))
         self.joints: list[Any] = []
         self.links: list[Any] = []
+        self.transmissions: list[Any] = []
         self.names: set[str] = {j.name for j in robot} | {f.name for f in robot.frames if f.role == "fixed_joint"}
         self.link_names: set[str] = {k.name for k in robot.links}
         self.bodies = {k.name: k.inertia for k in robot.links}
@@ -113,7 +115,7 @@ class _Writer:
                     link_of[0] = link_of[i]
         for i, frame in enumerate(self.robot.frames[1:], 1):
             self._joint_frame(i, frame, link_of)
-        for element in (*self.links, *self.joints):
+        for element in (*self.links, *self.joints, *self.transmissions):
             self.root.append(element)
         etree.indent(self.root)
         text = etree.tostring(self.root, encoding="unicode")
@@ -215,10 +217,20 @@ class _Writer:
                 f"{name!r} ({what})" for name, what in zip(names, joint.model.velocity_names, strict=True)
             )
             self.notes.append(f"{joint.kind} joint {joint.name!r} is split into {into}")
+        if joint.rotor is not None and float(joint.rotor.ratio) != 1.0:
+            self._geared(joint.name, float(joint.rotor.ratio))
         for name, part in zip(names, parts, strict=True):
             below = child if part is parts[-1] else self._link(self._free(f"{child}_turned", self.link_names), None)
             self._part(joint, name, part, parent, below, origin)
             parent, origin = below, IDENTITY_POSE
+
+    def _geared(self, name: str, ratio: float) -> None:
+        e = etree.Element("transmission", name=_checked(f"{name}_transmission"))
+        etree.SubElement(e, "type").text = "transmission_interface/SimpleTransmission"
+        etree.SubElement(e, "joint", name=_checked(name))
+        motor = etree.SubElement(e, "actuator", name=_checked(f"{name}_motor"))
+        etree.SubElement(motor, REDUCTION).text = _numbers([ratio])
+        self.transmissions.append(e)
 
     def _part(self, joint: Joint, name: str, part: Written, parent: str, child: str, origin: Pose) -> None:
         kind, at, bounds = part.type, part.coordinate, (-inf, inf)

@@ -49,7 +49,7 @@ def rows(robot: Robot) -> list[tuple[str, ...]]:
         (
             str(j.index),
             line(j.name),
-            j.kind + _following(j),
+            j.kind + _following(j) + (" (passive)" if j.passive else ""),
             line(j.parent.name) if j.parent else "-",
             _span(j.q),
             _span(j.v),

@@ -1,6 +1,7 @@
 """The vocabulary: vectors, rotations, quaternions, poses, inertias over any scalar; motions as arrays."""
 
 from ..renamed import former_names
+from .adjoint import adjoint, coadjoint
 from .arrays import (
     ScrewParameters,
     compose,
@@ -21,8 +22,8 @@ from .vector import AXES, UX, UY, UZ, ZERO_MOTOR, ZERO_VECTOR, Momentum, Twist, 
 __all__ = [
     "AXES", "IDENTITY", "IDENTITY_POSE", "UX", "UY", "UZ", "ZERO_INERTIA", "ZERO_MOTOR", "ZERO_VECTOR",
     "Articulated", "Connection", "Inertia", "Matrix3", "Momentum", "Pose", "Quaternion", "Rotation",
-    "ScrewParameters", "Twist", "Vector3", "Wrench", "compose", "dh_rotation", "diagonal", "displaced", "exp",
-    "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew", "to_matrix",
+    "ScrewParameters", "Twist", "Vector3", "Wrench", "adjoint", "coadjoint", "compose", "dh_rotation", "diagonal",
+    "displaced", "exp", "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew", "to_matrix",
 ]  # fmt: skip
 
 __getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR", "GROUND": "IDENTITY_POSE"})

@@ -209,6 +209,7 @@ def test_a_urdfs_transmission_gives_the_ratio_and_changes_no_term(text, ratio):
     assert any("mechanicalReduction" in n for n in r.notes) == (ratio == "note")
     if isinstance(ratio, float):
         assert j.rotor == Rotor(ratio=ratio)
+        assert loads(r.to_urdf()).joint("j").rotor == j.rotor
         geared = r.with_rotors({"j": 1e-3})
         assert float(dp.crba(geared, [0.0], engine="numpy")[0, 0]) == pytest.approx(1 + 1e-3 * ratio**2)
     else:

@@ -1,0 +1,101 @@
+"""Changes of frame as 6x6 matrices, for those who want them: the algorithms carry motors without any."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .arrays import from_matrix
+
+
+def adjoint(T: ArrayLike) -> np.ndarray:
+    """Ad_T: takes a twist [w; v] of the frame T to the frame that T is described in, shape (..., 6, 6).
+
+        Ad = [R, 0; [p] R, R]
+
+    Its inverse transpose takes wrenches, see `coadjoint`; its columns are what the real and the dual
+    part of (1 + eps [p]) R do.
+
+    Parameters
+    ----------
+    T : array_like, shape (..., 4, 4)
+        Homogeneous matrices.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+        Angular part first.
+
+    Raises
+    ------
+    ArgumentError
+        If a matrix is no rigid motion.
+
+    References
+    ----------
+    Lynch & Park (2017), 3.3.2; Featherstone (2008), 2.8.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> robot, q = dp.load("ur5"), np.ones(6)
+    >>> T = dp.fk(robot, q, "tool0")
+    >>> world, local = (dp.jacobian(robot, q, "tool0", seen) for seen in ("world", "local"))
+    >>> bool(np.allclose(dp.spatial.adjoint(T) @ local, world))
+    True
+    """
+    R, p = _parts(T)
+    return _blocks(R, _crossed(p) @ R, lower=True)
+
+
+def coadjoint(T: ArrayLike) -> np.ndarray:
+    """Ad_T^-T: takes a wrench [n; f] of the frame T to the frame that T is described in, shape (..., 6, 6).
+
+        Ad^-T = [R, [p] R; 0, R]
+
+    Parameters
+    ----------
+    T : array_like, shape (..., 4, 4)
+        Homogeneous matrices.
+
+    Returns
+    -------
+    ndarray, shape (..., 6, 6)
+        Moment first.
+
+    Raises
+    ------
+    ArgumentError
+        If a matrix is no rigid motion.
+
+    References
+    ----------
+    Featherstone (2008), 2.8.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> T = dp.fk(dp.load("ur5"), np.ones(6), "tool0")
+    >>> bool(np.allclose(dp.spatial.coadjoint(T).T @ dp.spatial.adjoint(T), np.eye(6)))
+    True
+    """
+    R, p = _parts(T)
+    return _blocks(R, _crossed(p) @ R, lower=False)
+
+
+def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    from_matrix(T)  # raises where it is no rigid motion
+    X = np.asarray(T, dtype=float)
+    return X[..., :3, :3], X[..., :3, 3]
+
+
+def _crossed(p: np.ndarray) -> np.ndarray:
+    """[p] with [p] b = p x b."""
+    return np.moveaxis(np.cross(p[..., None, :], np.eye(3)), -1, -2)
+
+
+def _blocks(R: np.ndarray, pR: np.ndarray, *, lower: bool) -> np.ndarray:
+    A = np.zeros((*R.shape[:-2], 6, 6))
+    A[..., :3, :3] = A[..., 3:, 3:] = R
+    A[..., slice(3, 6) if lower else slice(3), slice(3) if lower else slice(3, 6)] = pR
+    return A
