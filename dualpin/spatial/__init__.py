@@ -23,7 +23,8 @@ __all__ = [
     "AXES", "IDENTITY", "IDENTITY_POSE", "UX", "UY", "UZ", "ZERO_INERTIA", "ZERO_MOTOR", "ZERO_VECTOR",
     "Articulated", "Connection", "Inertia", "Matrix3", "Momentum", "Pose", "Quaternion", "Rotation",
     "ScrewParameters", "Twist", "Vector3", "Wrench", "adjoint", "coadjoint", "compose", "dh_rotation", "diagonal",
-    "displaced", "exp", "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew", "to_matrix",
+    "displaced", "exp", "from_matrix", "inverse", "log", "motor", "power", "sclerp", "screw_parameters", "skew",
+    "to_matrix",
 ]  # fmt: skip
 
 __getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR", "GROUND": "IDENTITY_POSE"})
