@@ -12,6 +12,9 @@ from .xml import Document
 FAR = 10.0  # m; the parts of robots are closer together, in millimetres all are farther
 TURNS = 8 * pi  # rad; four turns: limits of cables are smaller, 90 degrees are more
 MOST_DEGREES = 720.0
+MILLIMETRES = "lengths look like millimetres (metres are expected)"
+TOO_WIDE = f"inertia does not fit the mass, its radius of gyration is beyond {FAR:g} m (kg mm^2, or a placeholder)"
+DEGREES = "angles look like degrees (radians are expected)"
 
 
 def remark(document: Document, robot: Robot, mimic: bool) -> None:
@@ -64,28 +67,32 @@ def _free_mimics(document: Document) -> None:
 def _units(document: Document) -> None:
     for name, link in document.links.items():
         inertial = link.find("inertial")
-        if inertial is not None and _far(inertial):
-            document.notes.add("lengths look like millimetres (metres are expected)", "link", name)
+        if inertial is None:
+            continue
+        if hypot(*_values(inertial.find("origin"), "xyz")) > FAR:
+            document.notes.add(MILLIMETRES, "link", name)
+        elif (radius := _radius(inertial)) > FAR:
+            document.notes.add(TOO_WIDE, "link", name, f"{radius:.3g} m")
     for name, joint in document.joints.items():
         kind = joint.get("type")
         origin, limit = joint.find("origin"), joint.find("limit")
         moves = kind != "fixed"
         if moves and hypot(*_values(origin, "xyz")) > FAR:
-            document.notes.add("lengths look like millimetres (metres are expected)", "joint", name)
+            document.notes.add(MILLIMETRES, "joint", name)
         if max(map(abs, _values(origin, "rpy"))) > 2 * pi + 0.01:
-            document.notes.add("angles look like degrees (radians are expected)", "joint", name, "rpy")
+            document.notes.add(DEGREES, "joint", name, "rpy")
         bounds = [x for key in ("lower", "upper") for x in _values(limit, key)]
         largest = max(map(abs, bounds))
-        if kind == "revolute" and TURNS < largest <= MOST_DEGREES and all(x == round(x) for x in bounds):
-            document.notes.add("angles look like degrees (radians are expected)", "joint", name, "limit")
+        # hundreds are placeholders in radians
+        if kind == "revolute" and TURNS < largest <= MOST_DEGREES and largest % 100 and all(x % 5 == 0 for x in bounds):
+            document.notes.add(DEGREES, "joint", name, "limit")
 
 
-def _far(inertial: etree._Element) -> bool:
-    """Whether the centre or the radius of gyration is farther out than bodies are large."""
+def _radius(inertial: etree._Element) -> float:
+    """The largest radius of gyration about the centre [m]."""
     mass = _values(inertial.find("mass"), "value")[0]
     moment = max(map(abs, (x for key in ("ixx", "iyy", "izz") for x in _values(inertial.find("inertia"), key))))
-    radius = sqrt(moment / mass) if mass > 0 else 0.0
-    return max(radius, hypot(*_values(inertial.find("origin"), "xyz"))) > FAR
+    return sqrt(moment / mass) if mass > 0 else 0.0
 
 
 def _values(e: etree._Element | None, attribute: str) -> list[float]:

@@ -242,6 +242,8 @@ CASES: list[Case] = [
     _warning("angles_in_degrees", '<origin xyz="0.3 0 0"/>', '<origin xyz="0.3 0 0" rpy="0 0 90"/>', "joint 'wrist'", "degrees"),
     _warning("lengths_in_millimetres", '<origin xyz="0.3 0 0"/>', '<origin xyz="300 0 0"/>', "joint 'wrist'", "millimetres"),
     _warning("centre_in_millimetres", '<origin xyz="0 0 0.1" rpy="0 0 0"/>', '<origin xyz="0 0 100"/>', "link 'base'", "millimetres"),
+    _warning("inertia_of_a_placeholder", MASS, '<mass value="1e-5"/>', "link 'arm'", "radius of gyration", "31.6 m"),
+    _accept("limits_of_a_placeholder", LIMIT, LIMIT.replace('"-1"', '"-100"').replace('upper="1"', 'upper="100"')),
     _warning("moves_no_mass", '<mass value="0.5"/><inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/>', "", "joint 'wrist'", "no mass"),
     _warning("damping", LIMIT, LIMIT + '<dynamics damping="0.5" friction="2"/>', "joint 'shoulder'", "damping 0.5", "friction 2"),
     _warning("armature", LIMIT, LIMIT + '<dynamics armature="0.1"/>', "joint 'shoulder'", "armature", "ignored"),
