@@ -41,7 +41,7 @@ class Extent:
         self.robot, self.positions, self.states = robot, positions, states
         self.distance = np.linalg.norm(positions, axis=-1)
         self.reach = 1.0 + self.distance.max(axis=-1, initial=0.0)
-        self.mass = sum(float(j.inertia.mass) for j in robot)
+        self.mass = sum(abs(float(j.inertia.mass)) for j in robot)
         self.gravity = float(np.linalg.norm([float(x) for x in robot.gravity]))
 
     def part(self, rows: slice) -> Extent:
