@@ -601,13 +601,16 @@ class Student:
         return a
 
     def com(self, q):
+        return self._com(q, self.has("com_of_origins"), not self.has("com_not_divided"))
+
+    def _com(self, q, of_origins=False, divided=True):
         links, _ = self.poses(q)
         total, moment = 0.0, np.zeros(3)
         for k in self.links.values():
             if self._counts(k.name):
                 R, p = links[k.name]
-                total, moment = total + k.mass, moment + k.mass * (p if self.has("com_of_origins") else p + R @ k.com)
-        return moment if self.has("com_not_divided") else moment / total
+                total, moment = total + k.mass, moment + k.mass * (p if of_origins else p + R @ k.com)
+        return moment / total if divided else moment
 
     def _counts(self, link):
         if self.has("base_counts") or self.floating:
@@ -616,7 +619,7 @@ class Student:
 
     def centroidal_momentum_matrix(self, q):
         links, axes = self.poses(q)
-        c = np.zeros(3) if self.has("momentum_about_origin") else self.com(q)
+        c = np.zeros(3) if self.has("momentum_about_origin") else self._com(q)
         A = np.zeros((6, self.nv))
         for k in self.links.values():
             if k.mass and self._counts(k.name):
@@ -717,7 +720,7 @@ FIXED = {
 }  # fmt: skip
 FLOATING = {
     "quaternion_xyzw": ("quaternion",), "base_turn_inverted": ("base_turn",), "base_pose_ignored": ("base_pose",),
-    "gravity_in_base": ("gravity_in_base",), "base_linear_first": ("base_order",),
+    "gravity_in_base": ("gravity_in_base", "base_pose"), "base_linear_first": ("base_order",),
     "angular_world": ("angular_world",),
     "linear_world": ("linear_world",), "linear_origin": ("linear_origin",), "seen_from_base": ("in_base",),
 }  # fmt: skip

@@ -62,7 +62,7 @@ def write(results: dict[str, dict[str, Any]]) -> None:
         "`python -m validation.referee.planted` switches one mistake on in a student's code",
         f"(tests/crosscheck/planted.py: NumPy, world frame, link by link; {SAMPLES} states); it must be named.",
         "*named*: by its key, and nothing else; *invisible*: nothing on this robot depends on it;",
-        "**missed**: not named, or something else besides.",
+        "**missed**: not named, or something else besides; -: not run on this robot.",
         "",
         "| robot | single mistakes | visible | named | pairs named |", "|---|---|---|---|---|",
     ]  # fmt: skip

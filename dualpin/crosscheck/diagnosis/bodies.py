@@ -45,10 +45,8 @@ def bodies(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
     mine = _linear(case, term, story, train)
     if mine is None:
         return
-    together = [mine]
-    if not story:
-        others = (t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term)
-        together += [found for t in others if (found := _linear(case, t, story, train)) is not None]
+    others = (t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term)
+    together = [mine, *(found for t in others if (found := _linear(case, t, story, train)) is not None)]
     for equations in [together, [mine]] if len(together) > 1 else [[mine]]:
         compressed = _compressed(case, equations)
         yield from _links(case, compressed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +11,7 @@ from dataclasses import dataclass, field
 from ..findings import Finding
 from .apart import told_apart
 from .case import Case, scaled
-from .hypothesis import Hypothesis, Story, cost, identity
+from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
 from .search import Catalogue, Explanation, explain
 
@@ -82,7 +83,18 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         lost += not e.named
         first += [s for s in e.stories[:6] if s not in first]
         first = _united(first)[:32]
+    for term in [t for t in off if not told[t].named]:  # what later terms told may explain an earlier one
+        again = explain(case, term, catalogue, _together(told), depth=0)
+        if again.named:
+            told[term] = again
     return told
+
+
+def _together(told: Mapping[str, Explanation]) -> list[Story]:
+    """Two and three of the causes that were found, together."""
+    found = {h.identity: h for e in told.values() if e.named for h in e.stories[0]}
+    causes = list(found.values())[:8]
+    return [ordered(c) for n in (2, 3) for c in itertools.combinations(causes, n)]
 
 
 def _united(stories: Sequence[Story]) -> list[Story]:

@@ -70,7 +70,7 @@ class _Near:
 
 def explain(
     case: Case, term: str, catalogue: Catalogue, first: Sequence[Story] = (), budget: float = 30.0,
-    tick: Callable[[str], None] = lambda what: None,
+    tick: Callable[[str], None] = lambda what: None, depth: int = DEPTH,
 ) -> Explanation:  # fmt: skip
     """Look for the stories of one term; stories that explained other terms are tried first."""
     search = _Search(case, term, time.process_time() + budget)
@@ -78,18 +78,18 @@ def explain(
     search.consider([tuple(h for h in s if term in h.terms) for s in first])
     whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
-    for depth in range(1, DEPTH + 1):
+    for size in range(1, depth + 1):
         if search.good or search.late:
             break
-        tick(f"{term}: {'single causes' if depth == 1 else f'{depth} causes together'}")
+        tick(f"{term}: {'single causes' if size == 1 else f'{size} causes together'}")
         level: list[Story] = []
         for story in beam:
             more = [*fits(case, term, story), *whole]
-            if depth == 1 or (depth == 2 and len(case.robot) <= LARGE):
+            if size == 1 or (size == 2 and len(case.robot) <= LARGE):
                 more += single
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
         near = search.consider(level)
-        if depth == 1 and not search.good:
+        if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))
         beam = _kept(near)
     found.stories = _cheapest(search.good.values())
