@@ -49,7 +49,7 @@ def info() -> dict[str, Any]:
 
     Examples
     --------
-    >>> from dualpin.engine import cache
+    >>> from dualpin.engine.jit import cache
     >>> sorted(cache.info())
     ['bytes', 'folder', 'kernels', 'reason', 'usable']
     """
