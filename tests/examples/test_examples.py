@@ -20,8 +20,9 @@ def test_it_runs(path, tmp_path, monkeypatch, capsys):
         pytest.importorskip("sympy")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", [str(path)])
+    code = 0
     try:
         runpy.run_path(str(path), run_name="__main__")
     except SystemExit as e:
-        assert not e.code
-    assert capsys.readouterr().out
+        code = e.code
+    assert not code and capsys.readouterr().out
