@@ -13,21 +13,34 @@ joint's own coordinates is v + a t: this holds for every joint, whatever its coo
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..errors import DualpinError
-from ..model.robot import Frame, Joint, Robot
-from ..scalars import Exact
+from ..model.robot import Frame, Robot
+from .rigid import (
+    Array,
+    carried,
+    carried_wrench,
+    displacement,
+    exact,
+    inverse,
+    logarithm,
+    momentum,
+    number,
+    pose,
+    seen,
+    six,
+    small_motion,
+    weight,
+)
 
 WORKING_DIGITS = 130
 """A difference over STEP loses 30 digits, one of differences 60; its own error is STEP^2."""
 STEP = "1e-30"
-
-Array = np.ndarray  # of mpmath numbers
 
 
 class UndecidedError(DualpinError):
@@ -59,20 +72,20 @@ class Definitions:
         # of this thread: what else the machine does is no reason to give up
         self.deadline = time.thread_time() + seconds
         self.h = mpmath.mpf(STEP)
-        self.state = {key: _exact(mpmath, x) for key, x in state.items()}
+        self.state = {key: exact(mpmath, x) for key, x in state.items()}
         self.joints = list(self.robot)
-        self.placements = [_pose(mpmath, j.placement) for j in self.joints]
-        self.screws = [[_six(mpmath, s) for s in j.model.screws] for j in self.joints]
+        self.placements = [pose(mpmath, j.placement) for j in self.joints]
+        self.screws = [[six(mpmath, s) for s in j.model.screws] for j in self.joints]
         self.parents = [j.parent.index if j.parent else -1 for j in self.joints]
         self.indices = [list(range(j.v.start, j.v.stop)) for j in self.joints]
-        self.bodies = [_exact(mpmath, [_number(mpmath, x) for x in j.inertia.parameters]) for j in self.joints]
-        self.field = _exact(mpmath, [_number(mpmath, x) for x in self.robot.gravity])
+        self.bodies = [exact(mpmath, [number(mpmath, x) for x in j.inertia.parameters]) for j in self.joints]
+        self.field = exact(mpmath, [number(mpmath, x) for x in self.robot.gravity])
         self.q = self.state["q" if "q" in self.state else "q0"]
 
     # --- poses and velocities --------------------------------------------------------------------
 
     def zeros(self) -> Array:
-        return _exact(self.mp, [0] * self.robot.nv)
+        return exact(self.mp, [0] * self.robot.nv)
 
     def poses(self, *steps: Array) -> list[Array]:
         """4x4 matrices of all bodies at q, moved by exp(S step) for each step."""
@@ -85,19 +98,19 @@ class Definitions:
                 twist = sum(
                     (s * step[k] for s, k in zip(self.screws[i], self.indices[i], strict=True)), start=0 * T[0, 0]
                 )
-                T = T @ _small_motion(self.mp, twist) if self.screws[i] else T
+                T = T @ small_motion(self.mp, twist) if self.screws[i] else T
             found.append(found[self.parents[i]] @ T if self.parents[i] >= 0 else T)
         return found
 
     def columns(self, T: list[Array]) -> list[list[Array]]:
         """The world twist of each degree of freedom of each joint at unit velocity."""
-        return [[_carried(X, s) for s in screws] for X, screws in zip(T, self.screws, strict=True)]
+        return [[carried(X, s) for s in screws] for X, screws in zip(T, self.screws, strict=True)]
 
     def twists(self, T: list[Array], v: Array) -> list[Array]:
         """World twists of all bodies."""
         found: list[Array] = []
         for i, columns in enumerate(self.columns(T)):
-            V = found[self.parents[i]] if self.parents[i] >= 0 else _exact(self.mp, [0] * 6)
+            V = found[self.parents[i]] if self.parents[i] >= 0 else exact(self.mp, [0] * 6)
             for column, k in zip(columns, self.indices[i], strict=True):
                 V = V + column * v[k]
             found.append(V)
@@ -113,7 +126,7 @@ class Definitions:
 
     def momenta(self, T: list[Array], V: list[Array], bodies: list[Array] | None = None) -> Array:
         """World momenta [l0; p] of all bodies."""
-        return np.array([_momentum(X, W, body) for X, W, body in zip(T, V, bodies or self.bodies, strict=True)])
+        return np.array([momentum(X, W, body) for X, W, body in zip(T, V, bodies or self.bodies, strict=True)])
 
     def transmitted(
         self, v: Array, a: Array, *, gravity: bool = True, f_ext: Array | None = None, at: Array | None = None,
@@ -134,9 +147,9 @@ class Definitions:
         T = self.poses(at)
         for i, X in enumerate(T):
             if gravity:
-                forces[i] = forces[i] - _weight(X, bodies[i], self.field)
+                forces[i] = forces[i] - weight(X, bodies[i], self.field)
             if f_ext is not None:
-                forces[i] = forces[i] - _carried_wrench(X, f_ext[i])
+                forces[i] = forces[i] - carried_wrench(X, f_ext[i])
         for i in reversed(range(len(T))):
             if self.parents[i] >= 0:
                 forces[self.parents[i]] = forces[self.parents[i]] + forces[i]
@@ -154,10 +167,10 @@ class Definitions:
     def armature(self, i: int, n: int) -> Any:
         """What a rotor adds to the diagonal of M; one that follows turns by the multiplier of its leader's rate."""
         joint = self.joints[i]
-        return _number(self.mp, joint.armature[n]) * self.multiplier(i) ** 2 if joint.armature else self.mp.mpf(0)
+        return number(self.mp, joint.armature[n]) * self.multiplier(i) ** 2 if joint.armature else self.mp.mpf(0)
 
     def multiplier(self, i: int) -> Any:
-        return _number(self.mp, self.joints[i].model.coupling[0])
+        return number(self.mp, self.joints[i].model.coupling[0])
 
     def mass_matrix(self) -> Array:
         """The kinetic energy as a bilinear form: M = sum J^T I J, with rotors."""
@@ -166,7 +179,7 @@ class Definitions:
         J = self.columns(T)
         for i in range(len(T)):
             chain = [(c, k) for b in self.chain(i) for c, k in zip(J[b], self.indices[b], strict=True)]
-            momenta = [(_momentum(T[i], c, self.bodies[i]), k) for c, k in chain]
+            momenta = [(momentum(T[i], c, self.bodies[i]), k) for c, k in chain]
             for c, k in chain:
                 for P, m in momenta:
                     M[k, m] += c @ P
@@ -214,27 +227,27 @@ class Definitions:
             return self.rate(lambda step, _: self.seen_jacobian(step, frame, how), s["v"])
         J = lambda step: self.seen_jacobian(step, frame, "world")  # noqa: E731
         here = self.frame(self.poses(), frame)
-        twist = _seen(here, J(self.zeros()) @ s["v"], how)
+        twist = seen(here, J(self.zeros()) @ s["v"], how)
         if term == "frame_velocity":
             return twist
-        A = _seen(here, self.rate(lambda step, velocity: J(step) @ velocity, s["v"], s["a"]), how)
+        A = seen(here, self.rate(lambda step, velocity: J(step) @ velocity, s["v"], s["a"]), how)
         if options.get("classical"):
             A[3:] = A[3:] + np.cross(twist[:3], twist[3:])
         return A
 
     def frame(self, T: list[Array], frame: Frame) -> Array:
-        X = _pose(self.mp, frame.placement)
+        X = pose(self.mp, frame.placement)
         return T[frame.joint.index] @ X if frame.joint else X
 
     def seen_jacobian(self, step: Array, frame: Frame, reference: str) -> Array:
         T = self.poses(step)
-        J = np.array([_exact(self.mp, [0] * 6) for _ in range(self.robot.nv)]).reshape(self.robot.nv, 6)
+        J = np.array([exact(self.mp, [0] * 6) for _ in range(self.robot.nv)]).reshape(self.robot.nv, 6)
         columns = self.columns(T)
         for b in self.chain(frame.joint.index) if frame.joint else []:
             for column, k in zip(columns[b], self.indices[b], strict=True):
                 J[k] = J[k] + column
         here = self.frame(T, frame)
-        return np.array([_seen(here, column, reference) for column in J]).reshape(-1, 6).T
+        return np.array([seen(here, column, reference) for column in J]).reshape(-1, 6).T
 
     def _fk(self, joint: int, row: int, column: int) -> Any:
         return self.poses()[joint][row, column]
@@ -334,7 +347,7 @@ class Definitions:
             rotors = [(b, k) for b, ks in enumerate(self.indices) for k in ks]
             b, k = rotors[column - 10 * len(self.joints)]
             return self.state["a"][i] * self.multiplier(b) ** 2 if i == k else self.mp.mpf(0)
-        bodies = [_exact(self.mp, [0] * 10) for _ in self.joints]
+        bodies = [exact(self.mp, [0] * 10) for _ in self.joints]
         bodies[body][parameter] = self.mp.mpf(1)
         return self.torques(self.state["v"], self.state["a"], rotors=False, bodies=bodies)[i]
 
@@ -360,136 +373,4 @@ class Definitions:
         if joint.model.nq == joint.model.nv and len(joint.model.screws) < 3:  # coordinates of an axis add
             return q1[joint.q][i - joint.v.start] - self.q[joint.q][i - joint.v.start]
         s = self.screws[joint.index][i - joint.v.start]
-        return (s @ _logarithm(self.mp, _inverse(X0) @ X1)) / (s @ s)
-
-
-# --- numbers, poses, twists ----------------------------------------------------------------------
-
-
-def _number(mp: Any, x: Any) -> Any:
-    return mp.mpf(x.n) if isinstance(x, Exact) else mp.mpf(x)
-
-
-def _exact(mp: Any, values: Any) -> Array:
-    """An array of mpmath numbers."""
-    x = np.asarray(values, dtype=object)
-    return np.array([_number(mp, y) for y in x.ravel()], dtype=object).reshape(x.shape)
-
-
-def _pose(mp: Any, X: Any) -> Array:
-    return _exact(mp, [[_number(mp, x) for x in row] for row in X.rows])
-
-
-def _six(mp: Any, m: Any) -> Array:
-    """[w; v] of a motor."""
-    return _exact(mp, [_number(mp, x) for x in (*m.real, *m.dual)])
-
-
-def _matrix(mp: Any, R: Array, p: Sequence[Any]) -> Array:
-    T = _exact(mp, np.eye(4).astype(int))
-    T[:3, :3], T[:3, 3] = R, p
-    return T
-
-
-def _skew(w: Array) -> Array:
-    x, y, z = w
-    return np.array([[0 * x, -z, y], [z, 0 * x, -x], [-y, x, 0 * x]], dtype=object)
-
-
-def _turn(mp: Any, axis: Array, c: Any, s: Any) -> Array:
-    """Rodrigues: the rotation about a unit axis by the angle of cosine c and sine s."""
-    K = _skew(axis)
-    return _exact(mp, np.eye(3).astype(int)) + K * s + K @ K * (1 - c)
-
-
-def displacement(mp: Any, joint: Joint, q: Array) -> Array:
-    """The 4x4 matrix of a joint at its coordinates, by what they are: angles, lengths, a quaternion."""
-    model = joint.model
-    axis = getattr(model, "axis", None)
-    if axis is not None:
-        axis = _exact(mp, [_number(mp, x) for x in axis])
-        angle, slide = _number(mp, model.offset.real), _number(mp, model.offset.dual)  # type: ignore[attr-defined]
-        for u, x in zip(model.units, q, strict=True):  # type: ignore[attr-defined]
-            angle, slide = angle + _number(mp, u.real) * x, slide + _number(mp, u.dual) * x
-        return _matrix(mp, _turn(mp, axis, mp.cos(angle), mp.sin(angle)), axis * slide)
-    by = {kind: [x for k, x in zip(model.coordinates, q, strict=True) if k == kind] for kind in set(model.coordinates)}
-    p = [*by.get("length", []), mp.mpf(0), mp.mpf(0), mp.mpf(0)][:3]
-    z = _exact(mp, [0, 0, 1])
-    if "quaternion" in by:
-        x = np.array(by["quaternion"], dtype=object)
-        x = x / mp.sqrt(x @ x)
-        K = _skew(x[1:])
-        R = _exact(mp, np.eye(3).astype(int)) + K * (2 * x[0]) + K @ K * 2
-    else:
-        (angle,) = by["angle"]
-        R = _turn(mp, z, mp.cos(angle), mp.sin(angle))
-    return _matrix(mp, R, p)
-
-
-def _small_motion(mp: Any, twist: Array) -> Array:
-    """exp of a twist of the size of STEP, to the third order."""
-    X = _exact(mp, np.zeros((4, 4), int))
-    X[:3, :3], X[:3, 3] = _skew(twist[:3]), twist[3:]
-    one = _exact(mp, np.eye(4).astype(int))
-    return one + X @ (one + X @ (one + X / 3) / 2)
-
-
-def _inverse(T: Array) -> Array:
-    R = T.copy()
-    R[:3, :3], R[:3, 3] = T[:3, :3].T, -(T[:3, :3].T @ T[:3, 3])
-    return R
-
-
-def _logarithm(mp: Any, T: Array) -> Array:
-    """The twist [w; v] whose exponential is T, of an angle below pi."""
-    R = T[:3, :3]
-    w = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]], dtype=object) / 2
-    s, c = mp.sqrt(w @ w), (R[0, 0] + R[1, 1] + R[2, 2] - 1) / 2
-    angle = mp.atan2(s, c)
-    if angle == 0:
-        return np.concatenate([w, T[:3, 3]])
-    w = w * (angle / s)
-    K = _skew(w)
-    k = (1 - angle * s / (2 * (1 - c))) / angle**2
-    inverse = _exact(mp, np.eye(3).astype(int)) - K / 2 + K @ K * k
-    return np.concatenate([w, inverse @ T[:3, 3]])
-
-
-def _carried(T: Array, s: Array) -> Array:
-    """A twist of the frame T, about the world's origin."""
-    w = T[:3, :3] @ s[:3]
-    return np.concatenate([w, T[:3, :3] @ s[3:] + np.cross(T[:3, 3], w)])
-
-
-def _carried_wrench(T: Array, wrench: Array) -> Array:
-    """[n; f] in the frame T, about the world's origin."""
-    f = T[:3, :3] @ wrench[3:]
-    return np.concatenate([T[:3, :3] @ wrench[:3] + np.cross(T[:3, 3], f), f])
-
-
-def _seen(T: Array, twist: Array, reference: str) -> Array:
-    """A world twist as one sees it from the frame T."""
-    if reference == "world":
-        return twist
-    v = twist[3:] - np.cross(T[:3, 3], twist[:3])
-    parts = twist[:3], v
-    return np.concatenate(parts if reference == "local_world_aligned" else [T[:3, :3].T @ x for x in parts])
-
-
-def _tensor(body: Array) -> Array:
-    _, _, _, _, xx, xy, yy, xz, yz, zz = body
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], dtype=object)
-
-
-def _momentum(T: Array, twist: Array, body: Array) -> Array:
-    """[l0; p] of a body of ten parameters about its own origin."""
-    R, p = T[:3, :3], T[:3, 3]
-    w, v = twist[:3], twist[3:] + np.cross(twist[:3], p)  # of its origin
-    h = R @ body[1:4]
-    P = body[0] * v + np.cross(w, h)
-    return np.concatenate([np.cross(h, v) + R @ (_tensor(body) @ (R.T @ w)) + np.cross(p, P), P])
-
-
-def _weight(T: Array, body: Array, field: Array) -> Array:
-    """[n0; f] of gravity."""
-    return np.concatenate([np.cross(body[0] * T[:3, 3] + T[:3, :3] @ body[1:4], field), body[0] * field])
+        return (s @ logarithm(self.mp, inverse(X0) @ X1)) / (s @ s)
