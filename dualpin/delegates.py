@@ -13,6 +13,7 @@ HOMES = {
     "DHTable._repr_html_": "dualpin.report.notebook.dh_html",
     "DHTable.export": "dualpin.forms.export.dh_text",
     "DHTable.robot": "dualpin.forms.build.assembled",
+    "Evaluator.__reduce__": "dualpin.call.making.restored",
     "KhalilTable.export": "dualpin.forms.export.khalil_text",
     "Report._repr_html_": "dualpin.report.notebook.report_html",
     "Report.to_html": "dualpin.report.page.page",

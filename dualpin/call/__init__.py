@@ -21,7 +21,8 @@ from ..model.robot import Frame, Robot
 from ..terms import Options, Term
 from ..terms import term as term_named
 from .arguments import check_robot
-from .evaluator import DOUBLE, ENGINES, SINGLE, Evaluator, evaluator_of, function_of
+from .evaluator import DOUBLE, ENGINES, SINGLE, Evaluator
+from .making import evaluator_of, function_of
 
 if TYPE_CHECKING:
     from ..engine.jit.kernel import Kernel

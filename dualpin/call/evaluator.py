@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..delegates import home
 from ..interpret import interpret
 from ..model import frames
-from ..model.memory import memory
-from ..model.robot import Robot
-from ..terms import Options, Term, term
 from .arguments import check_result, rows, separated
-from .fast import fast_function
 from .kernels import Kernels
 
 ENGINES = ("auto", "compiled", "numpy", "cuda")
@@ -66,44 +62,4 @@ class Evaluator:
     def __reduce__(self) -> tuple[Any, ...]:
         # what it is for; code and memory are this process's
         options = {key: frames.key(self.robot, x) if key == "frame" else x for key, x in self.options.items()}
-        return _restored, (self.robot, self.term.name, self.dtype, options, self.engine)
-
-
-def evaluator_of(
-    robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
-) -> Evaluator:
-    """The robot's evaluator for a term whose options are settled; made at first use."""
-    if engine == "auto" and robot.numbers != "double":
-        engine = "numpy"  # constants of more digits are no machine numbers
-    kept, key = memory(robot), (term, dtype, *options.values())
-    found: Evaluator | None = kept.get((engine, *key))
-    if found is None:
-        constants = kept.get("constants") or kept.setdefault("constants", replace(robot))
-        kernels = kept.setdefault(("kernels", *key), Kernels(constants, term, options, dtype))
-        found = kept.setdefault((engine, *key), _made(kernels, engine))
-    return found
-
-
-def _made(kernels: Kernels, engine: str) -> Evaluator:
-    if engine != "cuda":
-        return Evaluator(kernels, engine)
-    from ..engine.cuda.driver import device
-    from .device import Copying
-
-    return Copying(kernels, device())
-
-
-def function_of(
-    robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
-) -> Evaluator:
-    """The same, with the fast call in front where there is one: other code, same arguments, same results."""
-    general = evaluator_of(robot, term, options, dtype, engine)
-    if general.engine != "auto":
-        return general
-    kept, key = memory(robot), ("function", term, dtype, *options.values())
-    return kept.get(key) or kept.setdefault(key, fast_function(general.kernels, general) or general)
-
-
-def _restored(robot: Robot, name: str, dtype: np.dtype, options: Options, engine: str) -> Evaluator:
-    named = term(name)
-    return function_of(robot, named, named.settled(robot, options), np.dtype(dtype.char), engine)
+        return home("Evaluator.__reduce__"), (self.robot, self.term.name, self.dtype, options, self.engine)
