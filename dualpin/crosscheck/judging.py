@@ -112,6 +112,8 @@ def judge(
         given = asking(robot, int(n), seed, wanted(terms), floating=floating, mimic=mimic)
         answers = ask(given, tick)
         result = judged(answers, given, diagnose, tick)
+        if diagnose and answers.refused and ask.refusal:
+            _explain_refusal(result, answers, given, ask.refusal, tick)
     report = Report([result])
     report.versions = versions(**({answers.name: answers.version} if answers.version else {}))
     return report
@@ -265,6 +267,18 @@ def _explain(terms: dict[str, TermResult], answers: Answers, tick: Tick) -> list
         if result.status == DIFFERS:
             result.settle(DIFFERS, result.nearer, reason)
     return [f"diagnosis: {told.predictions} answers predicted in {told.seconds:.1f} s"]
+
+
+def _explain_refusal(
+    result: RobotResult, answers: Answers, given: Asking, refusal: Callable[[Asking, float], str], tick: Tick
+) -> None:
+    """What in the file keeps the subject from reading it, beside every term that therefore is not compared."""
+    from .diagnosis.repair import repaired
+
+    told = repaired(answers, given, refusal, tick)
+    result.notes += [told.remark] if told.remark else []
+    for term in result.terms.values():
+        term.findings = [told.finding] if told.finding else []
 
 
 def _cause(findings: list[Finding]) -> str:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from . import rules  # noqa: F401  (they register themselves)
 from .fits import FITTED
 from .hypothesis import RULES
+from .repair import FIX, SAYS
 
 OTHERS = {
     "history": (
         "the same state asked twice gives other numbers", "compute everything from the arguments of the call"
     ),
     "partly": ("what is named explains part of the difference, or nearly all", "repair it, and judge again"),
+    "refusal": (SAYS, FIX),
 }  # fmt: skip
 
 

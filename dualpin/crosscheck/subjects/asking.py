@@ -70,11 +70,12 @@ class Asking:
 
     def holding(self, joints: Sequence[str]) -> Asking:
         """The same robot with some joints fixed where they are zero: those a subject does not know of."""
-        robot = _read(_fixed(self.text, joints), self.name, self.floating, self.mimic)
-        robot = robot.with_gravity(self.gravity)
-        return replace(
-            self, robot=robot, text=_fixed(self.text, joints), states=_states(robot, self.samples, self.seed)
-        )
+        return self.of_text(_fixed(self.text, joints))
+
+    def of_text(self, text: str) -> Asking:
+        """The same asked of another URDF."""
+        robot = _read(text, self.name, self.floating, self.mimic).with_gravity(self.gravity)
+        return replace(self, robot=robot, text=text, states=_states(robot, self.samples, self.seed))
 
 
 def _is_ground(f: Frame) -> bool:

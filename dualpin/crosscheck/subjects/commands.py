@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...errors import ArgumentError
@@ -83,6 +83,13 @@ def ask_command(command: Command, asking: Asking, tick: Callable[[str], None]) -
     return answers
 
 
+def refusal_of_command(command: Command, asking: Asking, seconds: float) -> str:
+    """Why a program does not read this robot; empty if it does.  It is asked for no terms."""
+    with tempfile.TemporaryDirectory() as at:
+        exchange.write(asking, Path(at), [])
+        return _run(replace(command, limit=min(seconds, command.limit)), Path(at))
+
+
 def _run(command: Command, folder: Path) -> str:
     """What went wrong, if anything."""
     log = folder / "log.txt"
@@ -101,4 +108,4 @@ def _run(command: Command, folder: Path) -> str:
     return "" if code == 0 else ended(code, log)
 
 
-__all__ = ["Command", "ask_command"]
+__all__ = ["Command", "ask_command", "refusal_of_command"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,35 @@ from ...errors import ArgumentError, nearest
 from . import exchange
 from .answers import Answers
 from .asking import Asking
-from .commands import Command, ask_command
+from .commands import Command, ask_command, refusal_of_command
 from .environments import ADAPTERS, interpreter, shipped
-from .running import ask_apart, ask_object
+from .running import ask_apart, ask_object, refusal_apart
 
 _SPEC = re.compile(r"^([\w.]+|.+\.py):[\w.]+(:.*)?$")
 
 
-def resolve(
-    subject: Any, *, python: str | None = None, limit: float = 60.0
-) -> Callable[[Asking, Callable[[str], None]], Answers]:
-    """A function that asks the subject.
+@dataclass(frozen=True)
+class Asker:
+    """Asks one subject.
+
+    Attributes
+    ----------
+    ask : callable
+        (asking, tick) -> `Answers`.
+    refusal : callable, optional
+        (asking, seconds) -> why it does not read the robot, empty if it does; None for a subject that is not
+        given a file in a process of its own.
+    """
+
+    ask: Callable[[Asking, Callable[[str], None]], Answers]
+    refusal: Callable[[Asking, float], str] | None = None
+
+    def __call__(self, asking: Asking, tick: Callable[[str], None]) -> Answers:
+        return self.ask(asking, tick)
+
+
+def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> Asker:
+    """What asks the subject.
 
     Raises
     ------
@@ -30,26 +49,35 @@ def resolve(
         If nothing is known by that name.
     """
     if isinstance(subject, Command):
-        return lambda asking, tick: ask_command(subject, asking, tick)
+        return Asker(
+            lambda asking, tick: ask_command(subject, asking, tick),
+            lambda asking, seconds: refusal_of_command(subject, asking, seconds),
+        )
     if isinstance(subject, (str, Path)):
         text = str(subject)
         if Path(text).is_dir():
             folder = Path(text)
             exchange.asked(folder)
-            return lambda asking, tick: exchange.read(exchange.with_states(asking, folder), folder)
+            return Asker(lambda asking, tick: exchange.read(exchange.with_states(asking, folder), folder))
         name, _, option = text.partition(":")
         if name in shipped():
             adapter = ADAPTERS / f"{name}.py"
             spec, own = f"{adapter}:Subject:{option}", python or interpreter(adapter) or sys.executable
-            return lambda asking, tick: _named(ask_apart(spec, asking, tick, python=own, limit=limit), text)
+            return Asker(
+                lambda asking, tick: _named(ask_apart(spec, asking, tick, python=own, limit=limit), text),
+                lambda asking, seconds: refusal_apart(spec, asking, seconds, python=own),
+            )
         if _SPEC.match(text):
             own = python or interpreter(Path(name)) or sys.executable
-            return lambda asking, tick: ask_apart(text, asking, tick, python=own, limit=limit)
+            return Asker(
+                lambda asking, tick: ask_apart(text, asking, tick, python=own, limit=limit),
+                lambda asking, seconds: refusal_apart(text, asking, seconds, python=own),
+            )
         raise ArgumentError(
             f"judge: subject {text!r} is no shipped name, no folder that `dualpin ask` wrote and no module:attribute; "
             + nearest(name, shipped(), "shipped")
         )
-    return lambda asking, tick: ask_object(subject, asking, tick)
+    return Asker(lambda asking, tick: ask_object(subject, asking, tick))
 
 
 def _named(answers: Answers, name: str) -> Answers:

@@ -102,11 +102,24 @@ def ask_apart(spec: str, asking: Asking, tick: Tick, *, python: str = sys.execut
         return answers
 
 
-class _Child:
-    """The process that asks one subject."""
+def refusal_apart(spec: str, asking: Asking, seconds: float, *, python: str = sys.executable) -> str:
+    """Why a subject does not read this robot; empty if it does.  It is made, and asked nothing."""
+    with tempfile.TemporaryDirectory() as at:
+        child = _Child(spec, Path(at), asking, python, seconds, loading=min(seconds, LOADING))
+        try:
+            return child.introduced().refused
+        finally:
+            stop(child.process)
 
-    def __init__(self, spec: str, folder: Path, asking: Asking, python: str, limit: float) -> None:
+
+class _Child:
+    """The process that asks one subject; `loading` and `limit` are seconds for its start and for each term."""
+
+    def __init__(
+        self, spec: str, folder: Path, asking: Asking, python: str, limit: float, loading: float = LOADING
+    ) -> None:
         self.spec, self.folder, self.asking, self.python, self.limit = spec, folder, asking, python, limit
+        self.loading = loading
         self.log = folder / "log.txt"
         self._write_ask(asking.terms)
         self.process = self._started()
@@ -124,11 +137,12 @@ class _Child:
     def _started(self) -> subprocess.Popen:
         (self.folder / "subject.json").unlink(missing_ok=True)
         (self.folder / "now.json").unlink(missing_ok=True)
+        words = [self.python, serve.__file__, str(self.folder), self.spec]
         with self.log.open("ab") as log:
-            return subprocess.Popen(
-                [self.python, serve.__file__, str(self.folder), self.spec],
-                stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True,
-            )  # fmt: skip
+            try:
+                return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True)
+            except OSError as e:
+                raise ArgumentError(f"judge: python {self.python!r} cannot be started ({e.strerror or e})") from None
 
     def _waited(self, done: Callable[[], bool], since: Callable[[], float], limit: float) -> str:
         """Until `done`, the process ends, or `limit` seconds have passed since `since`; what went wrong."""
@@ -147,7 +161,7 @@ class _Child:
     def introduced(self) -> Answers:
         """Who the subject says it is; or why it does not even start."""
         path, start = self.folder / "subject.json", time.time()
-        wrong = self._waited(path.exists, lambda: start, LOADING)
+        wrong = self._waited(path.exists, lambda: start, self.loading)
         name = self.spec.rpartition("/")[2]
         if not path.exists():
             answers = Answers(name, "", Convention.of(self.asking.robot), self.asking, {})
@@ -167,7 +181,7 @@ class _Child:
             stop(self.process)
             self._write_ask(self.asking.terms)
             self.process = self._started()
-            self._waited(path.exists, time.time, LOADING)
+            self._waited(path.exists, time.time, self.loading)
         return answers
 
     def asked(self, answers: Answers, tick: Tick) -> None:
@@ -199,7 +213,7 @@ class _Child:
         """One process from its introduction to its end; what went wrong, if anything."""
         subject, now = self.folder / "subject.json", self.folder / "now.json"
         start = time.time()
-        wrong = self._waited(subject.exists, lambda: start, LOADING)
+        wrong = self._waited(subject.exists, lambda: start, self.loading)
         if wrong:
             return wrong
         try:
