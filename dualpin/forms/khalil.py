@@ -200,7 +200,7 @@ class _Tree:
     """Frames as they are numbered.
 
     A frame's z axis is known when its joint is met, its x axis only when its first successor is:
-    until then it stands open, and closing it fixes theta and r.
+    its theta and r are not known before that.
     """
 
     def __init__(self, robot: Robot, rules: Rules) -> None:
