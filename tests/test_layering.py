@@ -27,7 +27,7 @@ LAYERS = (
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
-ASKING = {"model", "crosscheck"}
+ASKING = {"model"}
 BY_NAME = {"__init__.py", "delegates.py", "forms/__init__.py"}  # tables of names that are imported when used
 
 

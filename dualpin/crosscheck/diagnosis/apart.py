@@ -21,8 +21,8 @@ def told_apart(case: Case, term: str, a: Story, b: Story) -> dict[str, Any]:
     rng = np.random.default_rng([case.asking.seed, 4])
     q, v, acc = case.robot.sample(TRIED, int(rng.integers(1 << 30)))
     for j in case.robot:
-        if j.mimic is None and j.kind in ("revolute", "continuous", "prismatic"):
-            q[:, j.q] = rng.uniform(-3, 3, (TRIED, 1))
+        if j.mimic is None and j.model.additive:
+            q[:, j.q] = rng.uniform(-3, 3, (TRIED, j.model.nq))
     states = {"q": q, "v": v, "a": acc, "tau": rng.uniform(-5, 5, v.shape)}
     asking = replace(case.asking, states=states)
     asking.__dict__["frames"] = case.frames

@@ -23,10 +23,10 @@ from ...spatial.inertia import Inertia
 from ...spatial.pose import Pose
 from ...spatial.rotation import Matrix3, Rotation
 from ...spatial.vector import ZERO_VECTOR, Vector3
+from ..subjects.convention import base_of
 
 NO_MOTION = np.eye(4)
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-AXIAL = ("revolute", "continuous", "prismatic")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,8 @@ class Part:
     """A joint, and the link that it carries."""
 
     joint: str
-    kind: str
+    type: str
+    """As the file says it: revolute, continuous, prismatic, fixed, planar or floating."""
     parent: str
     link: str
     position: np.ndarray
@@ -78,7 +79,20 @@ class Part:
 
     @property
     def moves(self) -> bool:
-        return self.kind != "fixed"
+        return self.type != "fixed"
+
+    @property
+    def turns(self) -> bool:
+        return self.type in ("revolute", "continuous")
+
+    @property
+    def slides(self) -> bool:
+        return self.type == "prismatic"
+
+    @property
+    def axial(self) -> bool:
+        """Whether it moves about or along one axis."""
+        return self.turns or self.slides
 
     @property
     def pose(self) -> np.ndarray:
@@ -96,8 +110,8 @@ class Part:
     @property
     def numbers(self) -> np.ndarray:
         """Everything an edit can change of the joint."""
-        unit = [1.0, 0.0] if self.kind != "prismatic" else [0.0, 1.0]
-        axis = self.unit_axis if self.kind in AXIAL else np.zeros(3)
+        unit = [0.0, 1.0] if self.slides else [1.0, 0.0]
+        axis = self.unit_axis if self.axial else np.zeros(3)
         return np.concatenate([self.pose.ravel(), self.after.ravel(), axis, unit, self.armature, self.more])
 
 
@@ -224,8 +238,8 @@ def built(descriptions: Sequence[Description], like: Robot) -> Robot:
     """One robot of all descriptions: a constant that differs among them is an array (n, 1)."""
     b, first = Builder(like.name), descriptions[0]
     base = _inertia([d.base for d in descriptions])
-    if like.joints and like.joints[0].parent is None and like.joints[0].kind == "floating":
-        b.joint(like.joints[0].name, Floating(), inertia=base, link=first.root)
+    if (free := base_of(like)) is not None:
+        b.joint(free.name, Floating(), inertia=base, link=first.root)
     else:
         b.base(first.root, base)
     for same in zip(*(d.parts for d in descriptions), strict=True):
@@ -243,7 +257,7 @@ def _add(b: Builder, parts: Sequence[Part]) -> None:
     p = parts[0]
     placement = _pose(np.array([x.pose for x in parts]))
     inertia = _inertia([x.body for x in parts])
-    if p.kind == "fixed":
+    if not p.moves:
         b.fixed(p.joint, p.parent, placement, inertia, link=p.link)
         return
     after = np.array([x.after for x in parts])
@@ -267,15 +281,15 @@ def _armature(parts: Sequence[Part]) -> tuple[Scalar, ...]:
 
 
 def _model(parts: Sequence[Part]) -> Any:
-    kind = parts[0].kind
-    if kind == "planar":
+    first = parts[0]
+    if first.type == "planar":
         return Planar()
-    if kind == "floating":
+    if first.type == "floating":
         return Floating()
     axis = np.array([x.unit_axis for x in parts])
-    unit = np.array([[0.0, 1.0] if x.kind == "prismatic" else [1.0, 0.0] for x in parts])
-    what = ("length",) if kind == "prismatic" else ("angle",)
-    return Axial(_vector(axis), Dual(_scalar(unit[:, 0]), _scalar(unit[:, 1])), kind=kind, coordinates=what)
+    unit = np.array([[0.0, 1.0] if x.slides else [1.0, 0.0] for x in parts])
+    what = ("length",) if first.slides else ("angle",)
+    return Axial(_vector(axis), Dual(_scalar(unit[:, 0]), _scalar(unit[:, 1])), kind=first.type, coordinates=what)
 
 
 def _inertia(bodies: Sequence[Body | None]) -> Inertia | None:

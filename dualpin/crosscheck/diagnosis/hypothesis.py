@@ -247,4 +247,4 @@ def differ(a: Body | None, b: Body | None) -> bool:
 def changed(a: Part, b: Part) -> bool:
     if a is b:
         return False
-    return bool(np.abs(a.numbers - b.numbers).max() > CHANGED) or a.kind != b.kind or differ(a.body, b.body)
+    return bool(np.abs(a.numbers - b.numbers).max() > CHANGED) or a.type != b.type or differ(a.body, b.body)

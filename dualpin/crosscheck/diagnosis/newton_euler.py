@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.robot import Joint, Robot
+from ..subjects.convention import base_of
 from ..subjects.layout import cross_matrix, product, rotations, transposed
 from .description import Description, Part
 
@@ -93,7 +94,7 @@ class NewtonEuler:
     def __init__(self, robot: Robot, d: Description, slip: str, merged: bool = False) -> None:
         self.robot, self.d, self.slip, self.merged = robot, d, slip, merged
         self.gravity = np.array(d.gravity)
-        self.floating = bool(robot.joints) and robot.joints[0].kind == "floating" and robot.joints[0].parent is None
+        self.floating = base_of(robot) is not None
 
     def without(self, *slips: str) -> bool:
         return self.slip in slips
@@ -185,7 +186,7 @@ class NewtonEuler:
         x, column = q[:, joint.q.start, None], joint.v.start
         xd, xdd = v[:, column, None], a[:, column, None]
         axis = part.unit_axis
-        z, slides = product(R, axis), part.kind == "prismatic"
+        z, slides = product(R, axis), part.slides
         if slides:
             p, arm = at + z * x, at - up.p + (0 if self.without("slide_radius") else z * x)
             twice = 0.0 if self.without("slide_coriolis") else 1.0 if self.without("slide_coriolis_half") else 2.0

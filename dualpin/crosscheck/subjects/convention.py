@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
 from ...errors import ArgumentError, nearest
+from ...model.joints import Floating, Planar, Spherical
 from ...model.robot import Joint, Robot
 
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
@@ -16,11 +17,11 @@ WORDS = {
     "linear": ("body", "world", "origin"),
     "reference": ("local_world_aligned", "world", "local"),
 }
-_PARTS = {  # of joints with several coordinates: the endings of their columns in q and in v
-    "floating": (BASE_Q, BASE_V),
-    "planar": (("x", "y", "angle"), ("vx", "vy", "w")),
-    "cylindrical": (("angle", "slide"), ("angle", "slide")),
-    "spherical": (("qw", "qx", "qy", "qz"), ("wx", "wy", "wz")),
+_ENDINGS = {  # of the columns in q of joints with several coordinates, by what these are
+    Floating.coordinates: BASE_Q,
+    Planar.coordinates: ("x", "y", "angle"),
+    Spherical.coordinates: ("qw", "qx", "qy", "qz"),
+    ("angle", "length"): ("angle", "slide"),
 }
 
 
@@ -118,7 +119,11 @@ def columns(robot: Robot) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def base_of(robot: Robot) -> Joint | None:
     """The joint that lets the base float, if it does."""
     first = robot.joints[0] if robot.joints else None
-    return first if first is not None and first.kind == "floating" and first.parent is None else None
+    return (
+        first
+        if first is not None and first.parent is None and first.model.coordinates == Floating.coordinates
+        else None
+    )
 
 
 def _columns_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
@@ -126,8 +131,9 @@ def _columns_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str
         return BASE_Q, BASE_V
     if joint.model.nq == joint.model.nv == 1:
         return [joint.name], [joint.name]
-    counts = [str(i) for i in range(joint.model.nq)], [str(i) for i in range(joint.model.nv)]
-    q, v = _PARTS.get(joint.kind, counts)
+    model = joint.model
+    q = _ENDINGS.get(model.coordinates, [str(i) for i in range(model.nq)])
+    v = model.velocity_names if len(model.velocity_names) == model.nv else [str(i) for i in range(model.nv)]
     return [f"{joint.name}.{x}" for x in q], [f"{joint.name}.{x}" for x in v]
 
 

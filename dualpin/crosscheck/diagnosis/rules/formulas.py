@@ -57,11 +57,9 @@ def _mass_matrix(model: NewtonEuler, q: np.ndarray, none: np.ndarray) -> np.ndar
     "gyroscopic, ...", "a term of Newton's or Euler's equations is left out or turned", "write them in full", SLIPS
 )  # fmt: skip
 def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    if case.robot.coupled or any(
-        p.moves and p.kind not in ("revolute", "continuous", "prismatic") for p in case.description.parts
-    ):
+    if case.robot.coupled or any(p.moves and not p.axial for p in case.description.parts):
         return []
-    slides = any(p.kind == "prismatic" for p in case.description.parts)
+    slides = any(p.slides for p in case.description.parts)
     merges = any(not p.moves and p.body is not None and p.body.mass > 0 for p in case.description.parts)
     out = []
     for slip, says in SLIPS.items():

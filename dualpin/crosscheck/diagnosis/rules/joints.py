@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..description import AXIAL, Description, Part, homogeneous, turn
+from ..description import Description, Part, homogeneous, turn
 from ..hypothesis import joint_rule
 
 ORIGIN = "place a joint by xyz, then turn it by Rz(yaw) Ry(pitch) Rx(roll)"
@@ -14,7 +14,7 @@ AXIS = "read <axis> in the joint's own frame (after rpy), with its sign; without
 
 
 def _along(p: Part, axis: np.ndarray) -> Part:
-    if p.kind not in AXIAL:
+    if not p.axial:
         return p
     return p if np.abs(axis - p.unit_axis).max() <= 1e-12 else replace(p, axis=axis)
 
@@ -81,14 +81,14 @@ def origin_inverted(p: Part, d: Description) -> Part:
 
 @joint_rule("motion_first", "the joint moves before its origin is applied", "a joint's pose is origin times motion")
 def motion_first(p: Part, d: Description) -> Part:
-    if p.kind not in AXIAL or np.abs(p.pose - np.eye(4)).max() < 1e-12:
+    if not p.axial or np.abs(p.pose - np.eye(4)).max() < 1e-12:
         return p
     return replace(p.placed(np.eye(4)), after=p.pose @ p.after)
 
 
 @joint_rule("prismatic_as_revolute", "prismatic joints turn", "a prismatic joint slides along its axis")
 def prismatic_as_revolute(p: Part, d: Description) -> Part:
-    return replace(p, kind="revolute") if p.kind == "prismatic" else p
+    return replace(p, type="revolute") if p.slides else p
 
 
 @joint_rule(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ....model.joints import JointModel
 from ...subjects.convention import BASE_V
 from ..case import Case, States, View
 from ..description import Description
@@ -183,11 +184,7 @@ def orders(d: Description, wanted: Sequence[str]) -> dict[str, list[str]]:
     "use <axis> with its sign throughout",
 )
 def axis_sign_v(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    names = {
-        p.joint
-        for p, _ in case.parts()
-        if p.kind in ("revolute", "continuous", "prismatic") and p.unit_axis.min() < -1e-12
-    }
+    names = {p.joint for p, _ in case.parts() if p.axial and p.unit_axis.min() < -1e-12}
     turned = tuple(n for n in case.how.v if n in names)
     if not turned:
         return []
@@ -205,11 +202,16 @@ def axis_sign_v(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 
 def _angles(case: Case, q: np.ndarray, scale: float) -> np.ndarray:
+    return _scaled(case, q, "angle", scale, lambda model: True)
+
+
+def _scaled(case: Case, q: np.ndarray, unit: str, scale: float, of: Callable[[JointModel], bool]) -> np.ndarray:
+    """q with the coordinates of one unit, of some joints, multiplied."""
     q = q.copy()
     for j in case.robot:
-        if j.mimic is None:
+        if j.mimic is None and of(j.model):
             for i, what in zip(range(j.q.start, j.q.stop), j.model.coordinates, strict=True):
-                if what == "angle":
+                if what == unit:
                     q[:, i] *= scale
     return q
 
@@ -228,13 +230,13 @@ def degrees(view: View) -> States:
 )
 def degrees_rates(view: View) -> States:
     s, k = view.states, np.pi / 180
-    turns = view.case.per_velocity(lambda p: 1.0 if p.kind in ("revolute", "continuous") else 0.0) > 0
+    turns = view.case.per_velocity(lambda p: 1.0 if p.turns else 0.0) > 0
     scale = np.where(turns, k, 1.0)
     return {**s, "q": _angles(view.case, s["q"], k), "v": s["v"] * scale, "a": s["a"] * scale}
 
 
 @rule("degrees", "all coordinates are read as degrees, lengths too", "pass lengths in metres", ALL, "state", cost=1.1,
-      when=lambda case: any(p.kind == "prismatic" for p, _ in case.parts()))  # fmt: skip
+      when=lambda case: any(p.slides for p, _ in case.parts()))  # fmt: skip
 def degrees_everywhere(view: View) -> States:
     base = 7 if view.case.floating else 0
     q = view.states["q"].copy()
@@ -244,13 +246,10 @@ def degrees_everywhere(view: View) -> States:
 
 @rule(
     "millimetres", "positions of sliding joints are read as millimetres", "pass lengths in metres", ALL, "state",
-    when=lambda case: any(p.kind == "prismatic" for p, _ in case.parts()),
+    when=lambda case: any(p.slides for p, _ in case.parts()),
 )  # fmt: skip
 def millimetres(view: View) -> States:
-    q = view.states["q"].copy()
-    for j in view.case.robot:
-        if j.kind == "prismatic" and j.mimic is None:
-            q[:, j.q] *= 1e-3
+    q = _scaled(view.case, view.states["q"], "length", 1e-3, lambda model: model.additive)  # not of bases that move
     return {**view.states, "q": q}
 
 

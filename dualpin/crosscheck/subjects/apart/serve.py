@@ -153,7 +153,7 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
         return found
     offered = {"urdf": urdf, "floating": floating, "gravity": gravity, "option": option}
     wants = inspect.signature(found).parameters
-    open_ended = any(p.kind is p.VAR_KEYWORD for p in wants.values())
+    open_ended = inspect.Parameter.VAR_KEYWORD in {p.kind for p in wants.values()}
     return found(**{k: x for k, x in offered.items() if open_ended or k in wants})
 
 
