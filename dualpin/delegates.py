@@ -15,6 +15,7 @@ HOMES = {
     "DHTable.robot": "dualpin.forms.build.assembled",
     "Evaluator.__reduce__": "dualpin.call.making.restored",
     "KhalilTable.export": "dualpin.forms.export.khalil_text",
+    "Report.badge": "dualpin.crosscheck.badge.badge",
     "Report._repr_html_": "dualpin.report.notebook.report_html",
     "Report.to_html": "dualpin.report.page.page",
     "Report.to_junit": "dualpin.crosscheck.exports.junit",

@@ -23,7 +23,7 @@ LAYERS = (
     "engine", "interpret", "call", "functions",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck", "bench",  # what is done with it
     "bench_device",
-    "report", "view", "cli",  # how it is shown
+    "report", "view", "cli", "pytest_plugin",  # how it is shown
 )  # fmt: skip
 SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json as jsonlib
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -20,6 +20,9 @@ from .show import formats, show, show_comparison, show_rows
 def report(
     files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Result files: validation, speed, ...")],
     out: Annotated[Path | None, typer.Option("--out", help="Write one report.html of them into this folder.")] = None,
+    badge: Annotated[
+        Path | None, typer.Option("--badge", metavar="FILE.svg", help="Write a badge of the validations among them.")
+    ] = None,
     compare: Annotated[
         bool, typer.Option("--compare", help="Two files, OLD NEW: what got worse, slower, or changed verdict.")
     ] = False,
@@ -36,6 +39,7 @@ def report(
     Exit code 1 if a validation among them failed, or, with --compare, if something got worse.
 
     Examples:  dualpin report out/report.json --out page  |  dualpin report --compare old.json new.json
+    |  dualpin report out/report.json --badge badge.svg
     """
     from ..report import compare as compared
     from ..report import read
@@ -44,6 +48,8 @@ def report(
     if compare:
         if len(studies) != 2:
             raise ArgumentError(f"report --compare: two files expected, OLD and NEW; {len(studies)} given")
+        if badge:
+            raise ArgumentError("report: a badge is of results, not of a comparison; leave out --compare or --badge")
         found = compared(studies[0], studies[1], error_factor=error_factor, speed_factor=speed_factor)
         if out:
             _write(out, found)
@@ -52,6 +58,8 @@ def report(
         else:
             show_comparison(found)
         raise typer.Exit(0 if found.passed else 1)
+    if badge:
+        _write_badge(badge, [s.report for s in studies if s.report is not None])
     if out:
         if len(studies) == 1 and studies[0].report is not None:
             for path in studies[0].report.write(out, formats()):
@@ -68,6 +76,25 @@ def report(
             for name, rows in s.tables.items():
                 show_rows(name, rows)
     raise typer.Exit(0 if all(s.report is None or s.report.passed for s in studies) else 1)
+
+
+def _write_badge(path: Path, reports: list[Any]) -> None:
+    """One badge of all reports together."""
+    from ..crosscheck.results import Report
+
+    if not reports:
+        raise ArgumentError("report: --badge needs the JSON of `dualpin validate` or `dualpin judge`")
+    together = Report(
+        [r for one in reports for r in one.robots],
+        [r for one in reports for r in one.refused],
+        partial=any(one.partial for one in reports),
+    )
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(path, together.badge())
+    except OSError as e:
+        raise ArgumentError(f"report: cannot write {path} ({e.strerror or e})") from None
+    print(f"wrote {line(str(path))}", file=sys.stderr)
 
 
 def _write(folder: Path, *of: object) -> None:

@@ -332,11 +332,17 @@ class Report:
         found: str = home("Report.to_markdown")(self)
         return found
 
+    def badge(self, label: str = "dualpin") -> str:
+        """A small SVG such as "dualpin: agrees | 23 terms"."""
+        found: str = home("Report.badge")(self, label)
+        return found
+
     def write(self, folder: str | Path, formats: Iterable[str] = ("json", "md")) -> list[Path]:
-        """Write report.json, report.md, report.html, junit.xml, report.sarif into a folder; returns the paths."""
+        """Write report.json, .md, .html, .sarif, junit.xml, badge.svg into a folder; returns the paths."""
         writers = {
             "json": self.to_json, "md": self.to_markdown, "html": self.to_html,
             "junit": lambda: home("Report.to_junit")(self), "sarif": lambda: home("Report.to_sarif")(self),
+            "badge": self.badge,
         }  # fmt: skip
         folder = Path(folder)
         paths = []
@@ -347,7 +353,7 @@ class Report:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for form in formats:
-                paths.append(folder / ("junit.xml" if form == "junit" else f"report.{form}"))
+                paths.append(folder / {"junit": "junit.xml", "badge": "badge.svg"}.get(form, f"report.{form}"))
                 write_text(paths[-1], writers[form]())
         except OSError as e:
             raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None

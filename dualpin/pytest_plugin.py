@@ -1,0 +1,281 @@
+"""A pytest plugin: `pytest --dualpin my_robot.urdf` makes one test of every term of a robot.
+
+Until ``--dualpin`` is given nothing is imported beside this file.  A robot is read when it is collected, and judged
+when the first of its terms runs.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Iterator
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from .crosscheck.results import Report, RobotResult, TermResult
+
+SAMPLES = 100  # random states of a validation; a subject is asked `dualpin.judge`'s own number
+EXCUSED = ("not offered", "M is singular")
+"""Reasons for which a subject's term is skipped; a crash, a refusal or an answer of the wrong shape fails."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("dualpin", "robots and dynamics code, compared term by term")
+    group.addoption(
+        "--dualpin", action="append", default=[], metavar="ROBOT", dest="dualpin",
+        help="A URDF, or a name of `dualpin list`: one test a term. May be repeated.",
+    )  # fmt: skip
+    group.addoption(
+        "--dualpin-subject", action="append", default=[], metavar="SUBJECT", dest="dualpin_subjects",
+        help="Judge this code (module:attribute, file.py:attribute, a shipped name) instead of asking Pinocchio.",
+    )  # fmt: skip
+    group.addoption("--dualpin-terms", default="", metavar="TERMS", help="Some terms, between commas.")
+    group.addoption("--dualpin-samples", type=int, default=None, metavar="N", help="Random states a robot.")
+    group.addoption("--dualpin-seed", type=int, default=0, metavar="SEED", help="Of the states.")
+    group.addoption("--dualpin-floating", action="store_true", help="Give the base six degrees of freedom.")
+    group.addoption("--dualpin-mimic", action="store_true", help="Let joints with a <mimic> tag follow.")
+    group.addoption("--dualpin-strict", action="store_true", help="Fail what was not compared, instead of skipping it.")
+    group.addoption(
+        "--dualpin-out", default=None, metavar="FOLDER",
+        help="Write report.json, .md, .html, .sarif, junit.xml and badge.svg of what was judged into this folder.",
+    )  # fmt: skip
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "dualpin: a term of a robot that `pytest --dualpin` compares")
+    config.stash[JUDGED] = {}
+    if config.option.dualpin_subjects and not config.option.dualpin:
+        raise pytest.UsageError("--dualpin-subject needs a robot: --dualpin my_robot.urdf")
+    if config.option.dualpin:
+        for subject in _subjects(config):
+            _terms(config, subject)  # a wrong word ends the run here, before xdist starts workers
+
+
+def _subjects(config: pytest.Config) -> list[str]:
+    """Each once; "" is dualpin itself, against Pinocchio."""
+    return list(dict.fromkeys(config.option.dualpin_subjects)) or [""]
+
+
+def _chosen(config: pytest.Config) -> list[str] | None:
+    """The terms that were named; None is all."""
+    return config.option.dualpin_terms.replace(",", " ").split() or None
+
+
+def _terms(config: pytest.Config, subject: str) -> list[str]:
+    """The terms that will be asked."""
+    from .crosscheck.checks import chosen
+    from .crosscheck.subjects.questions import wanted
+    from .crosscheck.subjects.resolve import resolve
+    from .errors import ArgumentError
+
+    try:
+        if not subject:
+            return [c.term for c in chosen(_chosen(config))]
+        resolve(subject)  # is it the name of anything?
+        return list(wanted(_chosen(config)))
+    except ArgumentError as e:
+        raise pytest.UsageError(f"--dualpin: {e}") from None
+
+
+@pytest.hookimpl(tryfirst=True)  # before -k, -m and --deselect choose among all items
+def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config, items: list[pytest.Item]) -> None:
+    for name in dict.fromkeys(config.option.dualpin):
+        for subject in _subjects(config):
+            items += RobotNode.of(session, name, subject).collect()
+
+
+class WrongError(Exception):
+    """What was found, in words."""
+
+
+JUDGED: pytest.StashKey[dict[str, str]] = pytest.StashKey()
+"""The reports of this process as JSON, by robot and subject."""
+
+
+class RobotNode(pytest.Collector):
+    """A robot, and whose answers about it are in question: dualpin's own, or a subject's."""
+
+    robot: str
+    subject: str
+
+    @classmethod
+    def of(cls, session: pytest.Session, robot: str, subject: str) -> RobotNode:
+        option = session.config.option
+        path = session.config.invocation_params.dir / robot
+        words = ["floating"] * option.dualpin_floating + ["mimic"] * option.dualpin_mimic + [subject] * bool(subject)
+        where = path.relative_to(session.path).as_posix() if path.is_relative_to(session.path) else robot
+        label = " ".join(["dualpin", *words]).translate({ord("["): "(", ord("]"): ")"})  # brackets hold parameters
+        name = f"{Path(robot).name}: {label}"
+        node: RobotNode = cls.from_parent(session, name=name, path=path, nodeid=f"{where}::{label}")
+        node.robot, node.subject = robot, subject
+        node.add_marker(pytest.mark.dualpin)
+        if session.config.pluginmanager.hasplugin("xdist"):
+            node.add_marker(pytest.mark.xdist_group(f"dualpin {node.nodeid}"))  # for --dist loadgroup
+        return node
+
+    def collect(self) -> list[pytest.Item]:
+        from .crosscheck.pairing import quietly_loaded
+        from .errors import DualpinError
+
+        option = self.config.option
+        try:
+            quietly_loaded(self.robot, option.dualpin_floating, option.dualpin_mimic)
+        except DualpinError as e:
+            return [RefusedItem.of(self, str(e))]
+        return [TermItem.from_parent(self, name=term) for term in _terms(self.config, self.subject)]
+
+    @cached_property
+    def report(self) -> Report | str:
+        """The comparison of all terms, made once; or why there is none."""
+        from .errors import DualpinError
+
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # the notes are in the result, and no test of this code is meant
+                found = self._judged() if self.subject else self._validated()
+        except DualpinError as e:
+            return str(e)
+        self.config.stash[JUDGED][self.nodeid] = found.to_json()
+        return found
+
+    def _judged(self) -> Report:
+        from .crosscheck import judge
+
+        option = self.config.option
+        return judge(
+            self.robot, self.subject, option.dualpin_samples, option.dualpin_seed, terms=_chosen(self.config),
+            floating=option.dualpin_floating, mimic=option.dualpin_mimic,
+        )  # fmt: skip
+
+    def _validated(self) -> Report:
+        from .crosscheck import validate
+
+        option = self.config.option
+        samples = SAMPLES if option.dualpin_samples is None else option.dualpin_samples
+        return validate(
+            self.robot, samples, option.dualpin_seed, terms=_chosen(self.config),
+            floating=option.dualpin_floating, mimic=option.dualpin_mimic,
+        )  # fmt: skip
+
+
+class _Item(pytest.Item):
+    def reportinfo(self) -> tuple[Path, None, str]:
+        return self.path, None, f"{self.parent.name} {self.name}" if self.parent else self.name
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        if isinstance(excinfo.value, WrongError):
+            return str(excinfo.value)
+        return super().repr_failure(excinfo, style)
+
+
+class RefusedItem(_Item):
+    """A file that did not become a robot."""
+
+    reason: str
+
+    @classmethod
+    def of(cls, parent: RobotNode, reason: str) -> RefusedItem:
+        item: RefusedItem = cls.from_parent(parent, name="refused")
+        item.reason = reason
+        return item
+
+    def runtest(self) -> None:
+        from .crosscheck.results import Refusal, Report
+        from .escape import lines
+
+        node = self.parent
+        assert isinstance(node, RobotNode)
+        # whether Pinocchio reads it is not asked: a guard fails either way
+        self.config.stash[JUDGED][node.nodeid] = Report(refused=[Refusal(node.robot, self.reason, False)]).to_json()
+        raise WrongError(f"refused: {lines(self.reason)}")
+
+
+class TermItem(_Item):
+    """One term of a robot."""
+
+    def runtest(self) -> None:
+        from .escape import lines
+
+        node = self.parent
+        assert isinstance(node, RobotNode)
+        if isinstance(node.report, str):
+            raise WrongError(lines(node.report))
+        (result,) = node.report.robots
+        if self.name not in result.terms:
+            raise WrongError(lines(result.error or result.reason or "no result"))
+        t = result.terms[self.name]
+        self.user_properties.append(("verdict", t.verdict))
+        if not t.passed or t.findings:
+            raise WrongError(lines("\n".join(told(self.name, result, t))))
+        if t.status == "not compared":
+            reason = lines(t.reason or "nothing was compared")
+            if self.config.option.dualpin_strict or (result.subject and not reason.startswith(EXCUSED)):
+                raise WrongError(f"{self.name} was not compared: {reason}")
+            pytest.skip(f"{self.name} was not compared: {reason}")
+
+
+def told(term: str, result: RobotResult, t: TermResult) -> Iterator[str]:
+    """A failed term in words: what is wrong, what to do, where it is worst, and how to see it again."""
+    yield f"{term} of {result.label}: {t.verdict}"
+    for f in t.findings:
+        yield f"  found: {f}"
+        if f.alternatives:
+            yield f"    as well explained by: {' | '.join(f.alternatives)}"
+        if f.fix:
+            yield f"    fix: {f.fix}"
+    if t.remark and not t.findings:
+        yield f"  {t.remark}"
+    if t.compared:
+        where = f", at {t.worst['where']}" if t.worst.get("where") else ""
+        at = f"{where}, in sample {t.worst['sample']} of seed {result.seed}" if "sample" in t.worst else where
+        yield f"  worst: scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed{at}"
+    if t.worst.get("reproduce"):
+        yield "  to see it again:"
+        yield from (f"    {x}" for x in t.worst["reproduce"].splitlines())
+    elif t.worst.get("q") is not None:
+        yield f"  q = {t.worst['q']}"
+
+
+# --- what was judged, written once: also where workers of xdist judged it ----------------------------
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: Any) -> None:
+    """A worker of xdist hands over its reports."""
+    output = getattr(node, "workeroutput", {})  # a worker that crashed has none
+    judged: dict[str, str] = node.config.stash[JUDGED]
+    judged.update(output.get("dualpin", {}))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    config = session.config
+    if hasattr(config, "workeroutput"):
+        config.workeroutput["dualpin"] = config.stash[JUDGED].copy()
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """Write the folder; not in a worker, which has no terminal."""
+    found, folder = config.stash[JUDGED], config.option.dualpin_out
+    if not folder or not found:
+        return
+    from .crosscheck.results import Report
+    from .errors import DualpinError
+    from .report.page import available
+
+    report = Report()
+    for text in dict(sorted(found.items())).values():
+        one = Report.from_dict(json.loads(text))
+        report.robots += one.robots
+        report.refused += one.refused
+        report.versions |= one.versions
+    formats = ["json", "md", *["html"] * available(), "junit", "sarif", "badge"]
+    try:
+        for path in report.write(Path(config.invocation_params.dir, folder), formats):
+            terminalreporter.write_line(f"wrote {path}")
+    except DualpinError as e:  # the verdicts are on the screen already
+        terminalreporter.write_line(f"--dualpin-out: {e}", red=True)
