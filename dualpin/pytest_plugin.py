@@ -85,7 +85,10 @@ def _terms(config: pytest.Config, subject: str) -> list[str]:
 def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config, items: list[pytest.Item]) -> None:
     for name in dict.fromkeys(config.option.dualpin):
         for subject in _subjects(config):
-            items += RobotNode.of(session, name, subject).collect()
+            node = RobotNode.of(session, name, subject)
+            found = node.ihook.pytest_make_collect_report(collector=node)
+            node.ihook.pytest_collectreport(report=found)  # so that they are counted
+            items += found.result
 
 
 class WrongError(Exception):
