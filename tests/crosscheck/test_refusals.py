@@ -11,7 +11,8 @@ from lxml import etree
 
 import dualpin as dp
 from dualpin.crosscheck.diagnosis.constructs import CONSTRUCTS
-from dualpin.crosscheck.subjects import Command
+from dualpin.crosscheck.diagnosis.repair import ATTEMPTS, repaired
+from dualpin.crosscheck.subjects import Answers, Asking, Command, Convention, asking
 from dualpin.io.urdf import loads
 
 PICKY = Path(__file__).parent / "picky_subjects.py"
@@ -110,3 +111,32 @@ def test_an_edit_says_what_it_changed_and_leaves_nothing_to_change(construct):
     assert not construct.edit(root) and etree.tostring(root) == after
     robot = loads(after.decode())
     assert robot.nv and len(robot.frames) == len(loads(ODD).frames)
+
+
+@pytest.mark.parametrize(
+    "tags",
+    [
+        ("mimic",),
+        ("dynamics", "mimic"),
+        ("[@type='prismatic']", "dynamics", "mimic"),
+        ("[@type='planar']", "[@rpy='1.0 0.0 0.0']"),
+    ],
+)
+def test_of_many_constructs_those_that_are_needed_are_found_by_halving(tmp_path, tags):
+    """A reader that stops at some of the 26 constructs of one file."""
+    path = tmp_path / "odd.urdf"
+    path.write_text(ODD)
+    given = asking(path, 2, 0, ("crba",))
+    tried = []
+
+    def refusal(edited: Asking, seconds: float) -> str:
+        tried.append(edited)
+        root = etree.fromstring(edited.text)
+        return "stopped" if any(root.findall(f".//{t}" if t[0] != "[" else f".//*{t}") for t in tags) else ""
+
+    answers = Answers("reader", "", Convention.of(given.robot), given, {}, refused="stopped")
+    finding = repaired(answers, given, refusal, lambda what: None).finding
+    assert finding and len(tried) <= ATTEMPTS and "something else" not in finding.says
+    where = {"mimic": "slide", "dynamics": "late", "[@type='prismatic']": "slide", "[@type='planar']": "over"}
+    assert set(finding.items) == {where.get(t, "arm-2") for t in tags}
+    assert finding.says.count(", nor ") == len(tags) - 1, finding.says

@@ -1,8 +1,8 @@
 """Why a subject does not read a file: the file is repaired, a construct at a time, until it does.
 
-First each construct alone.  If none is enough, all together; then those that are not needed are put back,
-one after the other, so that what remains is needed to the last (a minimal set).  Each attempt is a process of
-its own in which the subject is made, and asked nothing.
+All constructs together first.  If that is enough, those that are needed are found by halving; then each alone is
+tried, since several may be enough.  If all together do not help (an edit may harm), single constructs and pairs
+are tried.  Each attempt is a process of its own in which the subject is made, and asked nothing.
 """
 
 from __future__ import annotations
@@ -46,6 +46,8 @@ class _Search:
     tick: Callable[[str], None]
     start: float = field(default_factory=time.perf_counter)
     tried: int = 0
+    open: bool = False
+    """Whether more is needed than what was found before time was over."""
 
     @property
     def left(self) -> float:
@@ -75,21 +77,40 @@ class _Search:
         return not self.refusal(asking, max(1.0, self.left))
 
     def causes(self) -> Iterator[tuple[Construct, ...]]:
-        """What, written otherwise, makes the file readable: single constructs, else one minimal set."""
+        """What, written otherwise, makes the file readable: single constructs, else one set that is needed."""
         there = [c for c in CONSTRUCTS if self.applied([c])[1][c.says]]
-        single = [c for c in there if self.reads([c])]
-        if single or len(there) < 2:
+        together = self.needed(there) if self.reads(there) else []
+        single = [c for c in there if together == [c] or (len(there) > 1 and self.reads([c]))]
+        if single:
+            self.open = False
             yield from ((c,) for c in single)
-            return
-        if self.reads(there):
-            needed = there
-            for c in there:
-                fewer = [x for x in needed if x is not c]
-                if len(needed) > 1 and self.reads(fewer):
-                    needed = fewer
-            yield tuple(needed)
-            return
-        yield from itertools.islice((p for p in itertools.combinations(there, 2) if self.reads(p)), 1)
+        elif together:
+            yield tuple(together)
+        else:
+            yield from itertools.islice((p for p in itertools.combinations(there, 2) if self.reads(p)), 1)
+
+    def needed(self, enough: list[Construct]) -> list[Construct]:
+        """Of constructs that are enough together, those that are needed, each found by halving.
+
+        The last of the fewest that are enough is needed: it is kept, and the search goes on before it.
+        """
+        found: list[Construct] = []
+        while not (found and self.reads(found)):
+            least, most = 0, len(enough)
+            while most - least > 1 and not self.over:
+                middle = (least + most) // 2
+                if self.reads([*enough[:middle], *found]):
+                    most = middle
+                else:
+                    least = middle
+            if most - least > 1 or self.over:
+                self.open = True
+                break
+            found.insert(0, enough[most - 1])
+            enough = enough[: most - 1]
+            if not enough:
+                break
+        return found
 
 
 def repaired(answers: Answers, asking: Asking, refusal: Refusal, tick: Callable[[str], None]) -> Repair:
@@ -104,9 +125,10 @@ def repaired(answers: Answers, asking: Asking, refusal: Refusal, tick: Callable[
     if not causes:
         return Repair(remark=f"refusal: no construct of the file explains it; {seconds}")
     first, *rest = (_Cause.of(search, c) for c in causes)
+    more = ", nor something else that was not found" if search.open else ""
     finding = Finding(
         "refusal",
-        f"it does not read {first.says}: it says {answers.refused!r}",
+        f"it does not read {first.says}{more}: it says {answers.refused!r}",
         items=first.items,
         alternatives=[f"it does not read {c.says}" for c in rest],
         fix=first.fix,

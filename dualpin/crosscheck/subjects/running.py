@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -28,6 +29,7 @@ SECONDS = 20.0
 """What all states of one term may take before a slow subject is asked fewer of them."""
 LOADING = 120.0
 """What a subject may take to start: libraries of a gigabyte are imported."""
+_RAISED = re.compile(r"[\w.]*(Error|Exception): ")
 Tick = Callable[[str], None]
 
 
@@ -270,4 +272,5 @@ def ended(code: int, log: Path) -> str:
             how = f"crashed (signal {-code})"
     else:
         how = f"ended with exit code {code}"
-    return how + (f": {said[-1][:300]}" if said else "")
+    raised = [x for x in said if _RAISED.match(x)]  # libraries print more after it
+    return how + (f": {(raised or said)[-1][:300]}" if said else "")
