@@ -22,6 +22,7 @@ from .answers import Answers
 from .apart import serve
 from .asking import Asking
 from .convention import Convention, columns
+from .environments import ADAPTERS
 from .layout import Layout
 from .questions import FRAMED, QUESTIONS
 
@@ -139,10 +140,15 @@ class _Child:
     def _started(self) -> subprocess.Popen:
         (self.folder / "subject.json").unlink(missing_ok=True)
         (self.folder / "now.json").unlink(missing_ok=True)
-        words = [self.python, serve.__file__, str(self.folder), self.spec]
+        python = str(Path(self.python).absolute()) if os.sep in self.python else self.python
+        words = [python, serve.__file__, str(self.folder), self.spec]
+        # what a library leaves behind, a log say, is nobody's; a user's own module is found where the user is
+        where = self.folder if self.spec.startswith(str(ADAPTERS)) else None
         with self.log.open("ab") as log:
             try:
-                return subprocess.Popen(words, stdin=subprocess.PIPE, stdout=log, stderr=log, start_new_session=True)
+                return subprocess.Popen(
+                    words, stdin=subprocess.PIPE, stdout=log, stderr=log, cwd=where, start_new_session=True
+                )
             except OSError as e:
                 raise ArgumentError(f"judge: python {self.python!r} cannot be started ({e.strerror or e})") from None
 
