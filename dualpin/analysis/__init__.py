@@ -1,0 +1,1 @@
+"""What an engineer must know of a robot before it is built, simulated or identified."""
