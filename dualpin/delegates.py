@@ -36,6 +36,7 @@ HOMES = {
     "Screws.export": "dualpin.forms.export_screws.screws_text",
     "Screws.robot": "dualpin.forms.build_screws.from_screws",
     "numpy.linalg": "dualpin.algebra",
+    "numpy.ufunc": "dualpin.ufuncs.on_duals",
 }
 """Method -> module and function; NumPy's functions on dual arrays -> the module that has them."""
 

@@ -8,14 +8,22 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
 
+from .delegates import home
 from .errors import ArgumentError, ArgumentTypeError
 from .extras import extra
 from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, raise_where, refuse, shown, unfit
 from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
+
+
+@cache
+def _on_duals(ufunc: np.ufunc) -> Callable[..., Any] | None:
+    """What computes a universal function of dual numbers; built of this file's functions, so it stands above it."""
+    return home("numpy.ufunc")(ufunc)
 
 
 class Dual(Parts):
@@ -202,7 +210,7 @@ class Dual(Parts):
         return entries
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *args: Any, **options: Any) -> Any:
-        f = UFUNCS.get(ufunc)
+        f = _on_duals(ufunc)
         if f is None or method != "__call__" or options or any(isinstance(x, Compound) for x in args):
             return NotImplemented
         return f(*args)
@@ -393,7 +401,3 @@ def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
         return extra("sympy", "exact", "a choice between formulas").Piecewise((a, condition), (b, True))
     a, b = (float(x) if type(x) is Exact else x for x in (a, b))
     return np.where(condition, a, b)
-
-
-UFUNCS: dict[np.ufunc, Callable[..., Any]] = {}
-from . import ufuncs as _ufuncs  # noqa: E402, F401  (fills the table)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from .dual import (
-    UFUNCS,
     Dual,
     acos,
     asin,
@@ -63,7 +62,7 @@ def _either_sign(x: Dual) -> Any:
     return np.sign(array(x.real))
 
 
-UFUNCS.update({
+UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.add: lambda a, b: a + b if type(a) is Dual else b + a,
     np.subtract: lambda a, b: a - b if type(a) is Dual else b.__rsub__(a),
     np.multiply: lambda a, b: a * b if type(a) is Dual else b * a, np.negative: operator.neg,
@@ -83,4 +82,10 @@ UFUNCS.update({
     np.isfinite: lambda x: np.isfinite(array(x.real)) & np.isfinite(array(x.dual)),
     np.isnan: lambda x: np.isnan(array(x.real)) | np.isnan(array(x.dual)),
     **{ufunc: _numeric(ufunc, slope) for ufunc, slope in _SLOPES.items()},
-})  # fmt: skip
+}  # fmt: skip
+"""NumPy's function -> the function of dual numbers that answers for it."""
+
+
+def on_duals(ufunc: np.ufunc) -> Callable[..., Any] | None:
+    """What computes a universal function of dual numbers, if anything does."""
+    return UFUNCS.get(ufunc)

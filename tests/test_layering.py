@@ -18,7 +18,7 @@ PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own room and from those before it
 LAYERS = (
     "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine",
-    "scalars", "parts", "dual", "spatial", "algebra",  # numbers, and the vocabulary over them
+    "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "functions",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck",  # what is done with it
@@ -26,7 +26,6 @@ LAYERS = (
     "bench_device",
     "report", "view", "cli", "pytest_plugin",  # how it is shown
 )  # fmt: skip
-SAME = {"ufuncs": "dual"}  # the two halves of one class
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
 ASKING = {"model"}
 BY_NAME = {"__init__.py", "delegates.py", "forms/__init__.py"}  # tables of names that are imported when used
@@ -37,25 +36,28 @@ def modules() -> list[Path]:
 
 
 def layer_of(path: Path) -> str:
-    first = path.relative_to(PACKAGE).parts[0].removesuffix(".py")
-    return SAME.get(first, first)
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
 
-def imported(path: Path) -> list[tuple[int, str]]:
-    """(line, room) of all that a file imports from the package: at once, in a function, or for type checkers."""
+def named(path: Path) -> list[tuple[int, tuple[str, ...]]]:
+    """(line, module and perhaps a name of it) of all that a file imports from the package: at once, in a function,
+    or for type checkers."""
     package = ["dualpin", *path.relative_to(PACKAGE).parts[:-1]]
-    found: list[tuple[int, str]] = []
+    found = []
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else []
             module = [*base, *(node.module.split(".") if node.module else [])]
-            if module[0] == "dualpin":
-                names = [module[1]] if len(module) > 1 else [a.name for a in node.names]
-                found.extend((node.lineno, name) for name in names)
+            found.extend((node.lineno, (*module, a.name)) for a in node.names if module[0] == "dualpin")
         elif isinstance(node, ast.Import):
-            parts = [a.name.split(".") for a in node.names]
-            found.extend((node.lineno, p[1]) for p in parts if p[0] == "dualpin" and len(p) > 1)
-    return [(line, SAME.get(name, name)) for line, name in found]
+            parts = [tuple(a.name.split(".")) for a in node.names]
+            found.extend((node.lineno, p) for p in parts if p[0] == "dualpin")
+    return found
+
+
+def imported(path: Path) -> list[tuple[int, str]]:
+    """(line, room) of all that a file imports from the package."""
+    return list(dict.fromkeys((line, parts[1]) for line, parts in named(path) if len(parts) > 1))
 
 
 def rooms() -> dict[str, dict[str, str]]:
@@ -69,8 +71,23 @@ def rooms() -> dict[str, dict[str, str]]:
     return found
 
 
+def files() -> dict[str, dict[str, str]]:
+    """Each file with those it imports, and a place where it does."""
+    by_name = {}
+    for path in modules():
+        parts = ("dualpin", *path.relative_to(PACKAGE).with_suffix("").parts)
+        by_name[parts[:-1] if parts[-1] == "__init__" else parts] = path.relative_to(PACKAGE).as_posix()
+    found: dict[str, dict[str, str]] = {here: {} for here in by_name.values()}
+    for here in found:
+        for line, parts in named(PACKAGE / here):
+            other = by_name.get(parts) or by_name.get(parts[:-1])
+            if other not in (None, here):
+                found[here].setdefault(other, f"{here}:{line}")
+    return found
+
+
 def circles(arrows: dict[str, dict[str, str]]) -> list[list[str]]:
-    """Rooms from which one comes back, the shortest way round first."""
+    """Rooms or files from which one comes back, the shortest way round first."""
     found = []
     for start in arrows:
         ways, seen = [[start]], {start}
@@ -103,6 +120,10 @@ def test_nothing_imports_upward():
 
 def test_no_rooms_import_each_other_in_a_circle():
     assert circles(rooms()) == []
+
+
+def test_no_files_import_each_other_in_a_circle():
+    assert circles(files()) == []
 
 
 def test_names_point_upward_in_one_table_only():
@@ -153,6 +174,11 @@ def test_the_checks_themselves_see_what_they_should(tmp_path, monkeypatch):
     assert [name for _, name in imported(file)] == ["terms", "cli", "engine", "io", "report", "view"]
     (tmp_path / "terms" / "term.py").write_text("def f():\n    import dualpin.io\n")
     (tmp_path / "io" / "file.py").write_text("from ..model.robot import Robot\n")
+    (tmp_path / "io" / "text.py").write_text("from . import file\n")
+    file.with_name("joint.py").write_text("from .robot import Robot\n")
+    file.write_text(file.read_text() + "def g():\n    from dualpin.model.joint import Joint\n")
+    assert circles(files())[0] == ["model/joint.py", "model/robot.py", "model/joint.py"]
+    assert files()["io/text.py"] == {"io/file.py": "io/text.py:1"}
     assert ["model", "io", "model"] in circles(rooms()) and ["terms", "io", "model", "terms"] in circles(rooms())
 
 

@@ -17,8 +17,7 @@ from ..model.robot import STANDARD_GRAVITY, Robot
 from ..scalars import exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
-from ..spatial.rotation import Matrix3
-from ..spatial.vector import AXES, Vector3
+from ..spatial.vector import AXES, Matrix3, Vector3
 from .build import homogeneous
 from .screws import carried
 

@@ -7,11 +7,11 @@ import math
 from lxml import etree
 
 from ..errors import nearest
-from . import xml
+from .document import Document, Owner, short
 from .links import PRINTED, check_origin, named
-from .xml import Document, Owner, short
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
+MAX_JOINTS = 100_000
 BOUNDED = ("revolute", "prismatic")
 
 
@@ -19,8 +19,8 @@ def read_joints(document: Document) -> None:
     """Check the joints, and fill `document.joints` and `document.base`."""
     child_of: dict[str, str] = {}
     for owner, joint in named(document, "joint", document.joints):
-        if len(document.joints) > xml.MAX_JOINTS:
-            document.fail(joint, f"more than {xml.MAX_JOINTS} joints")
+        if len(document.joints) > MAX_JOINTS:
+            document.fail(joint, f"more than {MAX_JOINTS} joints")
         if owner.name == "universe":
             document.fail(joint, f"{owner}: the name is reserved for the world")
         kind = _kind(document, joint, owner)

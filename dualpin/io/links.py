@@ -10,8 +10,8 @@ from lxml import etree
 
 from ..errors import UrdfError
 from ..spatial.arrays import to_matrix
+from .document import VERSIONS, Document, Owner, short
 from .write import roll_pitch_yaw
-from .xml import VERSIONS, Document, Owner, short
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 PRODUCTS = ("ixy", "ixz", "iyz")

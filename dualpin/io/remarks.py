@@ -7,7 +7,7 @@ from math import hypot, inf, pi, sqrt
 from lxml import etree
 
 from ..model.robot import Joint, Robot
-from .xml import Document
+from .document import Document
 
 FAR = 10.0  # m; the parts of robots are closer together, in millimetres all are farther
 TURNS = 8 * pi  # rad; four turns: limits of cables are smaller, 90 degrees are more

@@ -25,11 +25,11 @@ from ..model.robot import Limits, Mimic, Robot, Rotor
 from ..scalars import exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
-from ..spatial.rotation import Matrix3
-from ..spatial.vector import AXES, ZERO_VECTOR, Vector3
+from ..spatial.vector import AXES, ZERO_VECTOR, Matrix3, Vector3
 from .catalogue import find
+from .document import Document
 from .remarks import remark
-from .xml import Document, parse, read, read_stream
+from .xml import parse, read, read_stream
 
 _AXIS_TOLERANCE = 1e-12  # Pinocchio's: closer than this to a coordinate axis is that axis
 

@@ -11,8 +11,8 @@ from ..dual import Dual, sqrt
 from ..scalars import Exact, Scalar
 from ..spatial.inertia import Inertia
 from ..spatial.pose import Pose
-from ..spatial.rotation import IDENTITY, Matrix3, Rotation
-from ..spatial.vector import ZERO_VECTOR, Vector3, motor
+from ..spatial.rotation import IDENTITY, Rotation
+from ..spatial.vector import ZERO_VECTOR, Matrix3, Vector3, motor
 from .joints import Axial
 from .robot import Frame, Joint, Link, Robot, Rotor
 

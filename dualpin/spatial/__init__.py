@@ -16,8 +16,8 @@ from .arrays import (
 from .inertia import ZERO_INERTIA, Articulated, Connection, Inertia
 from .pose import IDENTITY_POSE, Pose
 from .quaternion import Quaternion, displaced
-from .rotation import IDENTITY, Matrix3, Rotation, dh_rotation, diagonal, skew
-from .vector import AXES, UX, UY, UZ, ZERO_MOTOR, ZERO_VECTOR, Momentum, Twist, Vector3, Wrench, motor, power
+from .rotation import IDENTITY, Rotation, dh_rotation, diagonal, skew
+from .vector import AXES, UX, UY, UZ, ZERO_MOTOR, ZERO_VECTOR, Matrix3, Momentum, Twist, Vector3, Wrench, motor, power
 
 __all__ = [
     "AXES", "IDENTITY", "IDENTITY_POSE", "UX", "UY", "UZ", "ZERO_INERTIA", "ZERO_MOTOR", "ZERO_VECTOR",

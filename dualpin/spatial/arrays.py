@@ -15,8 +15,7 @@ from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 from .pose import Pose
 from .quaternion import Quaternion, displaced
-from .rotation import Matrix3
-from .vector import Vector3, motor
+from .vector import Matrix3, Vector3, motor
 
 
 def _numbers(what: str, value: ArrayLike, tail: tuple[int, ...]) -> np.ndarray:

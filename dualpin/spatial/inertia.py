@@ -12,8 +12,8 @@ from collections.abc import Iterable
 from ..renamed import former_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .pose import Pose
-from .rotation import ZEROS, Matrix3, diagonal, skew
-from .vector import AXES, ZERO_VECTOR, Momentum, Twist, Vector3, Wrench, motor
+from .rotation import ZEROS, diagonal, skew
+from .vector import AXES, ZERO_VECTOR, Matrix3, Momentum, Twist, Vector3, Wrench, motor
 
 
 class Inertia:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from ..dual import Compound, Dual, atan2, cos_sin, real_part, sqrt, stumpff, where
 from ..scalars import ONE, ZERO, Scalar
-from .rotation import Matrix3, Rotation
-from .vector import Vector3
+from .rotation import Rotation
+from .vector import Matrix3, Vector3
 
 
 class Quaternion(Compound):

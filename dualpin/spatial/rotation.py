@@ -1,71 +1,11 @@
-"""Three by three matrices and rotations.  Over dual numbers a rotation is a dual-orthogonal matrix."""
+"""Rotations, as matrices.  Over dual numbers they are dual-orthogonal matrices, the rigid motions."""
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
-
-import numpy as np
-
-from ..dual import Compound, cos_sin
+from ..dual import cos_sin
 from ..errors import ArgumentError, nearest
 from ..scalars import ZERO, Scalar
-from .vector import AXES, UX, UY, UZ, Vector3
-
-M = TypeVar("M", bound="Matrix3")
-
-
-class Matrix3(Compound):
-    """A 3x3 matrix of scalars, as three rows."""
-
-    __slots__ = ("rows",)
-
-    def __init__(self, *rows: Vector3) -> None:
-        self.rows = rows
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(map(repr, self.rows))})"
-
-    def __add__(self, B: Matrix3) -> Matrix3:
-        return Matrix3(*(a + b for a, b in zip(self.rows, B.rows, strict=True)))
-
-    def __sub__(self, B: Matrix3) -> Matrix3:
-        return Matrix3(*(a - b for a, b in zip(self.rows, B.rows, strict=True)))
-
-    def __mul__(self, s: Scalar) -> Matrix3:
-        return Matrix3(*(a * s for a in self.rows))
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, s: Scalar) -> Matrix3:
-        return Matrix3(*(a / s for a in self.rows))
-
-    def __matmul__(self, b: Any) -> Any:
-        if type(b) is Vector3:
-            r, s, t = self.rows
-            return Vector3(r.dot(b), s.dot(b), t.dot(b))
-        columns = b.T.rows
-        return type(b)(*(Vector3(*(a.dot(column) for column in columns)) for a in self.rows))
-
-    @property
-    def T(self: M) -> M:
-        """The transpose; of a rotation, the inverse."""
-        r, s, t = self.rows
-        return type(self)(Vector3(r.x, s.x, t.x), Vector3(r.y, s.y, t.y), Vector3(r.z, s.z, t.z))
-
-    @property
-    def mirrored(self) -> Matrix3:
-        """The symmetric matrix with this upper triangle, for products known to be symmetric."""
-        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rows
-        return Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz))
-
-    @property
-    def array(self) -> np.ndarray:
-        """In floats, (3, 3)."""
-        return np.array([[float(x) for x in row] for row in self.rows])
-
-    def skewed(self, p: Vector3) -> Matrix3:
-        """A [p], row by row: r^T [p] = (r x p)^T."""
-        return Matrix3(*(a.cross(p) for a in self.rows))
+from .vector import AXES, UX, UY, UZ, Matrix3, Vector3
 
 
 def diagonal(s: Scalar) -> Matrix3:

@@ -1,4 +1,4 @@
-"""Vectors of three scalars.  Over dual numbers the same class is a motor.
+"""Vectors of three scalars, and 3x3 matrices.  Over dual numbers a vector is a motor.
 
     Vector3      over Dual: a twist w + eps v, a wrench f + eps n, a momentum p + eps l, a screw
     a.cross(b)   over Dual: the spatial cross product, of motions and of forces alike
@@ -10,15 +10,23 @@ Mind the order: the *real* part of a twist is angular, the real part of a wrench
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeVar
+
+import numpy as np
 
 from ..dual import Compound, Dual
 from ..renamed import former_names
 from ..scalars import ONE, ZERO, Scalar
 
-if TYPE_CHECKING:
-    from .pose import Pose
-    from .rotation import Matrix3
+M = TypeVar("M", bound="Matrix3")
+
+
+class Carrier(Protocol):
+    """What carries motors from one frame to another: a `Pose`."""
+
+    rotation: Matrix3
+
+    def translate(self, m: Vector3) -> Vector3: ...
 
 
 class Vector3(Compound):
@@ -67,8 +75,6 @@ class Vector3(Compound):
 
     def outer(self, b: Vector3) -> Matrix3:
         """a b^T"""
-        from .rotation import Matrix3
-
         return Matrix3(b * self.x, b * self.y, b * self.z)
 
     @property
@@ -79,9 +85,64 @@ class Vector3(Compound):
     def dual(self) -> Vector3:
         return Vector3(self.x.dual, self.y.dual, self.z.dual)
 
-    def moved(self, X: Pose) -> Vector3:
+    def moved(self, X: Carrier) -> Vector3:
         """A motor described in the frame X, carried to the frame X is described in."""
-        return X.translate(X.rotation @ self)
+        moved: Vector3 = X.translate(X.rotation @ self)
+        return moved
+
+
+class Matrix3(Compound):
+    """A 3x3 matrix of scalars, as three rows."""
+
+    __slots__ = ("rows",)
+
+    def __init__(self, *rows: Vector3) -> None:
+        self.rows = rows
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(map(repr, self.rows))})"
+
+    def __add__(self, B: Matrix3) -> Matrix3:
+        return Matrix3(*(a + b for a, b in zip(self.rows, B.rows, strict=True)))
+
+    def __sub__(self, B: Matrix3) -> Matrix3:
+        return Matrix3(*(a - b for a, b in zip(self.rows, B.rows, strict=True)))
+
+    def __mul__(self, s: Scalar) -> Matrix3:
+        return Matrix3(*(a * s for a in self.rows))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, s: Scalar) -> Matrix3:
+        return Matrix3(*(a / s for a in self.rows))
+
+    def __matmul__(self, b: Any) -> Any:
+        if type(b) is Vector3:
+            r, s, t = self.rows
+            return Vector3(r.dot(b), s.dot(b), t.dot(b))
+        columns = b.T.rows
+        return type(b)(*(Vector3(*(a.dot(column) for column in columns)) for a in self.rows))
+
+    @property
+    def T(self: M) -> M:
+        """The transpose; of a rotation, the inverse."""
+        r, s, t = self.rows
+        return type(self)(Vector3(r.x, s.x, t.x), Vector3(r.y, s.y, t.y), Vector3(r.z, s.z, t.z))
+
+    @property
+    def mirrored(self) -> Matrix3:
+        """The symmetric matrix with this upper triangle, for products known to be symmetric."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rows
+        return Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz))
+
+    @property
+    def array(self) -> np.ndarray:
+        """In floats, (3, 3)."""
+        return np.array([[float(x) for x in row] for row in self.rows])
+
+    def skewed(self, p: Vector3) -> Matrix3:
+        """A [p], row by row: r^T [p] = (r x p)^T."""
+        return Matrix3(*(a.cross(p) for a in self.rows))
 
 
 Twist: TypeAlias = Vector3

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.io import xml
+from dualpin.io import joints, xml
 
 from .bad_urdfs import CASES, GOOD, Case
 
@@ -100,7 +100,7 @@ def test_files_beyond_the_cap_are_not_read(tmp_path, monkeypatch):
 
 
 def test_robots_beyond_the_cap_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(xml, "MAX_JOINTS", 1)
+    monkeypatch.setattr(joints, "MAX_JOINTS", 1)
     with pytest.raises(dp.UrdfError, match="more than 1 joints"):
         dp.load(written(tmp_path, GOOD))
 

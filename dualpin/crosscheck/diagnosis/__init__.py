@@ -3,6 +3,7 @@
 from ..findings import Finding
 from .case import Case
 from .diagnose import Diagnosis, diagnose
-from .hypothesis import RULES, Hypothesis
+from .hypothesis import Hypothesis
+from .rules import RULES
 
 __all__ = ["RULES", "Case", "Diagnosis", "Finding", "Hypothesis", "diagnose"]

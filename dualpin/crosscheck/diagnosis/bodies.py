@@ -12,7 +12,8 @@ from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
 from .case import Case, View
 from .description import Body, Description, steiner
-from .hypothesis import INERTIAL, WEIGHED, Hypothesis, Story
+from .hypothesis import Hypothesis, Story
+from .rules.register import INERTIAL, WEIGHED
 
 FITTED_ITEM = 2.6
 """The cost of ten fitted numbers: more than that of any rule about one link."""

@@ -21,8 +21,8 @@ from ...model.robot import Mimic, Robot
 from ...scalars import Scalar, exact
 from ...spatial.inertia import Inertia
 from ...spatial.pose import Pose
-from ...spatial.rotation import Matrix3, Rotation
-from ...spatial.vector import ZERO_VECTOR, Vector3
+from ...spatial.rotation import Rotation
+from ...spatial.vector import ZERO_VECTOR, Matrix3, Vector3
 from ..subjects.convention import base_of
 
 NO_MOTION = np.eye(4)

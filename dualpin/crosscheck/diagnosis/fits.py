@@ -12,8 +12,9 @@ from ..subjects.questions import QUESTIONS
 from .bodies import bodies, residual
 from .case import Case, View
 from .description import Description, Part
-from .hypothesis import ALL, FORCED, WEIGHED, Hypothesis, Story, ordered
+from .hypothesis import Hypothesis, Story, ordered
 from .placements import placements
+from .rules.register import ALL, FORCED, WEIGHED
 
 TRAIN = slice(0, None, 2)
 SNAP = 2e-8

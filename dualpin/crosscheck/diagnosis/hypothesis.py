@@ -4,37 +4,18 @@ A hypothesis predicts what the subject would answer if it were true.  Each acts 
 
     sent columns -> word -> edit -> state -> formula -> force -> change -> columns of the subject -> answer -> relation
 
-so that several compose in one way only, and every one can be tried on every subject.  A *rule*
-proposes hypotheses for a case: itself for the whole robot and, where that makes sense, for one link or
-joint at a time.  To add one, write a small function under one of the decorators below.
+so that several compose in one way only, and every one can be tried on every subject.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
 
 from ..subjects.convention import Convention
-from ..subjects.questions import QUESTIONS
-from .description import Body, Description, Part
-
-if TYPE_CHECKING:
-    from .case import Case
 
 PLACES = ("word", "edit", "state", "formula", "force", "change", "answer", "relation")
-ALL = tuple(QUESTIONS)
-SIX = ("jacobian", "frame_velocity", "jacobian_dot")
-FORCED = ("bias", "rnea", "aba")
-WEIGHED = ("gravity", *FORCED)
-INERTIAL = (
-    "gravity", "crba", "com", "com_jacobian", "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
-    *FORCED, "minv", "coriolis",
-)  # fmt: skip
-MASSIVE = ("crba", "centroidal_momentum_matrix", "kinetic_energy", *FORCED, "minv", "coriolis")
-"""Terms in which inertia about the centre of mass counts."""
 
 
 @dataclass(frozen=True)
@@ -114,137 +95,3 @@ def identity(story: Story) -> frozenset[Any]:
 
 def cost(story: Iterable[Hypothesis]) -> float:
     return round(sum(h.cost for h in story), 6)
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A proposer of hypotheses, and its line in the table of keys."""
-
-    key: str
-    says: str
-    fix: str
-    propose: Callable[[Case], Iterable[Hypothesis]]
-    rows: Mapping[str, str] = field(default_factory=dict)
-    """Where it proposes several keys: what each says."""
-
-
-RULES: list[Rule] = []
-MOST_ITEMS = 80  # links or joints that are tried one at a time
-
-
-@dataclass
-class _Family:
-    """Hypotheses of one key: of the whole robot, and of one item at a time."""
-
-    key: str
-    says: str
-    fix: str
-    terms: tuple[str, ...]
-    cost: float
-    edit: Callable[[Description, Sequence[str]], Description]
-    items: Callable[[Description], list[str]]
-    singles: bool = field(default=True)
-
-    def __call__(self, case: Case) -> Iterable[Hypothesis]:
-        found = self.items(case.description)
-        if not found:
-            return
-        whole = Hypothesis(self.key, self.says, self.terms, "edit", self.edit, self.fix, cost=self.cost)
-        yield whole
-        if self.singles and 1 < len(found) <= MOST_ITEMS:
-            for item in found:
-                yield replace(whole, items=(item,), cost=self.cost + 1.0, single=True)
-
-
-def _register(key: str, says: str, fix: str, propose: Callable[[Case], Iterable[Hypothesis]]) -> None:
-    RULES.append(Rule(key, says, fix, propose))
-
-
-def link_rule(
-    key: str, says: str, fix: str, terms: tuple[str, ...] = INERTIAL, cost: float = 1.0
-) -> Callable[[Callable[[Body], Body | None]], Callable[[Body], Body | None]]:
-    """A function of one link's body: tried on all links, and on each."""
-
-    def decorate(f: Callable[[Body], Body | None]) -> Callable[[Body], Body | None]:
-        def items(d: Description) -> list[str]:
-            bodies = [(d.root, d.base), *((p.link, p.body) for p in d.parts)]
-            return [link for link, body in bodies if body is not None and differ(body, f(body))]
-
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: d.with_bodies(f, i), items))
-        return f
-
-    return decorate
-
-
-def joint_rule(
-    key: str, says: str, fix: str, terms: tuple[str, ...] = ALL, cost: float = 1.0
-) -> Callable[[Callable[[Part, Description], Part]], Callable[[Part, Description], Part]]:
-    """A function of one joint (and all of the description): tried on all joints, and on each."""
-
-    def decorate(f: Callable[[Part, Description], Part]) -> Callable[[Part, Description], Part]:
-        def items(d: Description) -> list[str]:
-            return [p.joint for p in d.parts if changed(p, f(p, d))]
-
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: d.with_parts(f, i), items))
-        return f
-
-    return decorate
-
-
-def robot_rule(
-    key: str, says: str, fix: str, terms: tuple[str, ...] = ALL, cost: float = 1.0
-) -> Callable[[Callable[[Description], Description]], Callable[[Description], Description]]:
-    """A function of the whole description."""
-
-    def decorate(f: Callable[[Description], Description]) -> Callable[[Description], Description]:
-        def items(d: Description) -> list[str]:
-            new = f(d)
-            old = {p.joint: p for p in d.parts}
-            return [p.joint for p in new.parts if changed(old[p.joint], p)]
-
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: f(d), items, singles=False))
-        return f
-
-    return decorate
-
-
-def rule(
-    key: str, says: str, fix: str, terms: tuple[str, ...], place: str, cost: float = 1.0,
-    when: Callable[[Case], Any] = lambda case: True,
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
-    """A function that acts at `place`, tried where `when` holds."""
-
-    def decorate(f: Callable[..., Any]) -> Callable[..., Any]:
-        hypothesis = Hypothesis(key, says, terms, place, f, fix, cost=cost)
-        _register(key, says, fix, lambda case: [hypothesis] if when(case) else [])
-        return f
-
-    return decorate
-
-
-def proposer(
-    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None
-) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """A function (key, case) -> hypotheses, for rules whose words or number depend on the case."""
-
-    def decorate(f: Callable[..., Any]) -> Callable[..., Any]:
-        RULES.append(Rule(key, says, fix, lambda case: f(Hypothesis(key, says, (), "", f, fix), case), rows or {}))
-        return f
-
-    return decorate
-
-
-CHANGED = 1e-13
-"""An edit that changes no number by more than this changes nothing."""
-
-
-def differ(a: Body | None, b: Body | None) -> bool:
-    if a is None or b is None:
-        return a is not b and max(x.mass for x in (a, b) if x is not None) > 0
-    return a is not b and bool(np.abs(a.parameters - b.parameters).max() > CHANGED)
-
-
-def changed(a: Part, b: Part) -> bool:
-    if a is b:
-        return False
-    return bool(np.abs(a.numbers - b.numbers).max() > CHANGED) or a.type != b.type or differ(a.body, b.body)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from . import rules  # noqa: F401  (they register themselves)
 from .fits import FITTED
-from .hypothesis import RULES
 from .repair import FIX, SAYS
+from .rules import RULES
 
 OTHERS = {
     "history": (

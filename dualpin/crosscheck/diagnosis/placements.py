@@ -10,7 +10,8 @@ import numpy as np
 from ..subjects.layout import cross_matrix, product
 from .case import Case, View
 from .description import Description, Part
-from .hypothesis import ALL, SIX, Hypothesis, Story
+from .hypothesis import Hypothesis, Story
+from .rules.register import ALL, SIX
 
 SEEN = ("fk", *SIX, "com", "com_jacobian", "centroidal_momentum_matrix")
 SAME = 1e-7

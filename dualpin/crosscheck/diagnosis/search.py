@@ -13,10 +13,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from . import rules  # noqa: F401  (they register themselves)
 from .case import Case, Score
 from .fits import fits
-from .hypothesis import RULES, Hypothesis, Story, cost, identity, ordered
+from .hypothesis import Hypothesis, Story, cost, identity, ordered
+from .rules import RULES
 
 DEPTH = 3
 BEAM = 8

@@ -10,7 +10,8 @@ import numpy as np
 from ...subjects.layout import cross_matrix, product, rotations, transposed
 from ..case import Case, View
 from ..description import Description, homogeneous
-from ..hypothesis import SIX, Hypothesis, proposer, rule
+from ..hypothesis import Hypothesis
+from .register import SIX, proposer, rule
 
 FRAMED_SIX = ("jacobian", "jacobian_dot")
 SEEN = ("fk", *SIX, "com", "com_jacobian", "centroidal_momentum_matrix")

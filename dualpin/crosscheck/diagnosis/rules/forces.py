@@ -10,7 +10,8 @@ import numpy as np
 from ...subjects.layout import product
 from ..case import Case, View
 from ..description import Description
-from ..hypothesis import FORCED, Hypothesis, proposer, rule
+from ..hypothesis import Hypothesis
+from .register import FORCED, proposer, rule
 
 # --- forces --------------------------------------------------------------------------------------
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..case import Case, View
-from ..hypothesis import FORCED, WEIGHED, Hypothesis, proposer
+from ..hypothesis import Hypothesis
 from ..newton_euler import SLIPS, NewtonEuler
+from .register import FORCED, WEIGHED, proposer
 
 IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_moment", "no_translational",
            "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius")  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..description import Description, Part, homogeneous, turn
-from ..hypothesis import joint_rule
+from .register import joint_rule
 
 ORIGIN = "place a joint by xyz, then turn it by Rz(yaw) Ry(pitch) Rx(roll)"
 AXIS = "read <axis> in the joint's own frame (after rpy), with its sign; without one it is 1 0 0"

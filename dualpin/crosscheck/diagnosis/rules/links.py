@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..description import Body, Description, Part, fixed_axes, steiner, turn
-from ..hypothesis import ALL, INERTIAL, MASSIVE, Hypothesis, link_rule, proposer
+from ..hypothesis import Hypothesis
+from .register import ALL, INERTIAL, MASSIVE, link_rule, proposer
 
 READ = "read <inertial> as URDF means it: mass, centre (xyz), and inertia about that centre in axes turned by rpy"
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
-from ..hypothesis import ALL, FORCED, Hypothesis, proposer, rule
+from ..hypothesis import Hypothesis
+from .register import ALL, FORCED, proposer, rule
 
 # --- matrices ------------------------------------------------------------------------------------
 

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..description import Body, Description, Part, homogeneous, steiner
-from ..hypothesis import INERTIAL, MASSIVE, Hypothesis, joint_rule, proposer
+from ..hypothesis import Hypothesis
+from .register import INERTIAL, MASSIVE, joint_rule, proposer
 
 MERGE = "carry the inertia of a fixed link by the whole pose of its joint: R I R^T, then Steiner"
 

@@ -12,7 +12,8 @@ from ....model.joints import JointModel
 from ...subjects.convention import BASE_V
 from ..case import Case, States, View
 from ..description import Description
-from ..hypothesis import ALL, SIX, Hypothesis, Wording, proposer, rule
+from ..hypothesis import Hypothesis, Wording
+from .register import ALL, SIX, proposer, rule
 
 SAY = "say so in the subject's Convention"
 LINEAR = ("body", "world", "origin")
