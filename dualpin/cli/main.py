@@ -15,7 +15,7 @@ from .app import app
 
 def main() -> None:
     """Run the program; errors become one line on stderr and exit code 2."""
-    from . import cache, commands, forms, judging, measure, report, subjects, validation, view  # noqa: F401  (they register themselves)
+    from . import cache, campaigns, commands, forms, judging, measure, report, subjects, validation, view  # noqa: F401  (they register themselves)
 
     warnings.simplefilter("ignore", DualpinWarning)  # remarks are printed where they belong
     for stream in (sys.stdout, sys.stderr):

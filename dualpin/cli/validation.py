@@ -47,6 +47,12 @@ def validate(
     ] = None,
     strict: Annotated[bool, typer.Option("--strict", help="Fail if a term, robot or file was not compared.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,
+    scheduler: Annotated[
+        str, typer.Option("--scheduler", help="Compute there: tcp://host:port of Dask, or mpi under mpi4py.futures.")
+    ] = "",
+    store: Annotated[
+        Path | None, typer.Option("--store", help="A file in which results stay, and are not computed again.")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Compare every term of robots with Pinocchio on random states.
@@ -58,6 +64,7 @@ def validate(
     Examples:  dualpin validate panda ur5 --samples 100  |  dualpin validate my_arm.urdf --floating --out out
     """
     from ..crosscheck.campaign import all_cases, campaign
+    from ..crosscheck.campaign.executors import scheduler as scheduled
     from ..crosscheck.run import CHECKS, Case
     from ..io.catalogue import find
 
@@ -76,8 +83,9 @@ def validate(
     cases = all_cases() if all_ else [Case(name, floating, mimic, against) for name in robots or []]
     workers = 1 if engine == "cuda" else min(jobs or os.cpu_count() or 1, len(cases))  # processes share no device
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
+    executor = scheduled(scheduler) if scheduler else None
     with _progress(len(cases)) as tick:
-        report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick)
+        report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick, executor, store)
     written = report.write(out, formats()) if out else []
     if json:
         print(report.to_json())
@@ -130,7 +138,9 @@ class _progress:
 
     def tick(self, result: Any, done: int, total: int) -> None:
         if self.bar:
-            self.bar.update(self.task, completed=done, description=getattr(result, "label", result.name)[:28].ljust(28))
+            self.bar.update(
+                self.task, completed=done, total=total, description=getattr(result, "label", result.name)[:28].ljust(28)
+            )
 
     def __exit__(self, *_: object) -> None:
         if self.bar:

@@ -42,6 +42,8 @@ class TermResult:
         What it was compared with.
     compared : int
         How many samples were compared.
+    left_out : int
+        How many were not, since M is singular to working precision there.
     note : str
         What else is to be known, such as samples that were left out.
     worst : dict
@@ -68,6 +70,7 @@ class TermResult:
     reason: str = ""
     oracle: str = "Pinocchio"
     compared: int = 0
+    left_out: int = 0
     note: str = ""
     worst: dict[str, Any] = field(default_factory=dict)
     quantiles: list[float] = field(default_factory=list)

@@ -11,10 +11,12 @@ from ..machine import versions
 from ..model.robot import Robot
 from .checks import CHECKS, Case, Check, chosen
 from .compare import compare, used_engine
+from .merge import merged
 from .oracles.pinocchio import OracleError, build, import_pinocchio
 from .pairing import quietly_loaded
 from .results import NOT_COMPARED, Refusal, Report, RobotResult
 from .tally import scaled_error
+from .units import slices
 
 __all__ = ["CHECKS", "Case", "Check", "attempt", "chosen", "compare", "provenance", "scaled_error", "validate"]
 
@@ -77,7 +79,9 @@ def validate(
     checks = chosen(terms)
     if not isinstance(samples, (int, np.integer)) or samples < 1:
         raise ArgumentError(f"validate: samples is {samples!r}; a whole number from 1 expected")
-    report = Report([compare(case, int(samples), seed, checks, engine, arbitrate)])
+    parts = slices(case, int(samples), seed)
+    found = [compare(case, u.samples, u.seed, checks, engine, arbitrate) for u in parts]
+    report = Report([merged(parts, found, seed)])
     report.versions = provenance(engine)
     return report
 

@@ -29,6 +29,11 @@ def size(x: np.ndarray) -> np.ndarray:
     return np.maximum(1.0, np.maximum(x.max(axis=1, initial=0.0), -x.min(axis=1, initial=0.0)))
 
 
+def singular(left_out: int, n: int) -> str:
+    """What is said of samples that were left out; nothing where there are none."""
+    return f"{left_out} of {n} not compared: M is singular to working precision" if left_out else ""
+
+
 @dataclass
 class Tally:
     """What was found in the samples and variants so far, an array a batch.
@@ -72,12 +77,11 @@ class Tally:
         result = TermResult(
             oracle=oracle, compared=int(compared.sum()), tolerance_reason=self.reason, status=NOT_COMPARED
         )
+        result.left_out = int((~compared).sum())
         if not compared.any():
             result.reason = "M is singular to working precision in every sample"
             return result
-        if not compared.all():
-            left_out = f"{int((~compared).sum())} of {len(error)}"
-            result.note = f"{left_out} not compared: M is singular to working precision"
+        result.note = singular(result.left_out, len(error))
         result.settle(AGREES if (error[compared] <= bound[compared]).all() else DIFFERS)
         worst = self.rows(result.status)[0]
         result.max_scaled_error = float(np.nanmax(error))

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from dualpin.crosscheck.campaign import Store
+
 pytest.importorskip("pinocchio")
 
 
@@ -116,9 +118,9 @@ def test_ctrl_c_leaves_partial_results_that_the_next_run_takes_up(tmp_path):
     command = [sys.executable, "-m", "dualpin", "validate", "ur5", "panda", "talos", "tiago_dual", "--floating",
                "--samples", "40", "--engine", "numpy", "--jobs", "1", "--out", str(tmp_path)]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    partial = tmp_path / "partial.jsonl"
+    partial = tmp_path / "partial.sqlite"
     deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and (not partial.exists() or partial.read_text().count("\n") < 2):
+    while time.monotonic() < deadline and not (partial.exists() and any(p.done for p in Store(partial).progress())):
         time.sleep(0.05)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=120)

@@ -5,7 +5,8 @@ import os
 import pytest
 
 import dualpin as dp
-from dualpin.crosscheck.campaign import PARTIAL, all_cases, campaign
+from dualpin.crosscheck.campaign import all_cases, campaign
+from dualpin.crosscheck.campaign.run import PARTIAL
 from dualpin.crosscheck.run import Case
 
 pytest.importorskip("pinocchio")
@@ -60,17 +61,6 @@ def test_other_settings_do_not_take_up_old_results(tmp_path):
     seen = []
     campaign(CASES, **{**FEW, "seed": 1}, folder=tmp_path, progress=lambda result, *_: seen.append(result.name))
     assert len(seen) == len(CASES)
-
-
-def test_a_cut_off_partial_file_is_read_as_far_as_it_goes(tmp_path):
-    def interrupt(result, done, total):
-        if done == 2:
-            raise KeyboardInterrupt
-
-    campaign(CASES, **FEW, folder=tmp_path, progress=interrupt)
-    partial = tmp_path / PARTIAL
-    partial.write_text(partial.read_text()[:-40])
-    assert campaign(CASES, **FEW, folder=tmp_path).passed
 
 
 class Bomb:
