@@ -15,6 +15,7 @@ __version__ = "0.1.0"
 
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
+    "dualpin.analysis.identification": ("base_parameters",),
     "dualpin.dual": ("Dual",),
     "dualpin.engine.jit.threads": ("get_num_threads", "set_num_threads"),
     "dualpin.errors": (
@@ -39,8 +40,8 @@ _HOMES = {
         "track",
     ),
 }  # fmt: skip
-_PACKAGES = ("algebra", "algorithms", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms", "model",
-             "report", "spatial", "tracking", "view")  # fmt: skip
+_PACKAGES = ("algebra", "algorithms", "analysis", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms",
+             "model", "report", "spatial", "tracking", "view")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [*sorted(_WHERE), "__version__"]
