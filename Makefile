@@ -66,8 +66,8 @@ bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks
 
 docs: $(STAMP)       ## the documentation, into site/; a warning is an error
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
-	@echo "open site/index.html"
+	$(BIN)/python docs/build.py
+	@echo "open site/index.html, or serve it: python -m http.server -d site"
 
 wheel: $(STAMP)      ## build the wheel and the source distribution
 	$(BIN)/python -m build

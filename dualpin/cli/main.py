@@ -7,22 +7,46 @@ from __future__ import annotations
 
 import sys
 import warnings
+from importlib import import_module
+
+import typer
 
 from ..errors import DualpinError, DualpinWarning
 from ..escape import lines
 from .app import app
 
 
+# modules of this folder that register commands, in the order of `dualpin --help`
+MODULES = (
+    "commands",
+    "forms",
+    "validation",
+    "judging",
+    "subjects",
+    "measure",
+    "report",
+    "view",
+    "campaigns",
+    "cache",
+)
+
+
+def program() -> typer.Typer:
+    """The program with all its commands."""
+    for name in MODULES:
+        import_module(f"{__package__}.{name}")
+    return app
+
+
 def main() -> None:
     """Run the program; errors become one line on stderr and exit code 2."""
-    from . import cache, campaigns, commands, forms, judging, measure, report, subjects, validation, view  # noqa: F401  (they register themselves)
-
+    run = program()
     warnings.simplefilter("ignore", DualpinWarning)  # remarks are printed where they belong
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")  # a terminal without a character shows its number
     try:
-        app(prog_name="dualpin")
+        run(prog_name="dualpin")
     except DualpinError as e:
         print(f"dualpin: {lines(str(e))}", file=sys.stderr)
         sys.exit(2)

@@ -187,10 +187,12 @@ def _check_unit(axis: Vector3, kind: str) -> None:
 
 
 def revolute(axis: Vector3 = UZ, kind: str = "revolute") -> Axial:
+    """Turns about an axis; q is the angle in rad."""
     return Axial(axis, Dual(ONE, ZERO), kind=kind, coordinates=("angle",))
 
 
 def prismatic(axis: Vector3 = UZ) -> Axial:
+    """Slides along an axis; q is the length in m."""
     return Axial(axis, EPS, kind="prismatic", coordinates=("length",))
 
 
