@@ -44,7 +44,7 @@ def test_the_reference_has_every_public_name(site):
     for name, value in public().items():
         if inspect.ismodule(value):
             continue
-        if callable(value):
+        if hasattr(value, "__qualname__"):
             last = getattr(value, "__qualname__", name.rpartition(".")[2])
             room = ".".join(value.__module__.split(".")[:2])
             if not {name, f"{value.__module__}.{last}", f"{room}.{last}"} & entries:
