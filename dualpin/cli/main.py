@@ -15,7 +15,6 @@ from ..errors import DualpinError, DualpinWarning
 from ..escape import lines
 from .app import app
 
-
 # modules of this folder that register commands, in the order of `dualpin --help`
 MODULES = (
     "commands",
