@@ -167,7 +167,7 @@ class Parts:
     def polar(self) -> tuple[Any, Any]:
         """(rho, t) of the polar form rho (1 + eps t), which is the exponential form rho e^(eps t) too.
 
-        Products add t, powers multiply it.  (Pennestri & Stefanelli 2007, 3)
+        Products add t, powers multiply it.  (Pennestri & Stefanelli 2007, sec. 4)
         """
         t = self / self.real
         return self.real, t.dual

@@ -33,7 +33,7 @@ def inv(A: Any) -> Dual:
 
     References
     ----------
-    Pennestri & Stefanelli (2007), sec. 7.5.
+    Pennestri & Stefanelli (2007), sec. 7.6, eqs 27-28.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def solve(A: Any, b: Any) -> Dual:
 
     References
     ----------
-    Pennestri & Stefanelli (2007), sec. 7.6.
+    Pennestri & Stefanelli (2007), sec. 7.7, eqs 29-30.
 
     Examples
     --------

@@ -35,7 +35,7 @@ class Motor:
 
     References
     ----------
-    Study (1903); Pennestri & Stefanelli (2007), sec. 4.
+    Study (1903); Pennestri & Stefanelli (2007), sec. 3.
 
     Examples
     --------

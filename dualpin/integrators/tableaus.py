@@ -62,13 +62,13 @@ CG4 = CrouchGrossman(
 )  # fmt: skip
 
 TRAPEZOIDAL = PredictorCorrector(
-    "trapezoidal", "Euler predictor, trapezoidal corrector", 2, 2.0, "Sariyildiz & Temeltas, eqs 6-9, as PECE",
+    "trapezoidal", "Euler predictor, trapezoidal corrector", 2, 2.0, "Sariyildiz & Temeltas, eqs 8-9, as PECE",
     predictors=((1.0,),), correctors=((1 / 2, 1 / 2),), startup_order=2,
 )  # fmt: skip
 
 ABM4 = PredictorCorrector(
     "abm4", "Adams-Bashforth-Moulton of order 4", 4, 1.284816263106356,
-    "Bashforth & Adams (1883), Moulton (1926); start-up of Sariyildiz & Temeltas, eqs 10-16",
+    "Bashforth & Adams (1883), Moulton (1926); start-up of Sariyildiz & Temeltas, eqs 10-17",
     predictors=((1.0,), (3 / 2, -1 / 2), (23 / 12, -16 / 12, 5 / 12), (55 / 24, -59 / 24, 37 / 24, -9 / 24)),
     correctors=((1 / 2, 1 / 2), (5 / 12, 8 / 12, -1 / 12), (9 / 24, 19 / 24, -5 / 24, 1 / 24)),
     startup_order=3,

@@ -12,7 +12,7 @@ from ..algebra.arguments import dual_array
 from ..algebra.displacements import stacked
 from ..algebra.motors import Motor
 from ..algorithms import kinematics
-from ..algorithms.rnea import rnea
+from ..algorithms.rnea import joint_wrenches, rnea
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 from ..model import Builder, cylindrical
@@ -175,11 +175,54 @@ class DualChain:
         ArgumentError
             Without bodies.
         """
-        if self.bodies is None:
-            raise ArgumentError("DualChain.forces: the bodies of the links are needed, see dualpin.mechanisms.body")
-        x, dx, ddx = (self._coordinates(*given) for given in (("q", q), ("v", v), ("a", a)))
-        tau = np.broadcast_arrays(*(np.asarray(f, dtype=float) for f in rnea(self.robot, x, dx, ddx)))
+        tau = np.broadcast_arrays(
+            *(np.asarray(f, dtype=float) for f in rnea(self.robot, *self._state("forces", q, v, a)))
+        )
         return Dual(np.stack(tau[1::2], axis=-1), np.stack(tau[0::2], axis=-1))
+
+    def joint_wrenches(self, q: Any, v: Any, a: Any) -> Dual:
+        """All that each joint transmits, force + eps moment with three components each, shape (..., n, 3).
+
+            F_{i-1} = M_i (F_i + f_i)                         f_i as in `forces`, F_n = 0
+
+        what link i gets from the one before, in frame i - 1 and about its origin.  The z component of F_{i-1} is what
+        the joint's motors have to give, see `forces`; the others are carried by its bearings.
+
+        Parameters
+        ----------
+        q, v, a : Dual, shape (..., n)
+
+        Raises
+        ------
+        ArgumentError
+            Without bodies.
+
+        References
+        ----------
+        Tapia Herrera et al. (2012), eqs 26-28 and the recursion of sec. 6.1.
+
+        Examples
+        --------
+        A body of one kilogram held still at the end of a link of one metre, gravity along -y:
+
+        >>> import numpy as np, dualpin as dp
+        >>> body = dp.mechanisms.body(1.0, [0, 0, 0], np.zeros((3, 3)))
+        >>> arm = dp.mechanisms.DualChain(dp.Dual([0.0], [1.0]), [body], gravity=(0, -9.81, 0))
+        >>> F = arm.joint_wrenches(dp.Dual([0.0], 0.0), dp.Dual([0.0], 0.0), dp.Dual([0.0], 0.0))
+        >>> F.real.tolist(), F.dual.tolist()
+        ([[0.0, 9.81, 0.0]], [[0.0, 0.0, 9.81]])
+        """
+        state = self._state("joint_wrenches", q, v, a)
+        held = zip(self._columns("q", q), joint_wrenches(self.robot, *state), strict=True)
+        # the robot's joint wrenches are in the frame that has turned with the joint
+        whole = [Motor.of_entries(Rotation.about(UZ, t) @ F) for t, F in held]
+        real, dual = (np.broadcast_arrays(*(getattr(F, part) for F in whole)) for part in ("real", "dual"))
+        return Dual(np.stack(real, axis=-2) + 0.0, np.stack(dual, axis=-2) + 0.0)
+
+    def _state(self, who: str, q: Any, v: Any, a: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        if self.bodies is None:
+            raise ArgumentError(f"DualChain.{who}: the bodies of the links are needed, see dualpin.mechanisms.body")
+        return self._coordinates("q", q), self._coordinates("v", v), self._coordinates("a", a)
 
     def _coordinates(self, what: str, x: Any) -> list[np.ndarray]:
         """Angle and slide of each joint in turn."""

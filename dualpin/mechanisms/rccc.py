@@ -1,7 +1,7 @@
-"""The RCCC linkage: four links in a loop, one revolute and three cylindrical joints.
+"""The RCCC linkage: the loop of one revolute and three cylindrical joints, whose positions have a closed form.
 
-The loop closes when  A1 A2 A3 A4 = 1  with  A_i = Z(theta_i) X(alpha_i), dual angles of both kinds:
-theta_i + eps s_i at the joints, alpha_i + eps a_i along the links.  Joint 1 is driven (s_1 fixed).
+Dual angles of both kinds: theta_i + eps s_i at the joints, alpha_i + eps a_i along the links.  Joint 1 is driven
+(s_1 fixed).  What holds of any loop (closure, screws, continuation, velocities) is done by `Loop`.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from ..algebra.displacements import stacked
 from ..algebra.newton import NewtonResult
 from ..dual import Dual, acos, atan2, cos, cos_sin, sin, sqrt, stack
 from ..errors import ArgumentError, DualDivisionError, ShapeError, nearest
-from ..spatial import UX, UZ, Matrix3, Rotation
+from ..spatial import UZ, Matrix3, Rotation, skew
+from .loop import Loop
+from .loop_data import dual_angles
 
 ROWS = (0, 1, 2, 1, 2, 2), (0, 0, 0, 1, 1, 2)  # entries of the loop matrix that fix a displacement
-Q = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # dZ(t)/dt = Q Z(t)
 START = np.radians(100.0)
 
 
@@ -70,15 +71,9 @@ class RCCC:
     """
 
     def __init__(self, alpha_hat: Any) -> None:
-        if not isinstance(alpha_hat, Dual) and not _holds_duals(alpha_hat) and np.shape(alpha_hat) == (4, 2):
-            alpha_hat = Dual(*np.asarray(alpha_hat, dtype=float).T)
-        a, b = dual_array("RCCC: alpha_hat", alpha_hat, 1)
-        if a.shape != (4,):
-            raise ShapeError(f"RCCC: four dual angles alpha + eps a expected, got shape {a.shape}")
-        finite("RCCC: alpha_hat", a)
-        finite("RCCC: alpha_hat, dual part", b)
-        self.alpha = Dual(a, b)
-        self._links = [Rotation.about(UX, Dual(float(x), float(y))) for x, y in zip(a, b, strict=True)]
+        self.alpha = dual_angles("RCCC: alpha_hat", alpha_hat, 4)
+        self.loop = Loop("RCCC", self.alpha)
+        """The same linkage as a loop of joints like any other."""
 
     def __repr__(self) -> str:
         links = ", ".join(f"{x:.6g} + {y:.6g} eps" for x, y in zip(*self.alpha.arrays, strict=True))
@@ -88,12 +83,11 @@ class RCCC:
 
     def joint_matrices(self, theta: Sequence[Dual]) -> list[Dual]:
         """A_i = Z(theta_i) X(alpha_i), each a dual array (..., 3, 3)."""
-        return [stacked(Rotation.about(UZ, t) @ link) for t, link in zip(theta, self._links, strict=True)]
+        return self.loop.joint_matrices(theta)
 
     def closure(self, theta: Sequence[Dual]) -> Dual:
         """A1 A2 A3 A4 - 1, zero when the loop is closed, shape (..., 3, 3)."""
-        a, b, c, d = self.joint_matrices(theta)
-        return a @ b @ c @ d - np.eye(3)
+        return self.loop.closure(theta)
 
     def coefficients(self, theta1: Any) -> tuple[Dual, Dual, Dual]:
         """A, B, C of the input-output equation  A sin(theta4) + B cos(theta4) + C = 0.
@@ -156,8 +150,8 @@ class RCCC:
         return self._position(t1, theta2, theta3, theta4)
 
     def _left(self, theta1: Dual, theta4: Dual) -> Matrix3:
-        _, X3, X4 = self._links[1:]
-        return X3 @ Rotation.about(UZ, theta4) @ X4 @ Rotation.about(UZ, theta1) @ self._links[0]
+        X1, _, X3, X4 = self.loop.links
+        return X3 @ Rotation.about(UZ, theta4) @ X4 @ Rotation.about(UZ, theta1) @ X1
 
     def _position(self, *theta: Dual) -> Position:
         defect = self.closure(theta)
@@ -185,7 +179,7 @@ class RCCC:
             If it does, unless check is False.
         """
         t1 = _dual(theta1)
-        X2 = self._links[1]
+        X2 = self.loop.links[1]
 
         def f(x: Sequence[Dual]) -> list[Dual]:
             left = self._left(t1, x[2]).rows
@@ -239,11 +233,11 @@ class RCCC:
         raise AssumptionError(f"method_c: not converged in {max_iterations} iterations; begin nearer to a position")
 
     def _system(self, t1: Dual, x: Dual) -> tuple[Dual, Dual]:
-        a, b, c, d = self.joint_matrices([t1, x[0], x[1], x[2]])
-        ab, cd = a @ b, c @ d
-        columns = [a @ (Q @ (b @ cd)), ab @ (Q @ cd), ab @ c @ (Q @ d)]
-        v = -(ab @ cd) + np.eye(3)
-        return stack([m[ROWS] for m in columns], axis=-1), v[ROWS]
+        """A1 ... A_{i-1} Q A_i ... A4 = [s_i] A1 A2 A3 A4, with the joint's axis s_i = A1 ... A_{i-1} z."""
+        theta = [t1, x[0], x[1], x[2]]
+        *_, whole = self.loop.walk(theta)
+        columns = [stacked(skew(s) @ whole)[ROWS] for s in self.loop.axes(theta)[1:]]
+        return stack(columns, axis=-1), (-stacked(whole) + np.eye(3))[ROWS]
 
     # sweeps
 
@@ -332,10 +326,6 @@ def _dual(x: Any) -> Dual:
         return x
     y, _ = dual_array("RCCC: theta", x)
     return Dual(y, np.zeros(y.shape)) if y.shape else Dual(float(y), 0.0)
-
-
-def _holds_duals(x: Any) -> bool:
-    return isinstance(x, (list, tuple)) and any(isinstance(i, Dual) for i in x)
 
 
 def _wrapped(t: Dual) -> Dual:

@@ -48,6 +48,57 @@ def test_golden_dynamics(case):
     close(np.stack([F.dual, F.real], axis=-1).ravel(), array(case["tau"]))
 
 
+def test_joint_wrenches_of_the_chain_are_those_of_newton_and_euler():
+    """By a second recursion in plain vectors: what is left of each link and all behind it, about the joint's frame."""
+    rng = np.random.default_rng(7)
+    q, v, a = (ARM.dual_coordinates(x) for x in rng.standard_normal((3, 40, 4)))
+    F = ARM.chain.joint_wrenches(q, v, a)
+    assert F.shape == (40, 2, 3)
+    own = ARM.chain.forces(q, v, a)
+    close(F[..., 2].real, own.real, 1e-13)
+    close(F[..., 2].dual, own.dual, 1e-13)
+    # all of the arm's rate of change of momentum, less its weight, is what the first joint transmits
+    x, dx, ddx = (np.stack([z.real, z.dual], axis=-1).reshape(40, 4) for z in (q, v, a))
+    robot, h = ARM.robot, 1e-5
+
+    def momentum(t):
+        y, dy = x + t * dx + t**2 / 2 * ddx, dx + t * ddx
+        h_world = np.zeros((40, 6))
+        for i, end in enumerate(("link1_end", "tip")):
+            T, w = dp.fk(robot, y, end), dp.frame_velocity(robot, y, dy, end, reference="local")
+            m, c, J = float(P["mass"][i]), array(P["com_in_DH_frame"][i]), array(P["inertia_about_com_in_DH_frame"][i])
+            p = m * (w[:, 3:] + np.cross(w[:, :3], c))
+            n = w[:, :3] @ J.T + np.cross(c, p)
+            h_world += np.einsum("bij,bj->bi", dp.spatial.coadjoint(T), np.concatenate((n, p), axis=-1))
+        return h_world
+
+    rate = (momentum(h) - momentum(-h)) / (2 * h)
+    weight = float(sum(map(float, P["mass"]))) * array(P["gravity"])
+    close(F.real[:, 0], rate[:, 3:] - weight, 1e-8)
+    close(F.dual[:, 0], rate[:, :3] - np.cross(dp.com(robot, x), weight), 1e-8)
+    bare = dp.mechanisms.DualChain(ARM.alpha)
+    with pytest.raises(dp.ArgumentError, match="joint_wrenches: the bodies"):
+        bare.joint_wrenches(q, v, a)
+
+
+def test_the_three_routes_to_a_links_jacobian_are_one_and_give_its_mass_matrix():
+    for robot in (dp.load("panda"), dp.load("ur5", floating=True)):
+        q, v, _ = robot.sample(5, seed=2)
+        link = next(k for k in robot.links if k.joint is robot.joints[-1] and not k.inertia.massless)
+        routes = [dp.mechanisms.link_jacobian(robot, q, link.name, r) for r in ("direct", "transformed", "rotated")]
+        for J in routes[1:]:
+            close(J, routes[0], 1e-13)
+        _, central = link.inertia.central
+        m, I = float(link.inertia.mass), central.array
+        W = np.block([[I, np.zeros((3, 3))], [np.zeros((3, 3)), m * np.eye(3)]])
+        M = np.swapaxes(routes[0], -1, -2) @ W @ routes[0]
+        others = [float(k.inertia.mass) for k in robot.links if k.joint is robot.joints[-1]]
+        if others.count(0.0) == len(others) - 1:  # the only body that the joint moves
+            close(M, np.stack([dp.link_terms(robot, x, y)[len(robot) - 1].M for x, y in zip(q, v, strict=True)]), 1e-13)
+    with pytest.raises(dp.ArgumentError, match="route"):
+        dp.mechanisms.link_jacobian(robot, q, link.name, "quick")
+
+
 @CASES
 @pytest.mark.parametrize("name", dp.mechanisms.TOPOLOGIES)
 def test_golden_topologies(case, name):

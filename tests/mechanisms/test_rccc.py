@@ -30,7 +30,7 @@ def test_dimensions_as_pairs_duals_or_an_array():
     a = LINKAGE.alpha
     for alpha in (a, list(a), [(x.real, x.dual) for x in a]):
         assert np.all(dp.mechanisms.RCCC(alpha).alpha == a)
-    with pytest.raises(dp.ShapeError, match="four dual angles"):
+    with pytest.raises(dp.ShapeError, match="4 dual angles"):
         dp.mechanisms.RCCC([1.0, 2.0])
 
 
