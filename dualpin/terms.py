@@ -12,7 +12,19 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from .algorithms import aba, coriolis, crba, derivatives, jacobian, kinematics, link_terms, momentum, regressor, rnea
+from .algorithms import (
+    aba,
+    coriolis,
+    crba,
+    derivatives,
+    jacobian,
+    kinematics,
+    link_terms,
+    momentum,
+    regressor,
+    rnea,
+    second_derivatives,
+)
 from .arguments import choice, flag
 from .errors import ArgumentError, nearest
 from .model.robot import Frame, Robot
@@ -264,7 +276,17 @@ def _twists(robot: Robot, **_: Any) -> Shape:
     return (6, robot.nv)
 
 
+def pushed(term: Term) -> Term:
+    """The same term with external wrenches: an array more, which its algorithm takes as the last."""
+
+    def compute(robot: Robot, *arrays: Any) -> Any:
+        return term.compute(robot, *arrays[:-1], wrenches(arrays[-1]))
+
+    return Term(f"{term.name}_f_ext", (*term.arguments, F_EXT), compute, term.shape)
+
+
 Q, V, A, TAU = configuration("q"), velocity("v"), velocity("a"), velocity("tau")
+W, DIRECTION = velocity("w"), (velocity("dq"), velocity("dv"), velocity("da"))
 F_EXT = Input("f_ext", lambda r: (len(r), 6), lambda r: f"a wrench [n; f] for each of {len(r)} joints")
 
 FRAME = Option("frame", lambda robot, what, given: robot.frame(given))
@@ -302,6 +324,19 @@ JOINT_TORQUE_REGRESSOR = Term(
 LINK_TERMS = Term("link_terms", (Q, V), _link_terms, lambda r: (len(r), r.nv, 2 * r.nv + 1))
 RNEA_DERIVATIVES = Term("rnea_derivatives", (Q, V, A), derivatives.rnea_derivatives, lambda r: (3, r.nv, r.nv))
 ABA_DERIVATIVES = Term("aba_derivatives", (Q, V, TAU), derivatives.aba_derivatives, lambda r: (3, r.nv, r.nv))
+RNEA_JVP = Term("rnea_jvp", (Q, V, A, *DIRECTION), derivatives.rnea_jvp, _vector)
+RNEA_VJP = Term("rnea_vjp", (Q, V, A, W), derivatives.rnea_vjp, lambda r: (3, r.nv))
+RNEA_HVP = Term("rnea_hvp", (Q, V, A, W, *DIRECTION), second_derivatives.rnea_hvp, lambda r: (3, r.nv))
+RNEA_HESSIAN = Term("rnea_hessian", (Q, V, A, W), second_derivatives.rnea_hessian, lambda r: (4, r.nv, r.nv))
+RNEA_SECOND_DERIVATIVES = Term(
+    "rnea_second_derivatives", (Q, V, A), second_derivatives.rnea_second_derivatives, lambda r: (4, r.nv, r.nv, r.nv)
+)
+(
+    RNEA_DERIVATIVES_F_EXT, ABA_DERIVATIVES_F_EXT, RNEA_JVP_F_EXT, RNEA_VJP_F_EXT, RNEA_HVP_F_EXT, RNEA_HESSIAN_F_EXT,
+    RNEA_SECOND_DERIVATIVES_F_EXT,
+) = map(
+    pushed, (RNEA_DERIVATIVES, ABA_DERIVATIVES, RNEA_JVP, RNEA_VJP, RNEA_HVP, RNEA_HESSIAN, RNEA_SECOND_DERIVATIVES)
+)  # fmt: skip
 INTEGRATE = Term("integrate", (Q, V), _integrate, lambda r: (r.nq,))
 DIFFERENCE = Term("difference", (configuration("q0"), configuration("q1")), _difference, _vector)
 

@@ -1,75 +1,42 @@
 """How inverse and forward dynamics change with the state, by recursion instead of differentiation.
 
-A coordinate is varied along its screw: body b and all it carries are displaced by s_j, a rigid
-motion of the whole subtree.  For a floating or planar joint that is the tangent space, displacements
-in the moving frame; for all others the coordinate itself.
+The notation, and what a displacement is, stand in `responses`.  Beside the matrices there are their
+products with a vector from either side, which need no matrix: d tau along a direction, and the
+gradient of w . tau.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from ..model.robot import Joint, Robot
-from ..scalars import Scalar
-from ..spatial.inertia import Connection, Inertia
+from ..scalars import ZERO, Scalar
 from ..spatial.vector import ZERO_MOTOR, Twist, Wrench, power
 from .aba import aba, factorised, inverse, solve_factorised
 from .crba import Matrix, square
-from .kinematics import joint_poses
+from .responses import sweep
 
-
-class Response(NamedTuple):
-    """What a screw does to the motion of all it carries."""
-
-    velocity: Twist
-    """P: the twist changes by it, for a unit displacement along the screw."""
-    acceleration: Twist
-    """R: the acceleration changes by it, for a unit displacement."""
-    rate: Twist
-    """Q: the acceleration changes by it, for a unit velocity along the screw."""
-
-    @classmethod
-    def to(cls, s: Twist, V_parent: Twist, A_parent: Twist, V: Twist) -> Response:
-        P = V_parent.cross(s)
-        return cls(P, A_parent.cross(s) + V_parent.cross(P), P + V.cross(s))
+Vector = list[Scalar]
 
 
 def rnea_derivatives(
-    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], a: Sequence[Scalar]
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    f_ext: Sequence[Wrench] | None = None,
 ) -> tuple[Matrix, Matrix, Matrix]:
     """d tau / dq, d tau / dv and d tau / da = M.  (Singh, Russell, Wensing 2022)
 
-    With V_p, A_p those of the parent, what a screw does to velocity and acceleration beyond it (`Response`):
-
-        P_j = V_p x s_j,   R_j = A_p x s_j + V_p x P_j,   Q_j = P_j + V_j x s_j
-
-    and with I, B, F summed over the subtree of k, for j on the way from k to the ground,
+    With I, B, F summed over the subtree of k, for j on the way from k to the ground,
 
         d tau_j / dq_k = s_j . (2 B P_k + I R_k + s_k x F)      d tau_j / dv_k = s_j . (2 B s_k + I Q_k)
         d tau_k / dq_j = s_k . (2 B P_j + I R_j)                d tau_k / dv_j = s_k . (2 B s_j + I Q_j)
         d tau_j / da_k = s_j . I s_k
-
-    B is the connection of `coriolis`.
     """
-    X = joint_poses(robot, q)
-    V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
-    A: dict[Joint | None, Twist] = {None: robot.at_rest}
-    I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
-    B: dict[Joint | None, Connection] = {}
-    F: dict[Joint | None, Wrench] = {}
-    responses: dict[Joint, list[Response]] = {}
-    # pass 1, from the root to the leaves: how the bodies move, and what each screw does to that
-    for b in robot:
-        V_parent, A_parent = X[b].pull(V[b.parent]), X[b].pull(A[b.parent])
-        Sv, Sa = b.model.twist(v[b.v]), b.model.twist(a[b.v])
-        V[b] = V_parent + Sv
-        A[b] = A_parent + Sa + V[b].cross(Sv)
-        B[b] = Connection.of(b.inertia, V[b])
-        F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
-        responses[b] = [Response.to(s, V_parent, A_parent, V[b]) for s in b.model.screws]
-    # pass 2, from the leaves to the root: the wrench each screw causes is felt by all joints down to the ground
+    X, I, B, F, responses, _ = sweep(robot, q, v, a, f_ext)
     dq, dv, da = square(robot), square(robot), square(robot)
+    # the wrench each screw causes is felt by all joints down to the ground
     for b in reversed(robot):
         for (k, s, rotor), response in zip(b.driven, responses[b], strict=True):
             by_acceleration = I[b](s)
@@ -91,21 +58,90 @@ def rnea_derivatives(
                 by_acceleration, transposed = X[c] @ by_acceleration, X[c] @ transposed
                 by_position, by_velocity = X[c] @ by_position, X[c] @ by_velocity
             da[k][k] = da[k][k] + rotor
-        if b.parent:
-            I[b.parent] = I[b.parent] + X[b] @ I[b]
-            B[b.parent] = B[b.parent] + X[b] @ B[b]
-            F[b.parent] = F[b.parent] + X[b] @ F[b]
     return dq, dv, da
 
 
+def rnea_vjp(
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    w: Sequence[Scalar],
+    f_ext: Sequence[Wrench] | None = None,
+) -> tuple[Vector, Vector, Vector]:
+    """The gradient of w . tau by q, v and a: w^T d tau / dq, w^T d tau / dv and w^T M, in O(n).
+
+    w . tau is the power of the bodies' wrenches on the motion U that the velocities w would be,
+    sum_b U_b . f_b, so that with  K = sum I U,  L = sum 2 B^T U  over the subtree of j
+
+        d / dq_j = R . K + P . L + (U_p x s) . F     d / dv_j = Q . K + s . L     d / da_j = s . K
+    """
+    X, _, _, F, responses, own = sweep(robot, q, v, a, f_ext)
+    U: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    before: dict[Joint, Twist] = {}
+    K: dict[Joint | None, Wrench] = {None: ZERO_MOTOR}
+    L: dict[Joint | None, Wrench] = {None: ZERO_MOTOR}
+    for b in robot:
+        before[b] = X[b].pull(U[b.parent])
+        U[b] = before[b] + b.model.twist(w[b.v])
+        K[b], L[b] = b.inertia(U[b]), own[b].transposed(U[b]) * 2
+    dq, dv, da = [ZERO] * robot.nv, [ZERO] * robot.nv, [ZERO] * robot.nv
+    for b in reversed(robot):
+        for (k, s, rotor), (_, P, R, Q) in zip(b.driven, responses[b], strict=True):
+            dq[k] = dq[k] + power(R, K[b]) + power(P, L[b]) + power(before[b].cross(s), F[b])
+            dv[k] = dv[k] + power(Q, K[b]) + power(s, L[b])
+            da[k] = da[k] + power(s, K[b]) + w[k] * rotor
+        K[b.parent], L[b.parent] = K[b.parent] + X[b] @ K[b], L[b.parent] + X[b] @ L[b]
+    return dq, dv, da
+
+
+def rnea_jvp(
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    a: Sequence[Scalar],
+    dq: Sequence[Scalar],
+    dv: Sequence[Scalar],
+    da: Sequence[Scalar],
+    f_ext: Sequence[Wrench] | None = None,
+) -> Vector:
+    """How tau changes along a direction, d tau / dq dq + d tau / dv dv + M da, in O(n).
+
+    alpha, beta   summed over all joints on the way to b
+    dF_b = I beta + 2 B alpha + sum X (dF + (S dq) x F) of the children
+    d tau = S . dF
+    """
+    X, _, _, F, responses, own = sweep(robot, q, v, a, f_ext)
+    alpha: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    beta: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    dF: dict[Joint | None, Wrench] = {None: ZERO_MOTOR}
+    for b in robot:
+        alpha[b], beta[b] = X[b].pull(alpha[b.parent]), X[b].pull(beta[b.parent])
+        for (k, s), (_, P, R, Q) in zip(b.dofs, responses[b], strict=True):
+            alpha[b] = alpha[b] + P * dq[k] + s * dv[k]
+            beta[b] = beta[b] + R * dq[k] + Q * dv[k] + s * da[k]
+        dF[b] = b.inertia(beta[b]) + own[b](alpha[b]) * 2
+    tau = [ZERO] * robot.nv
+    for b in reversed(robot):
+        for k, s, rotor in b.driven:
+            tau[k] = tau[k] + power(s, dF[b]) + da[k] * rotor
+        turned = b.model.twist(dq[b.v]).cross(F[b])
+        dF[b.parent] = dF[b.parent] + X[b] @ (dF[b] + turned)
+    return tau
+
+
 def aba_derivatives(
-    robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], tau: Sequence[Scalar]
+    robot: Robot,
+    q: Sequence[Scalar],
+    v: Sequence[Scalar],
+    tau: Sequence[Scalar],
+    f_ext: Sequence[Wrench] | None = None,
 ) -> tuple[Matrix, Matrix, Matrix]:
     """d a / dq, d a / dv and d a / d tau = M^-1.  (Carpentier & Mansard 2018)
 
     Differentiate tau = rnea(q, v, a) with tau fixed:  d a / dq = -M^-1 d tau / dq,  likewise for v.
     """
-    dq, dv, M = rnea_derivatives(robot, q, v, aba(robot, q, v, tau))
+    dq, dv, M = rnea_derivatives(robot, q, v, aba(robot, q, v, tau, f_ext), f_ext)
     factors = factorised(M)
     return _solved(factors, dq, -1), _solved(factors, dv, -1), inverse(*factors)
 

@@ -6,7 +6,15 @@ Every function takes ``engine=``: "auto", "compiled", or "numpy" to run the sour
 those that return one array take ``out=``, a float64 array of just the result's shape.
 """
 
-from .derivatives import aba_derivatives, rnea_derivatives
+from .derivatives import (
+    aba_derivatives,
+    rnea_derivatives,
+    rnea_hessian,
+    rnea_hvp,
+    rnea_jvp,
+    rnea_second_derivatives,
+    rnea_vjp,
+)
 from .dynamics import (
     LinkTerm,
     LinkTerms,
@@ -39,5 +47,6 @@ __all__ = [
     "LinkTerm", "LinkTerms", "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian",
     "coriolis", "crba", "difference", "fk", "frame_acceleration", "frame_velocity", "gravity",
     "inertial_parameters", "integrate", "jacobian", "jacobian_dot", "joint_torque_regressor", "joint_wrenches",
-    "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea", "rnea_derivatives",
+    "kinetic_energy", "link_terms", "minv", "potential_energy", "rnea", "rnea_derivatives", "rnea_hessian",
+    "rnea_hvp", "rnea_jvp", "rnea_second_derivatives", "rnea_vjp",
 ]  # fmt: skip

@@ -45,6 +45,7 @@ def arrays(robot, term, n):
     q, v, a = robot.sample(n, seed=1)
     f_ext = np.random.default_rng(1).uniform(-1, 1, (n, len(robot), 6))
     given = {"q": q, "v": v, "a": a, "tau": a, "f_ext": f_ext, "q0": q, "q1": robot.sample(n, seed=2)[0]}
+    given |= {"w": a, "dq": v, "dv": v, "da": a}
     return [given[key] for key in TERMS[term].inputs]
 
 

@@ -12,7 +12,7 @@ from dualpin.engine.jit import kernel as kernels
 from dualpin.engine.jit.host import this_host
 from dualpin.terms import TERMS
 
-from .test_kernels import narrower, options, states
+from .test_kernels import EVERY_TERM, narrower, options, states
 
 
 def built(monkeypatch, robot, term, dtype, host, lanes, bytecode):
@@ -28,7 +28,7 @@ def bits(x):
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("term", sorted(TERMS))
+@pytest.mark.parametrize("term", EVERY_TERM)
 @pytest.mark.parametrize(("name", "floating"), [("ur5", False), ("solo8", True)])
 def test_bytecode_has_the_bits_of_code(monkeypatch, name, floating, term, dtype):
     robot, host = dp.load(name, floating=floating), this_host()
