@@ -1,4 +1,4 @@
-"""Second derivatives of inverse dynamics: against differences of the first ones in fifty digits, and by complex step."""
+"""Second derivatives of inverse dynamics: against differences of the first in fifty digits, and by complex step."""
 
 from __future__ import annotations
 

@@ -173,7 +173,7 @@ def rnea_hessian(
 ) -> Hessian:
     """The second derivatives of w . tau: what differential dynamic programming adds of them, in O(n depth)."""
     swept = sweep(robot, q, v, a, f_ext)
-    X, I, B, F, responses, own = swept
+    X, I, B, F, _, own = swept
     U: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     turning: dict[Joint, list[Twist]] = {}
     weights: dict[Joint, Weight] = {}
@@ -244,7 +244,7 @@ def rnea_hvp(
     da: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> tuple[Vector, Vector, Vector]:
-    """The gradient by q, v and a of  w . (d tau / dq dq + d tau / dv dv + M da): the Hessian of w . tau times a vector."""
+    """The Hessian of w . tau times a vector: the gradient of  w . (d tau / dq dq + d tau / dv dv + M da)."""
     qq, qv, vv, aq = rnea_hessian(robot, q, v, a, w, f_ext)
     by_q, by_v, by_a = [ZERO] * robot.nv, [ZERO] * robot.nv, [ZERO] * robot.nv
     for j in range(robot.nv):
