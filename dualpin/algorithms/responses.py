@@ -90,7 +90,7 @@ def sweep(
         if f_ext is not None:
             F[b] = F[b] - f_ext[b.index]  # fixed to its body, it changes with no state
         responses[b] = [Response.to(s, V_parent, A_parent, V[b]) for s in b.model.screws]
-    B: dict[Joint | None, Connection] = {**own}
+    B: dict[Joint | None, Connection] = {b: own[b] for b in robot}
     for b in reversed(robot):
         if b.parent:
             I[b.parent] = I[b.parent] + X[b] @ I[b]

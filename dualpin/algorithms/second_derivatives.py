@@ -230,7 +230,7 @@ def rnea_second_derivatives(
                     for k, wrenches in zip(mine, G, strict=True):
                         H.turn(j.j, turning, k.j, wrenches, same=j.joint is b)
     qq, qv, vv, aq = ([H[x] for H in tensors] for x in range(4))
-    return qq, qv, vv, aq  # type: ignore[return-value]
+    return qq, qv, vv, aq
 
 
 def rnea_hvp(
