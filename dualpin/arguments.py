@@ -43,21 +43,23 @@ def flag(what: str, value: object) -> bool:
     return bool(value)
 
 
-def count(what: str, value: object, least: int = 0) -> int:
-    """A whole number from `least` on, of Python's or NumPy's types; 2.0 is none here, and True is none either."""
+def count(what: str, value: object, least: int = 0, most: int | None = None) -> int:
+    """A whole number from `least` (to `most`), of Python's or NumPy's types; neither 2.0 nor True is one."""
     try:
         n = None if _boolean(value) else operator.index(value)  # type: ignore[arg-type]
     except TypeError:
         n = None
-    if n is None or n < least:
-        raise ArgumentError(f"{what}: a whole number from {least} on expected, got {value!r}")
+    if n is None or n < least or (most is not None and n > most):
+        to = "on" if most is None else f"to {most}"
+        raise ArgumentError(f"{what} = {value!r}, a whole number from {least} {to} expected")
     return n
 
 
 def real(
-    what: str, value: Any, unit: str = "", *, least: float = -inf, above: float = -inf, infinite: bool = False
-) -> float:
-    """`value` as a float, `least` or more and more than `above`; `infinite` admits infinity.
+    what: str, value: Any, unit: str = "", *, least: float = -inf, above: float = -inf, most: float = inf,
+    infinite: bool = False,
+) -> float:  # fmt: skip
+    """`value` as a float from `least` to `most`, more than `above`; `infinite` admits infinity.
 
     Raises
     ------
@@ -70,9 +72,15 @@ def real(
             x = float(value)
         except (TypeError, ValueError, OverflowError):
             x = None
-    if x is None or not (isfinite(x) or (infinite and x == inf)) or x < least or not (x > above or above == -inf):
+    fits = x is not None and (isfinite(x) or (infinite and x == inf)) and least <= x <= most
+    if x is None or not fits or not (x > above or above == -inf):
         bound = "a positive number" if above == 0 else "a finite number"
-        bound += f" of {least:g} or more" if least > -inf else f" above {above:g}" if above not in (0, -inf) else ""
+        if most < inf:
+            bound += f" from {least:g} to {most:g}"
+        elif least > -inf:
+            bound += f" of {least:g} or more"
+        elif above not in (0, -inf):
+            bound += f" above {above:g}"
         raise ArgumentError(f"{what} = {value!r}, {bound}{f' [{unit}]' if unit else ''} expected")
     return x
 

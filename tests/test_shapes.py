@@ -199,8 +199,8 @@ def test_not_a_number_comes_out_where_it_goes_in():
         (lambda r, q: dp.fk(r, q, ["tool"]), "a name, an index or a Frame"),
         (lambda r, q: dp.fk(r, q, robot("pendulum").frame("tool")), "another robot"),
         (lambda r, q: dp.crba(r, q, engine="numby"), "did you mean 'numpy'"),
-        (lambda r, q: dp.crba("panda", q), r"a Robot expected first, got str; dualpin.load\('panda'\) reads one"),
-        (lambda r, q: dp.jacobian(None, q, "tool"), "a Robot expected first"),
+        (lambda r, q: dp.crba("panda", q), r"a Robot expected, got str; dualpin.load\('panda'\) reads one"),
+        (lambda r, q: dp.jacobian(None, q, "tool"), "a Robot expected"),
     ],
     ids=range(9),
 )

@@ -14,17 +14,15 @@ from numpy.typing import ArrayLike
 
 from ..arguments import numbers
 from ..errors import ArgumentError, ArgumentTypeError, ShapeError
-from ..model.robot import Robot
+from ..model.robot import Robot, expect_robot
 from ..terms import Input, Shape, Term
 
 _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
 
 
-def check_robot(robot: object, term: str) -> None:
+def check_robot(robot: Robot, term: str) -> None:
     """A robot whose constants are numbers, or an error that says what came instead."""
-    if not isinstance(robot, Robot):
-        hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
-        raise ArgumentError(f"{term}: a Robot expected first, got {type(robot).__name__}{hint}")
+    expect_robot(term, robot)
     if robot.numbers == "symbolic":
         raise ArgumentError(
             f"{term}: the constants of {robot.name} are symbols; arrays of numbers need numbers. "

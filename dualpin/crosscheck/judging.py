@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ArgumentError, DualpinWarning
+from ..arguments import count
+from ..errors import DualpinWarning
 from ..functions import bias, crba, fk
 from ..machine import versions
 from ..model.robot import Robot
@@ -102,10 +103,7 @@ def judge(
     """
     tick = progress or (lambda what: None)
     n = SAMPLES if samples is None else samples
-    if not isinstance(n, (int, np.integer)) or n < 2:
-        raise ArgumentError(
-            f"judge: samples is {samples!r}; a whole number from 2 expected (half of them estimate, all judge)"
-        )
+    n = count("judge: samples (half of them estimate, all judge)", n, 2)
     ask = resolve(subject, python=python, limit=limit)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
-from ..errors import ArgumentError, DualpinError
+from ..arguments import count
+from ..errors import DualpinError
 from ..machine import versions
 from ..model.robot import Robot
 from .checks import CHECKS, Case, Check, chosen
@@ -77,9 +76,8 @@ def validate(
     """
     case = Case(robot, floating, mimic, against)
     checks = chosen(terms)
-    if not isinstance(samples, (int, np.integer)) or samples < 1:
-        raise ArgumentError(f"validate: samples is {samples!r}; a whole number from 1 expected")
-    parts = slices(case, int(samples), seed)
+    samples = count("validate: samples", samples, 1)
+    parts = slices(case, samples, seed)
     found = [compare(case, u.samples, u.seed, checks, engine, arbitrate) for u in parts]
     report = Report([merged(parts, found, seed)])
     report.versions = provenance(engine)

@@ -19,7 +19,7 @@ from ..dual import EPS, Dual
 from ..errors import ArgumentError, ShapeError
 from ..functions import fk
 from ..model.joints import Axial, Floating, Planar
-from ..model.robot import Frame, Joint, Robot
+from ..model.robot import Frame, Joint, Robot, expect_robot
 from ..scalars import ONE, ZERO, Scalar
 from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import UX, UY, UZ, ZERO_VECTOR, Vector3, motor
@@ -135,9 +135,7 @@ def chain(robot: Robot, base: str | Frame | None = None, tip: str | Frame | None
     ArgumentError
         If the robot branches and no tip is given, or a floating joint lies on the way.
     """
-    if not isinstance(robot, Robot):
-        hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
-        raise ArgumentError(f"{what}: a Robot expected first, got {type(robot).__name__}{hint}")
+    expect_robot(what, robot)
     start = root(robot) if base is None else robot.frame(base)
     end = _only_leaf(robot, what) if tip is None else robot.frame(tip)
     up, down = _ways(start.joint, end.joint)

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import replace
 from typing import Any
 
-from ..arguments import choice
+from ..arguments import choice, real
 from ..dual import Dual
 from ..errors import ArgumentError, DualpinWarning
 from ..model.robot import Frame, Robot
@@ -99,8 +99,8 @@ def to_dh(
 def _rules(snap: float | tuple[float, float] | None, near: float) -> Rules:
     angle, length = snap if isinstance(snap, tuple) else (snap, None)
     for what, x, most in (("snap", angle, 0.1), ("snap", length, 1.0), ("near_parallel", near, 0.5)):
-        if x is not None and not (isinstance(x, (int, float)) and 0 <= x <= most):
-            raise ArgumentError(f"to_dh: {what} = {x!r}; a number from 0 to {most} expected")
+        if x is not None:
+            real(f"to_dh: {what}", x, least=0.0, most=most)
     return Rules(near, max(PARALLEL, angle or 0.0), max(CLEAN, angle or 0.0), max(CLEAN, length or 0.0))
 
 

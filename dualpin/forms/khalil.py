@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 from ..algorithms.kinematics import frame_pose
 from ..delegates import home
 from ..dual import Dual
-from ..errors import ArgumentError, FrameNotFoundError, nearest
+from ..errors import FrameNotFoundError, nearest
 from ..functions import fk
 from ..model.builder import Builder
 from ..model.joints import Floating
-from ..model.robot import Frame, Robot
+from ..model.robot import Frame, Robot, expect_robot
 from ..renamed import Renamed
 from ..scalars import Scalar
 from ..spatial.pose import IDENTITY_POSE, Pose
@@ -242,8 +242,7 @@ class _Tree:
 
 def khalil_table(robot: Robot, rules: Rules) -> KhalilTable:
     """Frames for every joint of the tree, parents first, and one for every leaf link."""
-    if not isinstance(robot, Robot):
-        raise ArgumentError(f"to_dh: a Robot expected first, got {type(robot).__name__}")
+    expect_robot("to_dh", robot)
     start = root(robot)
     still = {start.joint} if start.joint and isinstance(start.joint.model, Floating) else set()
     joints = [j for j in robot if j not in still]

@@ -12,6 +12,7 @@ from os import PathLike
 from typing import Any
 
 from .. import escape
+from ..arguments import count
 from ..errors import ArgumentError
 from ..files import write_text
 
@@ -34,8 +35,8 @@ def number(x: float, digits: int | None = None) -> str:
 
 
 def checked_digits(digits: int | None) -> None:
-    if digits is not None and (not isinstance(digits, int) or not 1 <= digits <= 17):
-        raise ArgumentError(f"export: digits = {digits!r}; a number from 1 to 17, or None for all, expected")
+    if digits is not None:
+        count("export: digits", digits, 1, 17)
 
 
 def with_pi(x: float, digits: int | None, symbol: str) -> str:

@@ -12,7 +12,7 @@ from ..spatial.inertia import ZERO_INERTIA, Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
 from .joints import Axial, JointModel
 from .limits import remarks
-from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, Rotor, gravity_vector
+from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, Rotor, expect_robot, gravity_vector
 
 
 @dataclass
@@ -73,8 +73,7 @@ class Builder:
     @classmethod
     def of(cls, robot: Robot) -> Builder:
         """A builder that already holds all of a robot, to add to it."""
-        if not isinstance(robot, Robot):
-            raise ArgumentError(f"Builder.of: a Robot expected, got {type(robot).__name__}")
+        expect_robot("Builder.of", robot)
         b = cls(robot.name)
         b.gravity, b.notes, b.source = robot.gravity, list(robot.notes), robot.source
         b.include(robot)
@@ -84,8 +83,7 @@ class Builder:
         self, robot: Robot, on: str | Frame | None = None, placement: Pose = IDENTITY_POSE, *, prefix: str = ""
     ) -> None:
         """All of another robot, its ground fixed in the frame `on`; `prefix` goes before each of its names."""
-        if not isinstance(robot, Robot):
-            raise ArgumentError(f"include: a Robot expected, got {type(robot).__name__}")
+        expect_robot("include", robot)
         _check_types(robot.name, placement, None)
         self._check_new_names(robot, prefix)
         at, first = self._place(on), len(self._frames) - 1

@@ -218,6 +218,13 @@ class Robot:
         return f"<Robot {self.name!r}: {len(self.joints)} joints, nq={self.nq}, nv={self.nv}{weight}>"
 
 
+def expect_robot(what: str, robot: object) -> None:
+    """Refuse all but a robot; for a name or a path, say what reads it."""
+    if not isinstance(robot, Robot):
+        hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
+        raise ArgumentError(f"{what}: a Robot expected, got {type(robot).__name__}{hint}")
+
+
 def _constants(robot: Robot) -> Iterator[Scalar]:
     """Every number a result can depend on."""
     yield from robot.gravity
@@ -241,4 +248,7 @@ def gravity_vector(gravity: Sequence[float]) -> Vector3:
     return Vector3(*map(exact, g.tolist()))
 
 
-__all__ = ["BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "gravity_vector"]
+__all__ = [
+    "BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "expect_robot",
+    "gravity_vector",
+]  # fmt: skip

@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from ..errors import ArgumentError
+from ..arguments import count
 from .limits import ranges
 from .robot import Robot
 
@@ -41,22 +41,19 @@ def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple
     >>> q.shape, v.shape
     ((5, 9), (5, 9))
     """
-    if n is not None and (not isinstance(n, (int, np.integer)) or n < 0):
-        raise ArgumentError(f"sample: n = {n!r}, a number of states (0, 1, 2, ...) or None expected")
-    if seed is not None and (not isinstance(seed, (int, np.integer)) or seed < 0):
-        raise ArgumentError(f"sample: seed = {seed!r}, a number (0, 1, 2, ...) or None expected")
-    rng, count = np.random.default_rng(seed), 1 if n is None else int(n)
-    q, (lower, upper) = np.empty((count, robot.nq)), ranges(robot)
+    states = 1 if n is None else count("sample: n", n)
+    rng = np.random.default_rng(None if seed is None else count("sample: seed", seed))
+    q, (lower, upper) = np.empty((states, robot.nq)), ranges(robot)
     for j in robot:
         if j.mimic is not None:
             continue
         for i in range(j.q.start, j.q.stop):
-            share = rng.uniform(0, 1, count)
+            share = rng.uniform(0, 1, states)
             q[:, i] = lower[i] * (1 - share) + upper[i] * share
         for quaternion in j.quaternions:
-            r = rng.standard_normal((count, 4))
+            r = rng.standard_normal((states, 4))
             q[:, quaternion] = r / np.linalg.norm(r, axis=-1, keepdims=True)
     most = robot.velocity_limit
-    v = rng.uniform(-1, 1, (count, robot.nv)) * np.where(most > 0, np.minimum(most, 2 * pi), 1.0)
-    a = rng.uniform(-1, 1, (count, robot.nv)) * 2 * pi
+    v = rng.uniform(-1, 1, (states, robot.nv)) * np.where(most > 0, np.minimum(most, 2 * pi), 1.0)
+    a = rng.uniform(-1, 1, (states, robot.nv)) * 2 * pi
     return (q[0], v[0], a[0]) if n is None else (q, v, a)

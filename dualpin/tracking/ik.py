@@ -152,8 +152,8 @@ def ik(
     check_robot(robot, "ik")
     goal = robot.frame(-1 if frame is None else frame)
     rows = rows_of("ik", task, mask, position_only)
-    most = count(f"ik: max_iterations = {max_iterations!r}", max_iterations, 1)
-    restarts = count(f"ik: restarts = {restarts!r}", restarts)
+    most = count("ik: max_iterations", max_iterations, 1)
+    restarts = count("ik: restarts", restarts)
     tolerance, damping = real("ik: tolerance", tolerance, above=0), real("ik: damping", damping, above=0)
     poses = _targets(target)
     guess = _middle(robot) if q0 is None else as_array(robot, "ik", configuration("q0"), q0)
@@ -171,7 +171,7 @@ def ik(
     notes = search.clip(start)
     q, error, iterations = search.run(start, wanted)
     starts = np.ones(n, dtype=int)
-    rng = np.random.default_rng(count(f"ik: seed = {seed!r}", seed))
+    rng = np.random.default_rng(count("ik: seed", seed))
     for _ in range(restarts):
         left = np.flatnonzero(~(_size(error) <= tolerance))
         if not len(left):

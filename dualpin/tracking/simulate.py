@@ -173,7 +173,7 @@ def simulate(
     check_robot(robot, "simulate")
     chosen = method_named(method)
     n, dt = step_count("simulate", dt, t_end)
-    every = count(f"simulate: every = {every!r}", every, 1)
+    every = count("simulate: every", every, 1)
     if n % every:
         raise ArgumentError(f"simulate: every = {every!r}, a whole number that divides the {n} steps expected")
     q_, v_ = as_array(robot, "simulate", Q, q), as_array(robot, "simulate", V, v)

@@ -167,7 +167,7 @@ def run(
     >>> [r.method for r in sorted(rows, key=lambda r: r.position_peak)]
     ['rk4', 'abm4', 'trapezoidal', 'euler']
     """
-    turns = count(f"study: turns = {turns!r}", turns, 1)
+    turns = count("study: turns", turns, 1)
     goal = robot.frame(-1 if frame is None else frame)
     components = rows_of("study", task)
     start = (

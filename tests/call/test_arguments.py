@@ -179,7 +179,7 @@ def test_numpy_scalars_name_frames_and_flags(robot, state):
     assert flag("x", np.float64(1)) is True and flag("x", 0) is False
     assert count("n", np.int64(3), 1) == 3
     for wrong in (True, 1.5, "3", -1, None, np.float64(2)):
-        with pytest.raises(dp.ArgumentError, match="n: a whole number from 0 on expected"):
+        with pytest.raises(dp.ArgumentError, match=r"n = .*, a whole number from 0 on expected"):
             count("n", wrong)
 
 
@@ -194,8 +194,8 @@ def test_numpy_scalars_name_frames_and_flags(robot, state):
         (lambda r: r.kernel("rnea", dtype=complex), "float64 or float32 expected, got complex128"),
         (lambda r: dp.crba(r, r.neutral, engine="numby"), "engine 'numby' is not known; did you mean 'numpy'"),
         (lambda r: dp.crba(r, r.neutral, engine=None), "engine None is not known"),
-        (lambda r: dp.crba("panda", r.neutral), r"crba: a Robot expected first, got str; dualpin.load"),
-        (lambda r: evaluate(None, "crba", {"q": 0}), "crba: a Robot expected first, got NoneType"),
+        (lambda r: dp.crba("panda", r.neutral), r"crba: a Robot expected, got str; dualpin.load"),
+        (lambda r: evaluate(None, "crba", {"q": 0}), "crba: a Robot expected, got NoneType"),
         (lambda r: dp.export_c(r, "rneaa"), "did you mean 'rnea'"),
     ],
 )  # fmt: skip

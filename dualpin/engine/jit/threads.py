@@ -10,8 +10,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-import numpy as np
-
+from ... import arguments
 from ...errors import ArgumentError
 from .. import tuning
 
@@ -74,9 +73,7 @@ def set_num_threads(n: int | None) -> None:
     >>> dp.set_num_threads(None)
     """
     global _chosen
-    if n is not None and (not isinstance(n, (int, np.integer)) or isinstance(n, bool) or n < 1):
-        raise ArgumentError(f"set_num_threads: a number of threads, 1 or more, or None expected, got {n!r}")
-    _chosen = None if n is None else int(n)
+    _chosen = None if n is None else arguments.count("set_num_threads: n", n, 1)
     count.value = min(_chosen or 0, 2)
 
 
