@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -42,8 +43,8 @@ def from_screws(
     ----------
     home : array_like, shape (4, 4)
         M, pose of the tip at q = 0.
-    screws : array_like, shape (6, n)
-        Columns [w; v]: revolute (w unit, w . v = 0), prismatic (w zero, v unit), or helical (w
+    screws : array_like, shape (n, 6)
+        One [w; v] a row: revolute (w unit, w . v = 0), prismatic (w zero, v unit), or helical (w
         unit, pitch w . v in m/rad).  A pitch within the precision of printed numbers (six decimals,
         say) is zero; ``robot.notes`` says so.
     frame : "space" or "body"
@@ -79,9 +80,7 @@ def from_screws(
     """
     choice("from_screws: frame", frame, ("space", "body"))
     tip = homogeneous("from_screws: home", home)
-    S = numbers("from_screws: screws", screws)
-    if S.ndim != 2 or S.shape[0] != 6:
-        raise ShapeError(f"from_screws: screws of shape (6, n) expected, columns [w; v]; got {S.shape}")
+    S = _columns(numbers("from_screws: screws", screws))
     if not np.isfinite(S).all():
         raise ArgumentError(
             f"from_screws: screw {int(np.argwhere(~np.isfinite(S))[0, 1]) + 1} has numbers that are not finite"
@@ -111,6 +110,27 @@ def from_screws(
         )
     b.fixed("tool_joint", on, Pose(position=_vector(-at)) @ tip, link="tool")
     return b.robot()
+
+
+def _columns(screws: np.ndarray) -> np.ndarray:
+    """Screws given as rows, as columns (6, n).
+
+    Columns were what was taken up to version 0.1.  They still are where the array cannot be rows: by its shape or,
+    if it is 6 x 6, because its columns are unit screws and its rows are not.
+    """
+    if screws.ndim != 2 or 6 not in screws.shape:
+        raise ShapeError(f"from_screws: screws of shape (n, 6) expected, rows [w; v]; got {screws.shape}")
+    if screws.shape[1] != 6 or (screws.shape[0] == 6 and _unit(screws.T) and not _unit(screws)):
+        message = "from_screws: screws are rows [w; v] now, shape (n, 6); for columns as of .Slist give Slist.T"
+        warnings.warn(message, DeprecationWarning, stacklevel=3)
+        return screws
+    return screws.T
+
+
+def _unit(rows: np.ndarray) -> bool:
+    """Whether every row is a screw of unit length."""
+    turn, slide = np.linalg.norm(rows[:, :3], axis=1), np.linalg.norm(rows[:, 3:], axis=1)
+    return bool((np.abs(np.where(turn > UNIT, turn, slide) - 1) <= UNIT).all())
 
 
 def _vector(x: np.ndarray) -> Vector3:

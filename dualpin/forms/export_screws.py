@@ -30,7 +30,7 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
         return json_text(data) if format == "json" else text.yaml(data)
     if format in ("python", "matlab"):
         return _code(poe, format, degrees, digits)
-    cells = [[name, *(text.number(x, digits) for x in s)] for name, s in zip(poe.joint_names, S.T, strict=True)]
+    cells = [[name, *(text.number(x, digits) for x in s)] for name, s in zip(poe.joint_names, S, strict=True)]
     home = [[f"home row {i + 1}", *(text.number(x, digits) for x in row), "", ""] for i, row in enumerate(poe.home)]
     header = ["joint", *AXES]
     if format == "csv":
@@ -70,7 +70,7 @@ def tree_text(tree: ScrewTree, format: str, degrees: bool, digits: int | None) -
 
 def _scale(poe: Screws, degrees: bool) -> np.ndarray:
     """pi / 180 for the screws of angles, when their coordinates are in degrees."""
-    turns = np.abs(poe.Slist[:3]).max(axis=0, initial=0.0) > 0
+    turns = np.abs(poe.screws[:, :3]).max(axis=1, keepdims=True, initial=0.0) > 0
     return np.where(turns & degrees, pi / 180, 1.0)
 
 
@@ -81,7 +81,7 @@ def _data(poe: Screws, S: np.ndarray, degrees: bool) -> dict[str, Any]:
         "home": poe.home.tolist(),
         "screws": [
             {"joint": name, "q": column, "screw": s.tolist()}
-            for name, column, s in zip(poe.joint_names, poe.columns, S.T, strict=True)
+            for name, column, s in zip(poe.joint_names, poe.columns, S, strict=True)
         ],
         "residual": poe.residual,
     }  # fmt: skip

@@ -27,7 +27,7 @@ class ScrewTree(Mapping[str, Screws]):
     >>> import dualpin as dp
     >>> tree = dp.to_screws(dp.load("allegro_left"))
     >>> len(tree), tree.screws.shape
-    (4, (6, 16))
+    (4, (16, 6))
     """
 
     def __init__(self, robot: Robot, base: str | Frame | None, frame: str) -> None:
@@ -70,13 +70,13 @@ class ScrewTree(Mapping[str, Screws]):
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """For each column of `screws` its joint."""
+        """For each row of `screws` its joint."""
         return tuple(name for name, _ in self._columns)
 
     @property
     def screws(self) -> np.ndarray:
-        """Space screws [w; v] of all joints as columns, in the robot's order, shape (6, n)."""
-        return np.array(list(self._columns.values())).reshape(-1, 6).T
+        """Space screws [w; v] of all joints in the robot's order, one a row, shape (n, 6)."""
+        return np.array(list(self._columns.values())).reshape(-1, 6)
 
     def fk(self, q: ArrayLike, tip: str, *, engine: str = "auto") -> np.ndarray:
         """Pose of a link, shape (..., 4, 4)."""
@@ -109,7 +109,7 @@ def to_screws(
     Returns
     -------
     Screws or ScrewTree
-        ``.home`` (4, 4), ``.screws`` (6, n) with columns [w; v] in rad, m, ``.fk(q)``, ``.jacobian(q)``.
+        ``.home`` (4, 4), ``.screws`` (n, 6) with rows [w; v] in rad, m, ``.fk(q)``, ``.jacobian(q)``.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def to_screws(
     >>> import dualpin as dp
     >>> poe = dp.to_screws(dp.load("panda"), tip="panda_hand")
     >>> poe.screws.shape, poe.residual < 1e-14
-    ((6, 7), True)
+    ((7, 6), True)
     """
     choice("to_screws: frame", frame, FRAMES)
     if tip is None and isinstance(robot, Robot) and len(leaves(robot)) > 1:

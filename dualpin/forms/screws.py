@@ -52,6 +52,9 @@ class Screws:
         M, pose of the tip in the base at q = 0.
     frame : "space" or "body"
         Which of the two `screws` holds.
+    Slist : ndarray, shape (6, n)
+        Space screws as columns, under the name and in the shape that the Modern Robotics package takes; `Blist`
+        has the body screws.
     joint_names : tuple of str
         For each screw the joint it belongs to; a cylindrical joint has two screws, a planar three.
     columns : tuple of int
@@ -77,8 +80,8 @@ class Screws:
 
     @property
     def screws(self) -> np.ndarray:
-        """Screws [w; v] as columns in the chosen frame, shape (6, n)."""
-        return self.Slist if self.frame == "space" else self.Blist
+        """Screws [w; v] in the chosen frame, one a row, shape (n, 6)."""
+        return (self.Slist if self.frame == "space" else self.Blist).T
 
     @property
     def M(self) -> np.ndarray:
@@ -144,7 +147,7 @@ class Screws:
     @cached_property
     def robot(self) -> Robot:
         """The product of exponentials as a robot of its own, one joint for each screw."""
-        return home("Screws.robot")(self.home, self.Slist, name=self.chain.robot.name, unit=False)
+        return home("Screws.robot")(self.home, self.Slist.T, name=self.chain.robot.name, unit=False)
 
     def pose(self, q: Sequence[Scalar]) -> Pose:
         """T(q) over any scalar; q of the whole robot."""

@@ -19,7 +19,8 @@ from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, asking
 from dualpin.crosscheck.subjects.asking import expected
 from dualpin.crosscheck.subjects.layout import Layout
 from dualpin.crosscheck.subjects.running import ask_object
-from tests.crosscheck.planted import FIXED, FLOATING, MISTAKES, PAIRS, Student
+from tests.crosscheck.planted import FIXED, FLOATING, MISTAKES, PAIRS
+from tests.crosscheck.student import Student
 
 ROOT = Path(__file__).parents[2]
 PROBE = str(ROOT / "urdf/probe/probe.urdf")

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.crosscheck.oracles.pinocchio import QUESTIONS
+from dualpin.crosscheck.oracles.pinocchio import QUESTIONS, Pinocchio
 from dualpin.model import Robot
-from tests.pinocchio_trees import layout_of
 from tests.random_robots import tree
 
 pin = pytest.importorskip("pinocchio")
@@ -37,7 +36,7 @@ def theirs(robot: Robot, term: str, state: dict[str, np.ndarray]) -> np.ndarray:
     if term == "kinetic_energy":  # Pinocchio 4.1 leaves the rotors of joints about oblique axes out of its own
         v = state["v"]
         return np.asarray(v @ theirs(robot, "crba", {"q": state["q"]}) @ v / 2)
-    layout, question = layout_of(robot, pin), QUESTIONS[term]
+    layout, question = Pinocchio.of_robot(robot).free, QUESTIONS[term]
     rows = layout.states({k: x[None] for k, x in state.items()}, coupled=robot.coupled)
     d = question.data(pin, layout.model)
     found = question.run(pin, layout.model, d, {k: x[0] for k, x in rows.items()})

@@ -135,15 +135,15 @@ def test_the_other_arguments_of_from_dh_are_checked(given: dict, message: str) -
 @pytest.mark.parametrize(
     ("screws", "more", "message"),
     [
-        (np.zeros((5, 1)), {}, r"shape \(6, n\) expected"),
-        (np.zeros((6, 1)), {}, "screw 1 has"),
-        (np.array([[0, 0, 2, 0, 0, 0.0]]).T, {}, "screw 1 has .w. = 2"),
-        (np.array([[0, 0, np.nan, 0, 0, 0.0]]).T, {}, "not finite"),
-        (np.array([[0, 0, 1, 0, 0, 0.0]]).T, {"frame": "tool"}, "space, body"),
-        (np.array([[0, 0, 1, 0, 0, 0.0]]).T, {"Mlist": [np.eye(4)]}, "go together"),
-        (np.array([[0, 0, 1, 0, 0, 0.0]]).T, {"Mlist": [np.eye(4)], "Glist": np.eye(6)}, "Glist of shape"),
+        (np.zeros((1, 5)), {}, r"shape \(n, 6\) expected"),
+        (np.zeros((1, 6)), {}, "screw 1 has"),
+        (np.array([[0, 0, 2, 0, 0, 0.0]]), {}, "screw 1 has .w. = 2"),
+        (np.array([[0, 0, np.nan, 0, 0, 0.0]]), {}, "not finite"),
+        (np.array([[0, 0, 1, 0, 0, 0.0]]), {"frame": "tool"}, "space, body"),
+        (np.array([[0, 0, 1, 0, 0, 0.0]]), {"Mlist": [np.eye(4)]}, "go together"),
+        (np.array([[0, 0, 1, 0, 0, 0.0]]), {"Mlist": [np.eye(4)], "Glist": np.eye(6)}, "Glist of shape"),
         (
-            np.array([[0, 0, 1, 0, 0, 0.0]]).T,
+            np.array([[0, 0, 1, 0, 0, 0.0]]),
             {"Mlist": [np.eye(4)], "Glist": [np.diag([1, 2, 3, 4, 4, 5.0])]},
             "not a spatial inertia",
         ),

@@ -31,7 +31,7 @@ def test_fk_is_the_product_of_matrix_exponentials(mixed: dp.Robot, frame: str) -
     poe = dp.to_screws(mixed, frame=frame)
     assert poe.screws.shape == (6, 6)
     for q in np.random.default_rng(0).uniform(-2, 2, (5, mixed.nq)):
-        E = [expm(hat(S) * q[i]) for S, i in zip(poe.screws.T, poe.columns, strict=True)]
+        E = [expm(hat(S) * q[i]) for S, i in zip(poe.screws, poe.columns, strict=True)]
         T = np.linalg.multi_dot([*E, poe.home] if frame == "space" else [poe.home, *E])
         assert np.abs(poe.fk(q) - T).max() <= TOLERANCE  # expm itself is good to some 1e-14
         assert np.abs(dp.fk(mixed, q, "tool") - T).max() <= TOLERANCE
@@ -66,7 +66,7 @@ def test_a_tree_has_one_space_screw_for_each_freedom() -> None:
         assert np.abs(tree.fk(q, tip) - dp.fk(robot, q, tip)).max() <= TOLERANCE
         assert np.abs(tree.jacobian(q, tip) - dp.jacobian(robot, q, tip)).max() <= TOLERANCE
         columns = [tree.joint_names.index(name) for name in tree[tip].joint_names]
-        assert np.array_equal(tree.screws[:, columns], tree[tip].Slist)
+        assert np.array_equal(tree.screws[columns].T, tree[tip].Slist)
     inner = robot.links[2].name
     assert np.abs(tree[inner].fk(q) - dp.fk(robot, q, inner)).max() <= TOLERANCE
 
@@ -83,6 +83,20 @@ def test_the_arrays_of_modern_robotics_rebuild_the_robot(mixed: dp.Robot, frame:
     for term in (dp.rnea, dp.aba):
         assert np.allclose(term(twin, q, v, a), term(mixed, q, v, a), rtol=1e-11, atol=1e-11)
     assert [j.kind for j in twin] == ["revolute", "prismatic", "revolute", "prismatic", "helical", "revolute"]
+
+
+@pytest.mark.parametrize("name", ["ur5", "panda"])
+def test_columns_are_taken_for_one_version_more(name: str) -> None:
+    """Six joints, whose array is square, included."""
+    poe = dp.to_screws(dp.load(name), "panda_hand" if name == "panda" else "tool0")
+    arm = dp.from_screws(poe.home, poe.screws)
+    with pytest.warns(DeprecationWarning, match="rows"):
+        same = dp.from_screws(poe.home, poe.Slist)
+    q = np.random.default_rng(0).uniform(-2, 2, (5, arm.nq))
+    assert np.array_equal(dp.fk(arm, q, "tool"), dp.fk(same, q, "tool"))
+    assert np.abs(dp.fk(arm, q, "tool") - poe.fk(np.pad(q, ((0, 0), (0, poe.chain.robot.nq - arm.nq))))).max() < 1e-14
+    with pytest.raises(dp.ShapeError, match=r"\(n, 6\)"):
+        dp.from_screws(poe.home, np.ones((5, 4)))
 
 
 def test_a_planar_joint_is_two_slides_and_a_turn() -> None:
@@ -153,9 +167,9 @@ def test_screws_of_six_decimals_are_those_of_revolute_joints(name: str, frame: s
     R, p = T[:3, :3], T[:3, 3]
     skew = np.array([[0, -p[2], p[1]], [p[2], 0, -p[0]], [-p[1], p[0], 0]])
     adjoint = np.block([[R, np.zeros((3, 3))], [skew @ R, R]])
-    S, home = (adjoint @ poe.screws, T @ poe.home) if frame == "space" else (poe.screws, poe.home)
+    S, home = (poe.screws @ adjoint.T, T @ poe.home) if frame == "space" else (poe.screws, poe.home)
     arm = dp.from_screws(home, S.round(6), frame)
-    pitches = np.abs((S.round(6)[:3] * S.round(6)[3:]).sum(0))
+    pitches = np.abs((S.round(6)[:, :3] * S.round(6)[:, 3:]).sum(1))
     assert {j.kind for j in arm} == {"revolute"}
     assert (pitches.max() > 1e-12) == any("pitches within the precision" in n for n in arm.notes)
     exact, q = dp.from_screws(home, S, frame), np.random.default_rng(seed).uniform(-3, 3, (50, arm.nq))
@@ -169,5 +183,5 @@ def test_a_pitch_that_the_numbers_state_stays() -> None:
     for pitch in (0.1, 1e-3, 1.5e-4, 2.5e-5, 3e-6, 1 / 3):
         moment = np.cross([0.2, 0.1, -0.3], w)
         for S in (np.r_[0, 0, 1, 0, 0, pitch], np.r_[w, moment + pitch * w]):
-            (joint,) = dp.from_screws(np.eye(4), S[:, None])
-            assert joint.kind == "helical" and not dp.from_screws(np.eye(4), S[:, None]).notes
+            (joint,) = dp.from_screws(np.eye(4), S[None])
+            assert joint.kind == "helical" and not dp.from_screws(np.eye(4), S[None]).notes

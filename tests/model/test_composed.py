@@ -10,10 +10,10 @@ import pytest
 import sympy
 
 import dualpin as dp
+from dualpin.crosscheck.oracles.pinocchio_model import assembled
 from dualpin.io.urdf import loads
 from dualpin.model import Builder, Mimic, Rotor, cylindrical, prismatic, revolute, spherical
 from dualpin.spatial import Pose
-from tests.pinocchio_trees import model_of
 from tests.random_robots import SPECS, random_inertia, random_pose, robot, tree
 
 TIGHT = 1e-12
@@ -105,7 +105,7 @@ def test_composed_robots_are_pinocchios(seed):
     )
     from dualpin.crosscheck.oracles.pinocchio import Layout
 
-    m = model_of(r, pin)
+    m = assembled(r)
     to, d = Layout(r, m), m.createData()
     q, v, a = r.sample(seed=seed)
     assert scaled(dp.rnea(r, q, v, a), pin.rnea(m, d, to.q(q), to.v(v), to.v(a)) @ to.G) < TIGHT

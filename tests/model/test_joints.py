@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.crosscheck.oracles.pinocchio import Pinocchio
 from dualpin.io.urdf import loads
 from dualpin.model import Builder, Floating, JointModel, Planar, cylindrical, helical, prismatic, revolute, spherical
 from dualpin.model.joints import Written
 from dualpin.spatial import AXES, Pose, Quaternion, Vector3, displaced
 from dualpin.spatial.vector import ZERO_VECTOR, motor
-from tests.pinocchio_trees import layout_of
 from tests.random_robots import random_inertia, random_pose, robot, tree
 
 MODELS = [revolute(), prismatic(), helical(pitch=0.1), cylindrical(), Planar(), Floating(), spherical()]
@@ -88,7 +88,7 @@ def test_frames_steps_and_differences_are_pinocchios(name, seed):
     kinds = {"ball": ("spherical",), "spherical": ("spherical", "revolute", "spherical")}.get(name)
     r = tree(kinds or ("floating", "spherical", "prismatic", "spherical"), seed, depth_first=True)
     q, v, a = r.sample(seed=seed)
-    to = layout_of(r, pin)
+    to = Pinocchio.of_robot(r).free
     m, d = to.model, to.model.createData()
     six = [3, 4, 5, 0, 1, 2]
     pin.forwardKinematics(m, d, to.q(q), to.v(v), to.v(a))

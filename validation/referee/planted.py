@@ -15,7 +15,8 @@ from typing import Any
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.subjects import QUESTIONS, asking
 from dualpin.crosscheck.subjects.running import ask_object
-from tests.crosscheck.planted import FIXED, MISTAKES, PAIRS, Student
+from tests.crosscheck.planted import FIXED, MISTAKES, PAIRS
+from tests.crosscheck.student import Student
 
 HERE = Path(__file__).parent
 ROBOTS = {
