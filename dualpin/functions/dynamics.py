@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..algorithms import regressor
 from ..call import evaluator
+from ..call.public import ask, public
 from ..call.arguments import check_robot
 from ..model.robot import Robot
 from ..terms import (
@@ -29,6 +30,7 @@ from ..terms import (
 )
 
 
+@public
 def rnea(
     robot: Robot,
     q: ArrayLike,
@@ -66,10 +68,11 @@ def rnea(
     (1000, 9)
     """
     if f_ext is None:
-        return evaluator(robot, RNEA, engine)(q, v, a, out)
-    return evaluator(robot, RNEA_F_EXT, engine)(q, v, a, f_ext, out)
+        return ask(RNEA, q, v, a)
+    return ask(RNEA_F_EXT, q, v, a, f_ext)
 
 
+@public
 def joint_wrenches(
     robot: Robot,
     q: ArrayLike,
@@ -117,10 +120,11 @@ def joint_wrenches(
     ((6, 6), True)
     """
     if f_ext is None:
-        return evaluator(robot, JOINT_WRENCHES, engine)(q, v, a, out)
-    return evaluator(robot, JOINT_WRENCHES_F_EXT, engine)(q, v, a, f_ext, out)
+        return ask(JOINT_WRENCHES, q, v, a)
+    return ask(JOINT_WRENCHES_F_EXT, q, v, a, f_ext)
 
 
+@public
 def bias(
     robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -132,9 +136,10 @@ def bias(
     >>> dp.bias(dp.load("ur5"), np.zeros(6), np.ones(6)).shape
     (6,)
     """
-    return evaluator(robot, BIAS, engine)(q, v, out)
+    return ask(BIAS, q, v)
 
 
+@public
 def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
 
@@ -144,9 +149,10 @@ def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine
     >>> dp.gravity(dp.load("ur5"), np.zeros(6)).shape
     (6,)
     """
-    return evaluator(robot, GRAVITY, engine)(q, out)
+    return ask(GRAVITY, q)
 
 
+@public
 def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Joint-space inertia matrix M(q), full and symmetric, shape (..., nv, nv).
 
@@ -161,9 +167,10 @@ def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     >>> bool((M == M.T).all())
     True
     """
-    return evaluator(robot, CRBA, engine)(q, out)
+    return ask(CRBA, q)
 
 
+@public
 def coriolis(
     robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -185,9 +192,10 @@ def coriolis(
     >>> bool(np.allclose(C @ v + dp.gravity(robot, q), dp.bias(robot, q, v)))
     True
     """
-    return evaluator(robot, CORIOLIS, engine)(q, v, out)
+    return ask(CORIOLIS, q, v)
 
 
+@public
 def aba(
     robot: Robot,
     q: ArrayLike,
@@ -225,10 +233,11 @@ def aba(
     True
     """
     if f_ext is None:
-        return evaluator(robot, ABA, engine)(q, v, tau, out)
-    return evaluator(robot, ABA_F_EXT, engine)(q, v, tau, f_ext, out)
+        return ask(ABA, q, v, tau)
+    return ask(ABA_F_EXT, q, v, tau, f_ext)
 
 
+@public
 def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Inverse of the joint-space inertia matrix, shape (..., nv, nv), by its branch-sparse L^T D L factors.
 
@@ -244,9 +253,10 @@ def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     >>> bool(np.allclose(dp.minv(robot, q) @ dp.crba(robot, q), np.eye(6)))
     True
     """
-    return evaluator(robot, MINV, engine)(q, out)
+    return ask(MINV, q)
 
 
+@public
 def joint_torque_regressor(
     robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -269,7 +279,7 @@ def joint_torque_regressor(
     >>> bool(np.allclose(Y @ dp.inertial_parameters(robot), dp.rnea(robot, q, v, a)))
     True
     """
-    return evaluator(robot, JOINT_TORQUE_REGRESSOR, engine)(q, v, a, out)
+    return ask(JOINT_TORQUE_REGRESSOR, q, v, a)
 
 
 def inertial_parameters(robot: Robot) -> np.ndarray:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..call import evaluator
+from ..call.public import ask, public
 from ..model.robot import Robot
 from ..terms import CENTROIDAL_MOMENTUM_MATRIX, KINETIC_ENERGY, POTENTIAL_ENERGY
 
 
+@public
 def kinetic_energy(
     robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -21,9 +22,10 @@ def kinetic_energy(
     >>> float(dp.kinetic_energy(dp.load("ur5"), np.zeros(6), np.zeros(6)))
     0.0
     """
-    return evaluator(robot, KINETIC_ENERGY, engine)(q, v, out)
+    return ask(KINETIC_ENERGY, q, v)
 
 
+@public
 def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """U = -sum m g . c [J], zero with all mass at the world's origin, shape (...,).
 
@@ -33,9 +35,10 @@ def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = Non
     >>> dp.potential_energy(dp.load("ur5"), np.zeros((3, 6))).shape
     (3,)
     """
-    return evaluator(robot, POTENTIAL_ENERGY, engine)(q, out)
+    return ask(POTENTIAL_ENERGY, q)
 
 
+@public
 def centroidal_momentum_matrix(
     robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -53,4 +56,4 @@ def centroidal_momentum_matrix(
     >>> dp.centroidal_momentum_matrix(dp.load("ur5"), np.zeros(6)).shape
     (6, 6)
     """
-    return evaluator(robot, CENTROIDAL_MOMENTUM_MATRIX, engine)(q, out)
+    return ask(CENTROIDAL_MOMENTUM_MATRIX, q)

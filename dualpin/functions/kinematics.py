@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import choice
-from ..call import evaluator
+from ..call.public import ask, public
 from ..model.robot import Frame, Robot
 from ..terms import (
     COM,
@@ -26,6 +26,7 @@ from ..terms import (
 FrameLike = str | int | Frame
 
 
+@public
 def fk(
     robot: Robot,
     q: ArrayLike,
@@ -68,11 +69,12 @@ def fk(
     [0.81725, 0.19145, -0.00549]
     """
     if as_ == "matrix":
-        return evaluator(robot, FK if frame is None else (FRAME_POSE, frame), engine)(q, out)
+        return ask(FK if frame is None else (FRAME_POSE, frame), q)
     choice("fk: as_", as_, ("matrix", "dual_quaternion"))
-    return evaluator(robot, FK_QUATERNION if frame is None else (FRAME_QUATERNION, frame), engine)(q, out)
+    return ask(FK_QUATERNION if frame is None else (FRAME_QUATERNION, frame), q)
 
 
+@public
 def jacobian(
     robot: Robot,
     q: ArrayLike,
@@ -107,9 +109,10 @@ def jacobian(
     >>> dp.jacobian(dp.load("ur5"), np.zeros(6), "tool0").shape
     (6, 6)
     """
-    return evaluator(robot, (JACOBIAN, frame, reference), engine)(q, out)
+    return ask((JACOBIAN, frame, reference), q)
 
 
+@public
 def jacobian_dot(
     robot: Robot,
     q: ArrayLike,
@@ -135,9 +138,10 @@ def jacobian_dot(
     >>> float(abs(dp.jacobian_dot(robot, np.zeros(6), np.zeros(6), "tool0")).max())
     0.0
     """
-    return evaluator(robot, (JACOBIAN_DOT, frame, reference), engine)(q, v, out)
+    return ask((JACOBIAN_DOT, frame, reference), q, v)
 
 
+@public
 def frame_velocity(
     robot: Robot,
     q: ArrayLike,
@@ -161,9 +165,10 @@ def frame_velocity(
     >>> dp.frame_velocity(dp.load("ur5"), np.zeros(6), np.zeros(6), "tool0").tolist()
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    return evaluator(robot, (FRAME_VELOCITY, frame, reference), engine)(q, v, out)
+    return ask((FRAME_VELOCITY, frame, reference), q, v)
 
 
+@public
 def frame_acceleration(
     robot: Robot,
     q: ArrayLike,
@@ -202,9 +207,10 @@ def frame_acceleration(
     >>> dp.frame_acceleration(dp.load("ur5"), np.zeros(6), np.zeros(6), np.zeros(6), "tool0").shape
     (6,)
     """
-    return evaluator(robot, (FRAME_ACCELERATION, frame, reference, classical), engine)(q, v, a, out)
+    return ask((FRAME_ACCELERATION, frame, reference, classical), q, v, a)
 
 
+@public
 def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Centre of mass of the moving bodies in the world [m], shape (..., 3).
 
@@ -214,9 +220,10 @@ def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: st
     >>> dp.com(dp.load("ur5"), np.zeros(6)).shape
     (3,)
     """
-    return evaluator(robot, COM, engine)(q, out)
+    return ask(COM, q)
 
 
+@public
 def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Jacobian of the centre of mass, dc/dt = J v, world axes, shape (..., 3, nv).
 
@@ -226,9 +233,10 @@ def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, e
     >>> dp.com_jacobian(dp.load("ur5"), np.zeros(6)).shape
     (3, 6)
     """
-    return evaluator(robot, COM_JACOBIAN, engine)(q, out)
+    return ask(COM_JACOBIAN, q)
 
 
+@public
 def integrate(
     robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -244,9 +252,10 @@ def integrate(
     >>> bool(abs(dp.difference(robot, q, dp.integrate(robot, q, 0.1 * v)) - 0.1 * v).max() < 1e-14)
     True
     """
-    return evaluator(robot, INTEGRATE, engine)(q, v, out)
+    return ask(INTEGRATE, q, v)
 
 
+@public
 def difference(
     robot: Robot, q0: ArrayLike, q1: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
 ) -> np.ndarray:
@@ -258,4 +267,4 @@ def difference(
     >>> dp.difference(dp.load("ur5"), np.zeros(6), np.ones(6)).tolist()
     [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
     """
-    return evaluator(robot, DIFFERENCE, engine)(q0, q1, out)
+    return ask(DIFFERENCE, q0, q1)

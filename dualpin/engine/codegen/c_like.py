@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-_INTEGERS = {"+": "add", "-": "sub", "*": "mul", "&": "and", "|": "or"}
+_INTEGERS = {"+": "add", "-": "sub", "*": "mul", "&": "and", "|": "or", ">>": "lshr"}
 _FLOATS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _COMPARISONS = {
     "==": ("icmp eq", "fcmp oeq"), "!=": ("icmp ne", "fcmp une"), "<": ("icmp slt", "fcmp olt"),
@@ -50,6 +50,9 @@ class Value:
 
     def __or__(self, b: Any) -> Value:
         return self._with("|", b)
+
+    def __rshift__(self, b: Any) -> Value:
+        return self._with(">>", b)
 
     def __lt__(self, b: Any) -> Value:
         return self._with("<", b)

@@ -1,11 +1,12 @@
-"""The functions behind every fast call, against the stable C API of CPython 3.11 and later.
+"""The functions behind every fast call, against the stable C API of CPython 3.11 and later, and NumPy's.
 
     entry      what Python calls: METH_FASTCALL | METH_KEYWORDS, with a capsule as `self`
-    hand_on    gives back what a call holds, and hands it to the general function
+    public     the same for functions that take the robot first: a form of call that came before is known again
+    compute    the arrays checked, the result allocated, the kernel called; null where others must answer
     release    the destructor of the capsule
 
-Written with `c_like`, so that a line here is a line of C.  Looking up an attribute and allocating may run
-Python code, so they come before the first buffer is held.
+Written with `c_like`, so that a line here is a line of C.  Looking up an attribute may run Python code, so that
+comes before the first buffer is held.
 """
 
 from __future__ import annotations
@@ -28,7 +29,6 @@ API = {
     "PyDict_New": "ptr ()",
     "PyDict_SetItem": "i32 (ptr, ptr, ptr)",
     "PyErr_Clear": "void ()",
-    "PyErr_NoMemory": "ptr ()",
     "PyMem_RawMalloc": "ptr (i64)",
     "PyMem_RawFree": "void (ptr)",
     "PyEval_SaveThread": "ptr ()",
@@ -36,34 +36,47 @@ API = {
     "Py_IncRef": "void (ptr)",
     "Py_DecRef": "void (ptr)",
 }
+NUMPY = {"PyArray_Empty": ("ptr (i32, ptr, ptr, i32)", 184), "PyArray_GetPtr": ("ptr (ptr, ptr)", 160)}
+"""Of NumPy's table of functions, whose places are part of its binary interface."""
 BUFFER = {
     "buf": "ptr", "obj": "ptr", "len": "i64", "itemsize": "i64", "readonly": "i32", "ndim": "i32", "format": "ptr",
     "shape": "ptr", "strides": "ptr", "suboffsets": "ptr", "internal": "ptr",
 }  # fmt: skip
 CODE = {"one": "ptr", "many": "ptr", "scratch_one": "i64", "scratch_many": "i64", "most": "i64"}
 """Of `jit.fast_call.Code`: two kernels, what each needs to work in, and how many samples are worth one thread."""
+OPTIONS = 6
+FORM = {
+    "function": "ptr", "robot": "ptr", "given": "i64", "names": "i64", "spec": "ptr", "inputs": "i64", "out": "i64",
+    "options": "i64", "input_at": "ptr", "option_at": "ptr", "option": "ptr", "name": "ptr",
+}  # fmt: skip
+"""Of `jit.public.Form`: how a function was called, and what answers such a call."""
 
 MOST, AXES = 6, 4
 """Arrays a call can have, and axes one of them for one sample."""
+BUCKETS, FORMS = 64, 63
+"""Forms of calls are kept in buckets, of which a call looks through one."""
 _READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
 _NORM = 1.9e-6  # of a quaternion's squared norm, 1e-6 of its norm and a little less: the general call decides
 
 
 def text(spec: Mapping[str, str], stack: int) -> str:
     """The module, given the fields of `jit.fast_call.Spec` and the bytes of scratch the stack may hold."""
-    declarations = "".join(f"declare {kind.replace(' (', f' @{name}(', 1)}\n" for name, kind in API.items())
-    return declarations + _entry(spec, stack) + _hand_on() + _general() + _release()
+    signatures = API | {name: kind for name, (kind, _) in NUMPY.items()} | {"PyObject_Vectorcall": _VECTORCALL}
+    declarations = "".join(f"declare {kind.replace(' (', f' @{name}(', 1)}\n" for name, kind in signatures.items())
+    return (
+        declarations + "@forms = external global i8\n"
+        + _entry(spec) + _public(spec) + _fits() + _compute(spec, stack) + _general() + _release()
+    )  # fmt: skip
 
 
-def _entry(fields: Mapping[str, str], stack: int) -> str:
+_VECTORCALL = "ptr (ptr, ptr, i64, ptr)"
+
+
+def _entry(fields: Mapping[str, str]) -> str:
     c = Writer("ptr @entry() nounwind", capsule="ptr", args="ptr", nargs="i64", names="ptr")
     capsule, args, nargs, names = c.parameters
-    buffers, pointers = c.room(struct(BUFFER), MOST), c.room("ptr", MOST)
-    spec = Record(c.call("PyCapsule_GetPointer", capsule, c.null, gives="ptr"), fields)
-    slow, inputs, with_out = spec.slow, spec.inputs, spec.inputs + 1
-
-    def buffer(k: Value) -> Record:
-        return Record(buffers.at(struct(BUFFER), k), BUFFER)
+    spec = c.call("PyCapsule_GetPointer", capsule, c.null, gives="ptr")
+    slow, inputs = Record(spec, fields).slow, Record(spec, fields).inputs
 
     def general() -> None:
         c.returns(c.call("general", slow, args, nargs, names, gives="ptr"))
@@ -73,86 +86,149 @@ def _entry(fields: Mapping[str, str], stack: int) -> str:
     with c.if_(named):
         with c.if_((c.call("PyTuple_Size", names, gives="i64") != 1) | (nargs != inputs)):
             general()
-        with c.if_(c.call("PyTuple_GetItem", names, c.number(0), gives="ptr") != spec.out_name):
+        with c.if_(c.call("PyTuple_GetItem", names, c.number(0), gives="ptr") != Record(spec, fields).out_name):
             general()
     given = nargs + named.to("zext", "i64")
-    with c.if_((given != inputs) & (given != with_out)):
+    with c.if_((given != inputs) & (given != inputs + 1)):
         general()
-    # out=None is no out
-    no, none = c.number(0, "i1"), spec.none
-    has_out = c.choose(given == with_out, lambda: args.item("ptr", inputs) != none, lambda: no)
+    out = c.choose(given != inputs, lambda: args.item("ptr", inputs), lambda: c.null)
+    result = c.call("compute", spec, args, out, gives="ptr")
+    with c.if_(result == c.null):
+        general()
+    c.returns(result)
+    return c.text
+
+
+def _public(fields: Mapping[str, str]) -> str:
+    """A call of a form that came before: the arrays are sorted out by their places."""
+    c = Writer("ptr @public() nounwind", function="ptr", args="ptr", nargs="i64", names="ptr")
+    function, args, nargs, names = c.parameters
+    arrays = c.room("ptr", MOST + 1)
+    with c.if_(nargs > 0):
+        robot = args.item("ptr")
+        count = c.choose(names == c.null, lambda: c.number(0), lambda: c.call("PyTuple_Size", names, gives="i64"))
+        sum_ = (function.to("ptrtoint", "i64") >> 5) + (robot.to("ptrtoint", "i64") >> 4)
+        bucket = Value(c, "@forms", "ptr").at(f"[{FORMS + 1} x ptr]", sum_ & (BUCKETS - 1))
+        with c.for_(bucket.item("i64")) as k:
+            place = bucket.item("ptr", k + 1)
+            form = Record(place, FORM)
+            same = (form.robot == robot) & (form.function == function) & (form.given == nargs) & (form.names == count)
+            with c.if_(same), c.if_(c.call("fits", place, args, names, gives="i1") == 1):
+                inputs = form.inputs
+                with c.for_(inputs) as i:
+                    c.store(args.item("ptr", form.input_at.item("i64", i)), arrays.at("ptr", i))
+                out = c.choose(form.out < 0, lambda: c.null, lambda: args.item("ptr", form.out))
+                result = c.call("compute", form.spec, arrays, out, gives="ptr")
+                with c.if_(result != c.null):
+                    c.returns(result)
+                c.store(out, arrays.at("ptr", inputs))
+                given = inputs + (out != c.null).to("zext", "i64")
+                slow = Record(form.spec, fields).slow
+                c.returns(c.call("general", slow, arrays, given, c.null, gives="ptr"))
+    c.returns(c.call("PyObject_Vectorcall", function, args, nargs, names, gives="ptr"))
+    return c.text
+
+
+def _fits() -> str:
+    """Whether the names and the options of a call are those of a form: the very objects."""
+    c = Writer("internal i1 @fits() nounwind", form="ptr", args="ptr", names="ptr")
+    place, args, names = c.parameters
+    form, no = Record(place, FORM), c.number(0, "i1")
+    with (
+        c.for_(form.names) as k,
+        c.if_(c.call("PyTuple_GetItem", names, k, gives="ptr") != form.name.item("ptr", k)),
+    ):
+        c.returns(no)
+    with c.for_(form.options) as k, c.if_(args.item("ptr", form.option_at.item("i64", k)) != form.option.item("ptr", k)):
+        c.returns(no)
+    c.returns(c.number(1, "i1"))
+    return c.text
+
+
+def _compute(fields: Mapping[str, str], stack: int) -> str:
+    """The result of arrays that are plainly right; null, perhaps with an exception set, for all others.
+
+    `asked` is an array for the result, None, or null.
+    """
+    c = Writer("internal ptr @compute() nounwind noinline", spec="ptr", arrays="ptr", asked="ptr")
+    place, arrays, asked = c.parameters
+    spec = Record(place, fields)
+    buffers, pointers, sizes = c.room(struct(BUFFER), MOST), c.room("ptr", MOST), c.room("i64", AXES + 1)
+    inputs, none = spec.inputs, spec.none
+    has_out = (asked != c.null) & (asked != none)
+    held = inputs + has_out.to("zext", "i64")
+
+    def array(k: Value) -> Value:
+        return c.choose(k == inputs, lambda: asked, lambda: arrays.item("ptr", k))
+
+    def buffer(k: Value) -> Record:
+        return Record(buffers.at(struct(BUFFER), k), BUFFER)
+
+    def give_up(count: Value) -> None:
+        with c.for_(count) as k:
+            c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
+        c.returns(c.null)
 
     # every dtype is the very one
     dtype, dtype_name = spec.dtype, spec.dtype_name
-    with c.for_(inputs + has_out.to("zext", "i64")) as k:
-        found = c.call("PyObject_GetAttr", args.item("ptr", k), dtype_name, gives="ptr")
+    with c.for_(held) as k:
+        found = c.call("PyObject_GetAttr", array(k), dtype_name, gives="ptr")
         with c.if_(found == c.null):
-            general()
+            c.returns(c.null)
         c.call("Py_DecRef", found)
         with c.if_(found != dtype):
-            general()
-
-    def borrowed() -> Value:
-        theirs = args.item("ptr", inputs)
-        c.call("Py_IncRef", theirs)
-        return theirs
-
-    out = c.choose(
-        has_out, borrowed, lambda: c.call("PyObject_Call", spec.allocate, spec.allocate_args, c.null, gives="ptr")
-    )
-    with c.if_(out == c.null):
-        c.returns(c.null)
-
-    def hand_on(held: Value, to: Value = slow) -> None:
-        c.returns(c.call("hand_on", to, args, nargs, names, buffers, held, out, gives="ptr"))
+            c.returns(c.null)
 
     # all arrays contiguous, the last of them the result
-    with c.for_(with_out) as k:
+    with c.for_(held) as k:
         last = k == inputs
-        x = c.choose(last, lambda: out, lambda: args.item("ptr", k))
         flags = c.value(f"select i1 {last.name}, i32 {_WRITE}, i32 {_READ}", "i32")
-        place = buffers.at(struct(BUFFER), k)
-        with c.if_(c.call("PyObject_GetBuffer", x, place, flags, gives="i32") < 0):
-            hand_on(k)
-        c.store(place.item("ptr"), pointers.at("ptr", k))
+        view = buffers.at(struct(BUFFER), k)
+        with c.if_(c.call("PyObject_GetBuffer", array(k), view, flags, gives="i32") < 0):
+            give_up(k)
+        c.store(view.item("ptr"), pointers.at("ptr", k))
 
     # one sample, or n with one axis more: every shape that of the table (axes, bytes, lengths)
     shapes = spec.shapes
     first = buffer(c.number(0))
     many = first.ndim.to("sext", "i64") - shapes.item("i64")
     with c.if_((many != 0) & (many != 1)):
-        hand_on(with_out)
+        give_up(held)
     n = c.choose(many == 1, lambda: first.shape.item("i64"), lambda: c.number(1))
-    with c.for_(with_out) as k:
+    with c.for_(held) as k:
         b, row = buffer(k), shapes.at("i64", k * (2 + AXES))
         axes, shape = row.item("i64"), b.shape
         with c.if_((b.ndim.to("sext", "i64") != axes + many) | (b.len != row.item("i64", 1) * n)):
-            hand_on(with_out)
+            give_up(held)
         with c.if_(c.choose(many == 1, lambda: shape.item("i64"), lambda: n) != n):
-            hand_on(with_out)
+            give_up(held)
         with c.for_(axes) as i, c.if_(shape.item("i64", many + i) != row.item("i64", i + 2)):
-            hand_on(with_out)
+            give_up(held)
 
     # the kernel, if it is compiled yet; it is set after all the rest
     code = spec.code
     kernel = code.item("ptr", many, how=" acquire, align 8")
     with c.if_(kernel == c.null):
-        hand_on(with_out)
+        give_up(held)
     scratch = code.item("i64", many + 2)
 
     # a batch: no more samples than one thread should have, and a result apart from what is still to be read
+    row = shapes.at("i64", inputs * (2 + AXES))
     with c.if_(many == 1):
         alone = (spec.threads.item("i64") == 1) | (spec.alone != 0)
         with c.if_((n <= 0) | ((n > code.item("i64", 4)) & (alone == 0))):
-            hand_on(with_out)
-        result = buffer(inputs)
-        start = result.buf.to("ptrtoint", "i64")
-        end = start + result.len
-        with c.for_(inputs) as k:
-            y = buffer(k)
-            begin = y.buf.to("ptrtoint", "i64")
-            with c.if_((begin + y.len > start) & (end > begin)):
-                hand_on(with_out)
+            give_up(held)
+        with c.if_(has_out):
+            result = buffer(inputs)
+            start = result.buf.to("ptrtoint", "i64")
+            end = start + result.len
+            with c.for_(inputs) as k:
+                b = buffer(k)
+                begin = b.buf.to("ptrtoint", "i64")
+                with c.if_((begin < end) & (start < begin + b.len)):
+                    give_up(held)
+        with c.if_((has_out == 0) & (row.item("i64", 1) * n >= spec.pooled)):
+            give_up(held)
 
     # quaternions of norm 1, or the general call says which is not
     strides, single, quaternions = spec.strides, spec.single != 0, spec.quaternions
@@ -174,14 +250,35 @@ def _entry(fields: Mapping[str, str], stack: int) -> str:
                 lambda: squares(lambda i: q.item("double", i)),
             )
             with c.if_((norm > _NORM) | (norm < -_NORM)):
-                hand_on(with_out)
+                give_up(held)
+
+    def allocated() -> Value:
+        axes = row.item("i64")
+        c.store(n, sizes)
+        with c.for_(axes) as i:
+            c.store(row.item("i64", i + 2), sizes.at("i64", many + i))
+        c.call("Py_IncRef", dtype)  # which the array takes
+        count = (axes + many).to("trunc", "i32")
+        return c.call("PyArray_Empty", count, sizes, dtype, c.number(0, "i32"), gives="ptr")
+
+    def borrowed() -> Value:
+        c.call("Py_IncRef", asked)
+        return asked
+
+    out = c.choose(has_out, borrowed, allocated)
+    with c.if_(out == c.null):
+        give_up(held)
+    with c.if_(has_out == 0):
+        with c.for_(c.number(AXES + 1)) as i:
+            c.store(c.number(0), sizes.at("i64", i))
+        c.store(c.call("PyArray_GetPtr", out, sizes, gives="ptr"), pointers.at("ptr", inputs))
 
     # scratch on the stack or, aligned, on the heap
     small = scratch <= stack
     block = c.choose(small, lambda: c.null, lambda: c.call("PyMem_RawMalloc", scratch + 64, gives="ptr"))
     with c.if_((block == c.null) & (scratch > stack)):
-        c.call("PyErr_NoMemory", gives="ptr")
-        hand_on(with_out, c.null)
+        c.call("Py_DecRef", out)
+        give_up(held)
     memory = c.choose(
         small,
         lambda: c.room("i8", scratch, align=64),
@@ -195,25 +292,9 @@ def _entry(fields: Mapping[str, str], stack: int) -> str:
         c.call("PyEval_RestoreThread", state)
     with c.if_(block != c.null):
         c.call("PyMem_RawFree", block)
-    with c.for_(with_out) as k:
-        c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
-    c.returns(out)
-    return c.text
-
-
-def _hand_on() -> str:
-    """Release the first buffers and the result; then the general function answers, if there is one."""
-    c = Writer(
-        "internal ptr @hand_on() nounwind noinline",
-        slow="ptr", args="ptr", nargs="i64", names="ptr", buffers="ptr", held="i64", out="ptr",
-    )  # fmt: skip
-    slow, args, nargs, names, buffers, held, out = c.parameters
     with c.for_(held) as k:
         c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
-    c.call("Py_DecRef", out)
-    with c.if_(slow == c.null):
-        c.returns(c.null)
-    c.returns(c.call("general", slow, args, nargs, names, gives="ptr"))
+    c.returns(out)
     return c.text
 
 

@@ -5,10 +5,10 @@ configuration and for thousands.  So the function that Python calls is compiled 
 `codegen.fast_call`: one for all kernels, told about its own by a `Spec` in the capsule that is its
 `self`.  It takes exactly what is certain - float64 (or float32) arrays, C-contiguous, of the right shape
 or with one batch axis before it - and leaves everything else to a Python function that converts,
-allocates, spreads over threads or explains.
+allocates large results, spreads over threads or explains.
 
-Only the stable ABI of CPython 3.11 and later is used: no structure of NumPy's or Python's is looked
-into.  Attribute look-up and allocation, which may run Python code, come before the first buffer is held.
+Only the stable ABI of CPython 3.11 and later and NumPy's table of functions are used: no structure of either is
+looked into.  Attribute look-up, which may run Python code, comes before the first buffer is held.
 """
 
 from __future__ import annotations
@@ -63,8 +63,6 @@ class Spec(ctypes.Structure):
         ("inputs", ctypes.c_int64),
         ("dtype", ctypes.py_object),
         ("dtype_name", ctypes.py_object),
-        ("allocate", ctypes.py_object),
-        ("allocate_args", ctypes.py_object),
         ("slow", ctypes.py_object),
         ("out_name", ctypes.py_object),
         ("none", ctypes.py_object),
@@ -75,6 +73,7 @@ class Spec(ctypes.Structure):
         ("single", ctypes.c_int64),
         ("alone", ctypes.c_int64),
         ("threads", ctypes.c_void_p),
+        ("pooled", ctypes.c_int64),
     ]
 
 
@@ -91,6 +90,7 @@ def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
         and sys.version_info >= (3, 11)
         and not sysconfig.get_config_var("Py_GIL_DISABLED")  # borrowed references need the lock
         and ctypes.sizeof(ctypes.c_void_p) == 8
+        and hasattr(ctypes.pythonapi, "PyObject_Vectorcall")
         and len(shapes) <= source.MOST
         and all(len(shape) <= source.AXES for shape in shapes)
     )
@@ -118,22 +118,30 @@ def bound(
         row[0], row[1] = len(shape), int(np.prod(shape, dtype=int)) * dtype.itemsize
         row[2 : 2 + len(shape)] = shape
     at, strides = np.array([*quaternions, 0], np.int64), table[:, 1] // dtype.itemsize
-    allocate_args = (shapes[-1], dtype)
     spec = Spec(
-        ctypes.addressof(code), len(shapes) - 1, dtype, "dtype", np.empty, allocate_args, slow, "out", None,
+        ctypes.addressof(code), len(shapes) - 1, dtype, "dtype", slow, "out", None,
         len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data, dtype.itemsize == 4,
-        alone, ctypes.addressof(threads.count),
+        alone, ctypes.addressof(threads.count), tuning.POOLED_FROM,
     )  # fmt: skip
     spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
     owner = SimpleNamespace(
-        name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(allocate_args, dtype)
+        name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(dtype,)
     )
     capsule = _new_capsule(ctypes.addressof(spec), None, addresses()["release"])
     _keep(owner)  # given back by `release`, when the capsule goes
     _set_context(capsule, id(owner))
     copyreg.pickle(type(capsule), _reduced)
     return _new_function(ctypes.addressof(method), capsule, None)
+
+
+def spec_of(f: Any) -> int | None:
+    """Where the spec of a fast call is; None if it is something else."""
+    capsule = getattr(f, "__self__", None)
+    if type(capsule).__name__ != "PyCapsule" or _destructor(capsule) != addresses()["release"]:
+        return None
+    found: int | None = _pointer(capsule, None)
+    return found
 
 
 def _reduced(capsule: Any) -> tuple[Any, ...]:
@@ -157,6 +165,7 @@ _object, _address = ctypes.py_object, ctypes.c_void_p
 _new_capsule = _api("PyCapsule_New", _object, _address, ctypes.c_char_p, _address)
 _set_context = _api("PyCapsule_SetContext", ctypes.c_int, _object, _address)
 _context = _api("PyCapsule_GetContext", _address, _object)
+_pointer = _api("PyCapsule_GetPointer", _address, _object, ctypes.c_char_p)
 _destructor = _api("PyCapsule_GetDestructor", _address, _object)
 _new_function = _api("PyCFunction_NewEx", _object, _address, _object, _address)
 _keep = _api("Py_IncRef", None, _object)
@@ -165,8 +174,20 @@ _keep = _api("Py_IncRef", None, _object)
 @Once
 def addresses() -> dict[str, Any]:
     """The emitted functions; compiled once in a process."""
-    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in source.API}
+    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _PYTHON}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
-    names = ("entry", "release")
-    code = loaded([object_code(source.text(fields, tuning.STACK), this_host())], names, api)
+    names = ("entry", "public", "release")
+    imports = api | _numpy() | {"forms": ctypes.addressof(forms)}
+    code = loaded([object_code(source.text(fields, tuning.STACK), this_host())], names, imports)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory
+
+
+_PYTHON = (*source.API, "PyObject_Vectorcall")
+forms = ((ctypes.c_void_p * (source.FORMS + 1)) * source.BUCKETS)()
+"""The forms of calls that came before, in buckets: how many, and their addresses."""
+
+
+def _numpy() -> dict[str, int]:
+    """Functions of NumPy's binary interface."""
+    table = ctypes.cast(_pointer(np._core._multiarray_umath._ARRAY_API, None), ctypes.POINTER(ctypes.c_void_p))  # type: ignore[attr-defined]
+    return {name: table[place] or 0 for name, (_, place) in source.NUMPY.items()}
