@@ -42,7 +42,7 @@ _HOMES = {
     ),
 }  # fmt: skip
 _PACKAGES = ("algebra", "algorithms", "analysis", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms",
-             "model", "report", "spatial", "tracking", "view")  # fmt: skip
+             "memory", "model", "report", "spatial", "tracking", "view")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [*sorted(_WHERE), "__version__"]

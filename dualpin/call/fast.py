@@ -17,6 +17,7 @@ from ..engine.jit import fast_call
 from ..engine.jit.host import CompilerError
 from ..engine.jit.threads import spread
 from ..errors import DualpinError
+from ..memory import empty
 from .arguments import separated
 from .kernels import Kernels
 
@@ -55,7 +56,7 @@ class Batched:
         n = self.samples(inputs, given)
         if kernel is None or not n:
             return self.general(*inputs, out=given)
-        result = np.empty((n, *self.shape), self.dtype) if given is None else given
+        result = empty((n, *self.shape), self.dtype) if given is None else given
         try:
             spread(
                 lambda start, stop: self.alone(*(x[start:stop] for x in inputs), result[start:stop]),

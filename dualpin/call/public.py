@@ -31,11 +31,13 @@ def public(body: Callable[P, T]) -> Callable[P, T]:
 
     Its arrays are called as the term calls them, and the body takes `out` and `engine`, which are seen to here.
     """
-    positional = [p.name for p in inspect.signature(body).parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
+    parameters = list(inspect.signature(body).parameters)  # `out` and `engine` have no place, but the last
+
+    ask_for: Callable[..., Any] = body
 
     @functools.wraps(body)
     def call(*args: Any, **named: Any) -> Any:
-        asked, arrays = body(*args, **named)  # type: ignore[misc]
+        asked, arrays = ask_for(*args, **named)
         robot = args[0] if args else named["robot"]
         engine = named.get("engine", "auto")
         found = evaluator(robot, asked, engine)
@@ -43,7 +45,7 @@ def public(body: Callable[P, T]) -> Callable[P, T]:
         if function is not call and args and engine == "auto" and type(robot) is Robot:
             term = asked[0] if isinstance(asked, tuple) else asked
             names, everything = list(named), [*args, *named.values()]
-            places = {name: k for k, name in enumerate([*positional[: len(args)], *names])}
+            places = {name: k for k, name in enumerate([*parameters[: len(args)], *names])}
             at = [places[name] for name in term.inputs]
             out = places.get("out", -1)
             if all(isinstance(x, _OPTIONS) for k, x in enumerate(everything) if k and k not in at and k != out):

@@ -88,13 +88,6 @@ STACK = 4 * 1024
 No more than a page, since the page that guards a stack is one: threads of 32 KiB are safe.
 """
 
-POOLED_FROM = 2 << 20
-"""Bytes of a result from which its memory comes from the pool (`dualpin.memory`).
-
-Emerald Rapids: Python code around a call takes 2 to 3 us, and 2 MB no less than 50; malloc serves smaller results
-from what was freed before, without a page fault.
-"""
-
 CALL_SECONDS, OPERATION_SECONDS, NUMBER_SECONDS = 1e-9, 4e-10, 3e-10
 """What a sample takes, roughly: at all, for each operation of a tile (divided by its lanes), for each number in or out.
 

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..algorithms import regressor
 from ..call import evaluator
-from ..call.public import ask, public
 from ..call.arguments import check_robot
+from ..call.public import ask, public
 from ..model.robot import Robot
 from ..terms import (
     ABA,

@@ -139,7 +139,10 @@ def _fits() -> str:
         c.if_(c.call("PyTuple_GetItem", names, k, gives="ptr") != form.name.item("ptr", k)),
     ):
         c.returns(no)
-    with c.for_(form.options) as k, c.if_(args.item("ptr", form.option_at.item("i64", k)) != form.option.item("ptr", k)):
+    with (
+        c.for_(form.options) as k,
+        c.if_(args.item("ptr", form.option_at.item("i64", k)) != form.option.item("ptr", k)),
+    ):
         c.returns(no)
     c.returns(c.number(1, "i1"))
     return c.text

@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from ... import memory
 from ...locking import LOCK, Once
 from .. import tuning
 from ..codegen import fast_call as source
@@ -121,13 +122,11 @@ def bound(
     spec = Spec(
         ctypes.addressof(code), len(shapes) - 1, dtype, "dtype", slow, "out", None,
         len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data, dtype.itemsize == 4,
-        alone, ctypes.addressof(threads.count), tuning.POOLED_FROM,
+        alone, ctypes.addressof(threads.count), memory.FROM,
     )  # fmt: skip
     spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
-    owner = SimpleNamespace(
-        name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(dtype,)
-    )
+    owner = SimpleNamespace(name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(dtype,))
     capsule = _new_capsule(ctypes.addressof(spec), None, addresses()["release"])
     _keep(owner)  # given back by `release`, when the capsule goes
     _set_context(capsule, id(owner))

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...locking import LOCK
+from ...memory import empty
 from ...model.robot import Robot
 from ...terms import Options, Term
 from .. import tuning
@@ -68,7 +69,7 @@ class Kernel:
         """Arrays (n, size) in, an array (n, width) out; rows may be strided or repeated."""
         n = len(inputs[0])
         arrays = [rowwise(x, self.dtype) for x in inputs]
-        result = np.empty((n, self.width), self.dtype) if out is None else out
+        result = empty((n, self.width), self.dtype) if out is None else out
         if n == 0 or self.width == 0:
             return result
         if out is not None and (

@@ -5,8 +5,8 @@ options, each the very object.  The first call of a form is Python's; it says wh
 where the arrays are, and from then on `codegen.fast_call.public` knows it.  Whatever differs is a form of its own.
 
 The built-in functions are made before there is any machine code: until then, and for every call of no known form,
-they are `PyObject_Vectorcall`, whose arguments are those of a built-in function, with the callable as `self`.  As in all
-built-in functions this is a module, here one that can be called, so that they are pickled by their name.
+they are `PyObject_Vectorcall`, whose arguments are those of a built-in function, with the callable as `self`.  As for
+all built-in functions that is a module, here one that can be called, so that they are pickled by their name.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ import ctypes
 import inspect
 import types
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ...locking import LOCK
 from ..codegen import fast_call as source
 from .fast_call import _FAST_KEYWORDS, _Method, _new_function, addresses, forms, spec_of
 
-_FIELDS = {"i64": ctypes.c_int64, "ptr": ctypes.c_void_p}
+_FIELDS: dict[str, Any] = {"i64": ctypes.c_int64, "ptr": ctypes.c_void_p}
 
 
 class Form(ctypes.Structure):
@@ -97,7 +97,7 @@ def remember(
     name = (ctypes.c_void_p * len(names))(*map(id, names))
     form = Form(
         id(body), id(robot), len(args) - len(names), len(names), spec, len(arrays), out, len(rest),
-        *map(ctypes.addressof, (input_at, option_at, option, name)),
+        *(ctypes.addressof(x) for x in (input_at, option_at, option, name)),
     )  # fmt: skip
     form.kept = ([args[k] for k in rest], list(names), answer, input_at, option_at, option, name)
     number = (id(body) >> 5) + (id(robot) >> 4) & source.BUCKETS - 1
