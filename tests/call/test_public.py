@@ -60,7 +60,8 @@ def test_every_order_of_arguments_gives_the_same(robot, state):
     for _ in range(3):  # Python's way, then machine code's
         for found in (
             dp.rnea(robot, q, v, a), dp.rnea(robot, q, v, a=a), dp.rnea(robot, q, a=a, v=v),
-            dp.rnea(robot, v=v, a=a, q=q), dp.rnea(robot=robot, q=q, v=v, a=a), dp.rnea(robot, q, v, a, None), dp.rnea(robot, q, v, a, f_ext=None),
+            dp.rnea(robot, v=v, a=a, q=q), dp.rnea(robot=robot, q=q, v=v, a=a),
+            dp.rnea(robot, q, v, a, None), dp.rnea(robot, q, v, a, f_ext=None),
             dp.rnea(robot, q, v, a, out=None), dp.rnea(robot, q, v, a, out=out), dp.rnea(robot, q, v, out=out, a=a),
             dp.rnea(robot, q, v, a, engine="auto"), dp.rnea(robot, q, v, a, f_ext),
             dp.rnea(robot, q, v, a, f_ext=f_ext),
