@@ -17,13 +17,8 @@ from dualpin.delegates import HOMES, home
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own room and from those before it
 LAYERS = (
-<<<<<<< HEAD
-    "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine",
-    "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
-=======
     "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine", "memory",
-    "scalars", "parts", "dual", "spatial", "algebra",  # numbers, and the vocabulary over them
->>>>>>> 276773f (Plain calls: public functions are built-in functions; large results come from a pool)
+    "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "functions",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck",  # what is done with it
