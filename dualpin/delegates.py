@@ -29,6 +29,7 @@ HOMES = {
     "Robot.lift": "dualpin.model.lift.lifted",
     "Robot.sample": "dualpin.model.sampling.sample",
     "Robot.summary": "dualpin.model.describe.summary",
+    "Robot.to_mjcf": "dualpin.io.write_mjcf.to_mjcf",
     "Robot.to_urdf": "dualpin.io.write.to_urdf",
     "Robot.velocity_limit": "dualpin.model.limits.velocity_limits",
     "Robot.with_rotors": "dualpin.model.rotors.with_rotors",

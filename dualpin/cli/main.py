@@ -13,7 +13,7 @@ import typer
 
 from ..errors import DualpinError, DualpinWarning
 from ..escape import lines
-from .app import app
+from .app import app, in_front
 
 # modules of this folder that register commands, in the order of `dualpin --help`
 MODULES = (
@@ -45,7 +45,7 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")  # a terminal without a character shows its number
     try:
-        run(prog_name="dualpin")
+        run(in_front(sys.argv[1:]), prog_name="dualpin")
     except DualpinError as e:
         print(f"dualpin: {lines(str(e))}", file=sys.stderr)
         sys.exit(2)

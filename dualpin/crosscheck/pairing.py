@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..errors import DualpinError, DualpinWarning
 from ..io.catalogue import find
+from ..io.mjcf import is_mjcf
 from ..io.urdf import load
 from ..model.robot import Robot
 from .checks import Case
@@ -65,7 +66,8 @@ def paired(case: Case) -> Pair:
             apart = differences(robot, described(model, complaints), whose)
             return Pair(robot, None, floating, apart=apart)
         return _checked(Pair(robot, Pinocchio.of_file(robot, path, floating), floating), whose)
-    if isinstance(case.robot, Robot) and not unchanged(robot, floating):
+    of_model = robot.source is not None and is_mjcf(Path(robot.source))  # Pinocchio's reader has rules of its own
+    if of_model or (isinstance(case.robot, Robot) and not unchanged(robot, floating)):
         return _checked(Pair(robot, Pinocchio.of_robot(robot), floating, [ASSEMBLED]), "Pinocchio's model")
     try:
         oracle, notes = Pinocchio.of_file(robot, str(robot.source), floating), []

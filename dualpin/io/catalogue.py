@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import sys
 from collections import Counter
+from collections.abc import Mapping
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 from ..errors import UrdfError, nearest
+from .expand import expanded, is_xacro
 
 PACKAGE = "example-robot-data"
 
@@ -72,8 +75,12 @@ def catalogue() -> dict[str, Path]:
     return {(f.stem if count[f.stem] == 1 else f"{f.relative_to(folder).parts[0]}/{f.stem}"): f for f in files}
 
 
-def find(name: str | os.PathLike[str]) -> Path:
-    """The file of a robot's name, alias or path.
+def find(
+    name: str | os.PathLike[str],
+    xacro_args: Mapping[str, Any] | None = None,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+) -> Path:
+    """The file of a robot's name, alias or path; of an xacro file the URDF that it expands to.
 
     Raises
     ------
@@ -87,15 +94,16 @@ def find(name: str | os.PathLike[str]) -> Path:
         return known
     try:
         path = Path(text).expanduser()
-        if path.is_file():
-            return path
-        if path.exists():
+        here = path.is_file()
+        if not here and path.exists():
             raise UrdfError(
                 f"{text}: a URDF file expected, this is {'a folder' if path.is_dir() else 'not a regular file'}"
             )
     except (OSError, RuntimeError, ValueError) as e:  # too long, not permitted, no such user's home, null bytes
         shown = text if len(text) <= 60 else text[:57] + "..."
         raise UrdfError(f"{shown!r}: not a path that can be opened ({getattr(e, 'strerror', None) or e})") from None
+    if here:
+        return expanded(path, xacro_args, packages) if is_xacro(path) else path
     if path.suffix.lower() in (".urdf", ".xml", ".xacro", ".sdf"):
         raise UrdfError(f"{text}: no such file")
     if not robots:

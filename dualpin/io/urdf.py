@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from io import BytesIO
 from math import inf
@@ -17,7 +18,6 @@ from typing import IO, Any
 import numpy as np
 from lxml import etree
 
-from ..dual import sqrt
 from ..errors import ArgumentError, DualpinWarning, UrdfError
 from ..model.builder import Builder
 from ..model.joints import Floating, JointModel, Planar, prismatic, revolute
@@ -25,31 +25,47 @@ from ..model.robot import Limits, Mimic, Robot, Rotor
 from ..scalars import exact
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
-from ..spatial.vector import AXES, ZERO_VECTOR, Matrix3, Vector3
+from ..spatial.vector import ZERO_VECTOR, Matrix3, Vector3
+from .axes import unit_axis
 from .catalogue import find
 from .document import Document
+from .mjcf import is_mjcf, read_mjcf
 from .remarks import remark
 from .xml import parse, read, read_stream
 
-_AXIS_TOLERANCE = 1e-12  # Pinocchio's: closer than this to a coordinate axis is that axis
 
-
-def load(name_or_path: str | os.PathLike[str] | IO[Any], floating: bool = False, mimic: bool = False) -> Robot:
-    """A robot from a URDF file, or by its name in example-robot-data.
+def load(
+    name_or_path: str | os.PathLike[str] | IO[Any],
+    floating: bool = False,
+    mimic: bool = False,
+    *,
+    xacro_args: Mapping[str, Any] | None = None,
+    packages: Mapping[str, str | os.PathLike[str]] | None = None,
+    without: Sequence[str] = (),
+) -> Robot:
+    """A robot from a file (URDF, xacro, MJCF), or by its name in example-robot-data.
 
     Parameters
     ----------
     name_or_path : str, path or file object
-        "panda", "ur5", ... (`dualpin list` prints all), a path to a file, or an open file.
+        "panda", "ur5", ... (`dualpin list` prints all), a path to a file, or an open file.  A file that ends
+        in ``.xacro`` is expanded first; one whose root element is <mujoco> is compiled by MuJoCo.
     floating : bool
         Give the base six degrees of freedom: joint "root_joint", q = (x y z, qw qx qy qz).
     mimic : bool
         Let joints with a <mimic> tag follow; otherwise they are joints like others.
+    xacro_args : mapping, optional
+        What ``$(arg name)`` of an xacro file stands for.
+    packages : mapping, optional
+        Name -> folder of the ROS packages that an xacro file finds; others are looked for in the folders
+        above it and in ROS_PACKAGE_PATH.
+    without : sequence of str
+        Tendons and equalities of an MJCF to leave out: a model that has others is refused.
 
     Returns
     -------
     Robot
-        Joints in Pinocchio's order.  ``robot.notes`` says what was assumed or looks odd.
+        Joints in Pinocchio's order, or in MuJoCo's.  ``robot.notes`` says what was assumed or looks odd.
 
     Raises
     ------
@@ -63,20 +79,23 @@ def load(name_or_path: str | os.PathLike[str] | IO[Any], floating: bool = False,
     ['panda_joint1', 'panda_joint2']
     """
     if hasattr(name_or_path, "read"):
-        return _announced(build(read_stream(name_or_path), floating, mimic, None))
+        text, source = read_stream(name_or_path)
+        return _announced(_of_text(text, source, floating, mimic, without))
     if not isinstance(name_or_path, (str, os.PathLike)):
         raise ArgumentError(f"load: a name or a path or an open file expected, got {type(name_or_path).__name__}")
-    path = find(name_or_path)
+    path = find(name_or_path, xacro_args, packages)
+    if is_mjcf(path):
+        return _announced(read_mjcf(path, floating, mimic, without))
     return _announced(build(read(path), floating, mimic, str(path)))
 
 
 def loads(data: bytes | str, floating: bool = False, mimic: bool = False, source: str = "<text>") -> Robot:
-    """A robot from the text of a URDF.
+    """A robot from the text of a URDF or an MJCF.
 
     Parameters
     ----------
     data : str or bytes
-        What a URDF file holds.
+        What the file holds.
     floating, mimic : bool
         As in `load`.
     source : str
@@ -99,7 +118,13 @@ def loads(data: bytes | str, floating: bool = False, mimic: bool = False, source
     """
     if not isinstance(data, (bytes, str)):
         raise ArgumentError(f"loads: the text of a URDF expected, got {type(data).__name__}")
-    return _announced(build(parse(data, source), floating, mimic, None))
+    return _announced(_of_text(data, source, floating, mimic, ()))
+
+
+def _of_text(data: bytes | str, source: str, floating: bool, mimic: bool, without: Sequence[str]) -> Robot:
+    if is_mjcf(data):
+        return read_mjcf(data, floating, mimic, without, source)
+    return build(parse(data, source), floating, mimic, None)
 
 
 def _announced(robot: Robot) -> Robot:
@@ -183,21 +208,8 @@ def _model(joint: Any) -> JointModel:
         return Floating()
     if joint.type == "planar":
         return Planar()
-    axis = _axis(joint.axis)
+    axis = unit_axis(joint.axis)
     return prismatic(axis) if joint.type == "prismatic" else revolute(axis, kind=joint.type)
-
-
-def _axis(xyz: Any) -> Vector3:
-    u = np.array([1.0, 0.0, 0.0] if xyz is None else xyz, dtype=float)
-    largest = float(np.abs(u).max())
-    if not 1e-100 < largest < 1e100:
-        u = u / largest  # squares would overflow
-    for unit, exact_axis in zip(np.eye(3), AXES, strict=True):
-        for sign in (1, -1):
-            if np.linalg.norm(u - sign * unit) <= _AXIS_TOLERANCE:
-                return exact_axis if sign == 1 else -exact_axis
-    axis = Vector3(*map(exact, u.tolist()))
-    return Vector3(*map(exact, axis / sqrt(float(u @ u))))
 
 
 def _limits(joint: Any) -> Limits:

@@ -145,7 +145,7 @@ class _Writer:
         if m == 0 and h.any():
             raise ArgumentError(f"to_urdf: link {name!r} has a first moment {h.tolist()} kg m but no mass")
         c, J = body.central
-        inertia = _rounded(J.array, float(np.abs(ten[4:]).max()))
+        inertia = rounded(J.array, float(np.abs(ten[4:]).max()))
         inertial = etree.SubElement(link, "inertial")
         etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
         etree.SubElement(inertial, "mass", value=_numbers([m]))
@@ -297,7 +297,7 @@ class _Writer:
         return out
 
 
-def _rounded(J: np.ndarray, size: float) -> np.ndarray:
+def rounded(J: np.ndarray, size: float) -> np.ndarray:
     """J about a centre with zeros where only the rounding of Steiner's terms, of that size, is left."""
     return np.where(np.abs(J) <= 8 * float_info.epsilon * size, 0.0, J)
 

@@ -23,6 +23,10 @@ from .transmissions import reductions
 from .xacro import check_xacro
 
 MAX_BYTES = 64 << 20
+HINTS = {
+    "sdf": " (SDF is not URDF and is not read; convert it first, with sdformat_urdf for instance)",
+    "mujoco": " (MJCF is not URDF; dualpin.load reads it)",
+}
 # what a robot's motion depends on; meshes, materials, transmissions and simulator blocks do not
 KEPT = {
     "robot": {"link", "joint"},
@@ -44,8 +48,8 @@ def read(path: Path) -> Document:
     return parse(data, path.name)
 
 
-def read_stream(stream: Any) -> Document:
-    """The checked document of an open file, in binary or in text mode."""
+def read_stream(stream: Any) -> tuple[bytes | str, str]:
+    """What an open file holds, in binary or in text mode, and its name."""
     name = getattr(stream, "name", None)
     source = Path(name).name if isinstance(name, str) and name and not name.startswith("<") else "<file>"
     try:
@@ -54,7 +58,7 @@ def read_stream(stream: Any) -> Document:
         raise UrdfError(f"{source}: cannot be read ({e})") from None
     if not isinstance(data, (bytes, bytearray, str)):
         raise UrdfError(f"{source}: read() gave {type(data).__name__}; bytes or str expected")
-    return parse(data if isinstance(data, str) else bytes(data), source)
+    return data if isinstance(data, str) else bytes(data), source
 
 
 def parse(data: bytes | str, source: str = "<bytes>") -> Document:
@@ -117,7 +121,7 @@ def _check_root(root: etree._Element, source: str, notes: Notes) -> None:
     if plain(root) != "robot":
         if name.localname == "robot":
             raise UrdfError(f"{at}: <{root.prefix}:robot> is in the namespace {name.namespace!r}; a URDF has none")
-        hint = {"sdf": " (SDF is not URDF)", "mujoco": " (MJCF is not URDF)"}.get(name.localname, "")
+        hint = HINTS.get(name.localname, "")
         raise UrdfError(f"{at}: root element is <{name.localname}>, <robot> expected{hint}")
     if name.namespace:
         notes.add(f"the default namespace {name.namespace!r} (xmlns) changes nothing; a URDF has none")

@@ -197,6 +197,10 @@ class Robot:
         """Write the robot as a URDF file, and return its text; see `dualpin.io.write.to_urdf`."""
         return home("Robot.to_urdf")(self, path)
 
+    def to_mjcf(self, path: Any = None) -> str:
+        """Write the robot as an MJCF file, and return its text; see `dualpin.io.write_mjcf.to_mjcf`."""
+        return home("Robot.to_mjcf")(self, path)
+
     def summary(self) -> str:
         """The tree, the order of q and v, limits, and what was assumed, as text."""
         return home("Robot.summary")(self)

@@ -164,7 +164,6 @@ CASES: list[Case] = [
     _error("sdf", '<robot name="two">', '<sdf name="two">', "<sdf>", "<robot> expected").__class__(
         "sdf", GOOD.replace("<robot", "<sdf").replace("</robot", "</sdf").encode(), "error", ("<sdf>", "<robot> expected"), 2
     ),
-    Case("mjcf", b"<mujoco/>", "error", ("<mujoco>", "<robot> expected"), 1),
     Case("html", b"<!DOCTYPE html><html/>", "error", ("DOCTYPE",)),
     _warning("robot_without_name", '<robot name="two">', "<robot>", "<robot> without a name", "'robot'"),
     _warning("robot_with_empty_name", '<robot name="two">', '<robot name="">', "<robot> without a name", "'robot'"),

@@ -15,7 +15,8 @@ from lxml import etree
 from ...call import evaluate as call
 from ...errors import ArgumentError, DualpinError, DualpinWarning
 from ...io.catalogue import find
-from ...io.urdf import loads
+from ...io.mjcf import is_mjcf
+from ...io.urdf import load, loads
 from ...io.xml import parse
 from ...model.robot import Frame, Robot
 from ..sampling import states as sampled
@@ -29,7 +30,10 @@ FRAMES = 6  # links looked at
 
 @dataclass(frozen=True)
 class Asking:
-    """A robot, the text of its URDF without what is not mechanics, and the states in dualpin's columns."""
+    """A robot, the text of its URDF without what is not mechanics, and the states in dualpin's columns.
+
+    `mjcf` is the path of the MJCF that it came from, if it did: what MuJoCo is given instead of the URDF.
+    """
 
     name: str
     robot: Robot
@@ -37,6 +41,7 @@ class Asking:
     states: dict[str, np.ndarray]
     terms: tuple[str, ...]
     seed: int = 0
+    mjcf: str = ""
 
     @property
     def floating(self) -> bool:
@@ -92,15 +97,41 @@ def asking(
     mimic: bool = False,
 ) -> Asking:
     """Everything a subject is given, of a robot by name or path, or of the robot itself."""
+    mjcf = ""
     if isinstance(robot, Robot):
-        name, text = robot.name, _text_of(robot)
+        name = robot.name
+        mjcf = _mjcf_of(robot)
+        text = _text_of_model(robot) if mjcf else _text_of(robot)
+    elif is_mjcf(path := find(robot)):
+        name, mjcf, robot = str(robot), str(path.resolve()), load(path, floating, mimic)
+        text = _text_of_model(robot)
     else:
-        path = find(robot)
         name, text = str(robot), mechanics(path.read_bytes(), str(path))
         robot = _read(text, path.stem, floating, mimic)
     if not robot.nv:
         raise ArgumentError(f"judge: {name} has no joint that moves, so there is nothing to ask")
-    return Asking(name, robot, text, _states(robot, samples, seed), terms, seed)
+    return Asking(name, robot, text, _states(robot, samples, seed), terms, seed, mjcf)
+
+
+def _mjcf_of(robot: Robot) -> str:
+    """The MJCF that a robot was read from and still is; empty if there is none."""
+    if robot.source is None or not is_mjcf(Path(robot.source)):
+        return ""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DualpinWarning)
+            again = load(robot.source, robot.floating, robot.coupled)
+    except DualpinError:
+        return ""
+    return str(Path(robot.source).resolve()) if _same(robot, again) else ""
+
+
+def _text_of_model(robot: Robot) -> str:
+    """A URDF of a robot that MuJoCo reads itself; empty where URDF cannot hold it."""
+    try:
+        return _text_of(replace(robot, source=None))
+    except ArgumentError:
+        return ""
 
 
 def _states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:

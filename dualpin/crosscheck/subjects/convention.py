@@ -126,6 +126,11 @@ def base_of(robot: Robot) -> Joint | None:
     )
 
 
+def floats_of(robot: Robot) -> list[Joint]:
+    """The joints that let bodies float in the world: the base, and loose objects of a scene."""
+    return [j for j in robot if j.parent is None and j.model.coordinates == Floating.coordinates]
+
+
 def _columns_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
     if joint is base_of(robot):
         return BASE_Q, BASE_V

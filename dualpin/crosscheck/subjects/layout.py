@@ -6,7 +6,7 @@ One matrix does all of it: with v_s = G(q) v,
     M_s = G^-T M G^-1         h_s = G^-T (h - M G^-1 G' v)       C_s = G^-T (C - M G^-1 G') G^-1
     J_s = P J G^-1            J'_s = P (J' - J G^-1 G') G^-1
 
-P permutes the rows of six-vectors.  G permutes, and turns with a floating base whose velocity is
+P permutes the rows of six-vectors.  G permutes, and turns with floating bodies whose velocity is
 written in other axes (or of another point); G' is its rate.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from ...errors import ArgumentError, nearest
 from ...model.robot import Robot
-from .convention import BASE_V, Convention, base_of, columns
+from .convention import BASE_V, Convention, base_of, columns, floats_of
 
 States = Mapping[str, np.ndarray]
 
@@ -74,6 +74,7 @@ class Layout:
         self.how, self.nv = how, robot.nv
         self.point = None if point is None else np.asarray(point, float)
         self.base = base_of(robot)
+        self.floats = floats_of(robot)
         names = columns(robot)
         self.to_q, self.to_v = (
             _places(w, ours, theirs) for w, ours, theirs in zip("qv", names, (how.q, how.v), strict=True)
@@ -86,16 +87,15 @@ class Layout:
         n = len(q)
         G = np.broadcast_to(np.eye(self.nv), (n, self.nv, self.nv)).copy()
         D = np.zeros_like(G)
-        if self.base is not None:
-            self._base(G, D, q[:, self.base.q], v[:, self.base.v])
+        for j in self.floats:
+            self._base(G, D, j.v.start, q[:, j.q], v[:, j.v])
         pick = self.signs[:, None]
         return G[:, self.to_v] * pick, D[:, self.to_v] * pick
 
-    def _base(self, G: np.ndarray, D: np.ndarray, q: np.ndarray, v: np.ndarray) -> None:
-        """The base's block of G: its velocity in other axes, or of another point."""
+    def _base(self, G: np.ndarray, D: np.ndarray, start: int, q: np.ndarray, v: np.ndarray) -> None:
+        """A floating body's block of G: its velocity in other axes, or of another point."""
         R, p, (w, l) = rotations(q[:, 3:]), q[:, :3], (v[:, :3], v[:, 3:])
         rate = R @ cross_matrix(w)  # of R
-        start = self.base.v.start if self.base else 0
         a, b = slice(start, start + 3), slice(start + 3, start + 6)
         if self.how.angular == "world":
             G[:, a, a], D[:, a, a] = R, rate
@@ -147,7 +147,7 @@ class Layout:
     @property
     def turns(self) -> bool:
         """Whether G depends on the state, so that its rate counts."""
-        return self.base is not None and (self.how.angular != "body" or self.how.linear != "body")
+        return bool(self.floats) and (self.how.angular != "body" or self.how.linear != "body")
 
 
 def _force(

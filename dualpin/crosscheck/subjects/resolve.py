@@ -17,6 +17,7 @@ from .commands import Command, ask_command, refusal_of_command
 from .environments import ADAPTERS, interpreter, shipped
 from .running import ask_apart, ask_object, refusal_apart
 
+MUJOCO = "mujoco"  # reads MJCF itself
 _SPEC = re.compile(r"^([\w.]+|.+\.py):[\w.]+(:.*)?$")
 
 
@@ -62,10 +63,15 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
         name, _, option = text.partition(":")
         if name in shipped():
             adapter = ADAPTERS / f"{name}.py"
-            spec, own = f"{adapter}:Subject:{option}", python or interpreter(adapter) or sys.executable
+            own = python or interpreter(adapter) or sys.executable
+
+            def spec(asking: Asking) -> str:
+                of = ",".join(x for x in (option, f"mjcf={asking.mjcf}") if x) if asking.mjcf and name == MUJOCO else ""
+                return f"{adapter}:Subject:{of or option}"
+
             return Asker(
-                lambda asking, tick: _named(ask_apart(spec, asking, tick, python=own, limit=limit), text),
-                lambda asking, seconds: refusal_apart(spec, asking, seconds, python=own),
+                lambda asking, tick: _named(ask_apart(spec(asking), asking, tick, python=own, limit=limit), text),
+                lambda asking, seconds: refusal_apart(spec(asking), asking, seconds, python=own),
             )
         if _SPEC.match(text):
             own = python or interpreter(Path(name)) or sys.executable

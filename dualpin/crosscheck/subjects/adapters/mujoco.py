@@ -1,7 +1,8 @@
 """MuJoCo: inverse dynamics by mj_inverse, forward dynamics by mj_forward.
 
 As it comes, passive forces and equalities are part of both: the file's damping and dry friction, and the
-soft constraint that `<mimic>` becomes.  The option "clean" switches them off: what is left is the model.
+soft constraint that `<mimic>` becomes.  The option "clean" switches them off, and counts no mass that stands still:
+what is left is the model.
 """
 
 from __future__ import annotations
@@ -13,11 +14,14 @@ import numpy as np
 from _urdf import LINEAR_FIRST, homogeneous
 
 REQUIRES = ("mujoco==4.0.0", "numpy")
-OFF = ("CONTACT", "LIMIT", "FRICTIONLOSS", "EQUALITY", "DAMPER", "SPRING")
+OFF = ("CONTACT", "LIMIT", "FRICTIONLOSS", "EQUALITY", "DAMPER", "SPRING", "ACTUATION")
 
 
 class Subject:
-    """One robot in MuJoCo: linear first, the base's linear velocity in world axes, its angular in its own."""
+    """One robot in MuJoCo: linear first, the base's linear velocity in world axes, its angular in its own.
+
+    The option "mjcf=PATH" reads that file, an MJCF, in the URDF's place; "clean,mjcf=PATH" does both.
+    """
 
     name = "mujoco"
 
@@ -25,24 +29,45 @@ class Subject:
         import mujoco as mj
 
         self.mj, self.version = mj, mj.__version__
-        text, clean = Path(urdf).read_text(encoding="utf-8"), option == "clean"
-        at = text.index(">", text.index("<robot")) + 1
-        flags = 'discardvisual="false"' + (' fusestatic="false" balanceinertia="false"' if clean else "")
-        spec = mj.MjSpec.from_string(f"{text[:at]}<mujoco><compiler {flags}/></mujoco>{text[at:]}")
-        if floating:
-            next(iter(spec.worldbody.bodies)).add_freejoint()
-        self.m = m = spec.compile()
+        words, _, path = option.partition("mjcf=")
+        clean = "clean" in words
+        if path:
+            self.m = m = mj.MjModel.from_xml_path(path)
+        else:
+            self.m = m = self._of_urdf(Path(urdf).read_text(encoding="utf-8"), floating, clean)
         self.d = mj.MjData(m)
         m.opt.gravity[:] = gravity
-        for bit in OFF if clean else ():
-            m.opt.disableflags |= getattr(mj.mjtDisableBit, f"mjDSBL_{bit}", 0)
-        names = [m.joint(i).name for i in range(m.njnt) if m.joint(i).type[0] != mj.mjtJoint.mjJNT_FREE]
-        base_q = ("x", "y", "z", "qw", "qx", "qy", "qz") if floating else ()
-        self.writes = {
-            "q": [*base_q, *names], "v": [*(LINEAR_FIRST if floating else ()), *names], "rows": LINEAR_FIRST,
-            "linear": "world",
-        }  # fmt: skip
-        self.bodies = {m.body(i).name: i for i in range(m.nbody)}
+        if clean:
+            for bit in OFF:
+                m.opt.disableflags |= getattr(mj.mjtDisableBit, f"mjDSBL_{bit}", 0)
+            m.opt.density = m.opt.viscosity = 0
+            m.body_gravcomp[:] = 0
+            m.body_mass[m.body_weldid == 0] = 0
+            mj.mj_setConst(m, self.d)
+        q, v = [], []
+        for i in range(m.njnt):
+            name, kind = m.joint(i).name or f"joint{i}", mj.mjtJoint(m.jnt_type[i])
+            base = kind == mj.mjtJoint.mjJNT_FREE and i == 0
+            at = "" if base else f"{name}."
+            if kind == mj.mjtJoint.mjJNT_FREE:
+                q += [f"{at}{x}" for x in ("x", "y", "z", "qw", "qx", "qy", "qz")]
+                v += [f"{at}{x}" for x in LINEAR_FIRST]
+            elif kind == mj.mjtJoint.mjJNT_BALL:
+                q += [f"{at}{x}" for x in ("qw", "qx", "qy", "qz")]
+                v += [f"{at}{x}" for x in ("wx", "wy", "wz")]
+            else:
+                q.append(name)
+                v.append(name)
+        self.writes = {"q": q, "v": v, "rows": LINEAR_FIRST, "linear": "world"}
+        self.bodies = {m.body(i).name or f"body{i}": i for i in range(m.nbody)}
+
+    def _of_urdf(self, text: str, floating: bool, clean: bool) -> Any:
+        at = text.index(">", text.index("<robot")) + 1
+        flags = 'discardvisual="false"' + (' fusestatic="false" balanceinertia="false"' if clean else "")
+        spec = self.mj.MjSpec.from_string(f"{text[:at]}<mujoco><compiler {flags}/></mujoco>{text[at:]}")
+        if floating:
+            next(iter(spec.worldbody.bodies)).add_freejoint()
+        return spec.compile()
 
     def _at(self, q: Any, v: Any = None) -> Any:
         self.mj.mj_resetData(self.m, self.d)

@@ -1,0 +1,66 @@
+"""Run xacro on one file: a program of its own, so that it can be stopped and leaves nothing behind.
+
+It reads {"file", "args", "packages", "folders"} as JSON from standard input and writes {"text"} or {"error"}
+to standard output.  It imports nothing of dualpin.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+PACKAGE = "package://"
+
+
+def located(name: str, folder: Path, path_of: Any) -> str:
+    """The file a mesh's name means, as an absolute one where it can be told."""
+    if name.startswith(PACKAGE):
+        package, _, rest = name.removeprefix(PACKAGE).partition("/")
+        try:
+            return f"file://{Path(path_of(package), rest)}"
+        except Exception:  # not found, whatever that is called: the name is left as it is
+            return name
+    if "://" in name or Path(name).is_absolute():
+        return name
+    return f"file://{folder / name}"
+
+
+def expanded(job: dict[str, Any]) -> str:
+    """The URDF of an xacro file."""
+    from xacrodoc import XacroDoc, packages
+
+    file = Path(job["file"])
+    packages.walk_up_from(file.parent)
+    if job["folders"]:
+        packages.look_in(job["folders"])
+    packages.update_package_cache(job["packages"])
+    text = XacroDoc.from_file(str(file), subargs=job["args"], resolve_packages=False).to_urdf_string(pretty=True)
+    from lxml import etree
+
+    root = etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
+    for e in root.iter("mesh"):
+        if e.get("filename"):
+            e.set("filename", located(e.get("filename"), file.parent, packages.get_path))
+    return str(etree.tostring(root, encoding="unicode"))
+
+
+def main() -> None:
+    """One job."""
+    out = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what xacro prints is no result
+    job = json.load(sys.stdin)
+    try:
+        answer = {"text": expanded(job)}
+    except SystemExit as e:
+        answer = {"error": f"xacro ended with code {e.code}"}
+    except Exception as e:  # expressions of a file raise what they like
+        answer = {"error": f"{type(e).__name__}: {e}"}
+    json.dump(answer, out)
+    out.close()
+
+
+if __name__ == "__main__":
+    main()
