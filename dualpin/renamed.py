@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import sys
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -43,15 +42,3 @@ def renamed_names(module: str, **names: str) -> Callable[[str], Any]:
         return getattr(importlib.import_module(module), new)
 
     return getattr_
-
-
-def former_names(module: str, names: dict[str, str]) -> Callable[[str], Any]:
-    """A `__getattr__` for a module whose names have changed: the same object, and a DeprecationWarning."""
-
-    def get(name: str) -> Any:
-        if name not in names:
-            raise AttributeError(f"module {module!r} has no attribute {name!r}")
-        warnings.warn(f"{module}.{name} is called {names[name]} now", DeprecationWarning, stacklevel=2)
-        return getattr(sys.modules[module], names[name])
-
-    return get

@@ -1,6 +1,6 @@
 """The vocabulary: vectors, rotations, quaternions, poses, inertias over any scalar; motions as arrays."""
 
-from ..renamed import former_names
+from ..renamed import renamed_names
 from .adjoint import adjoint, coadjoint
 from .arrays import (
     ScrewParameters,
@@ -34,4 +34,4 @@ __all__ = [
     "screw_parameters", "skew", "to_matrix", "transform_lines", "transform_planes", "transform_points",
 ]  # fmt: skip
 
-__getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR", "GROUND": "IDENTITY_POSE"})
+__getattr__ = renamed_names(__name__, NOUGHT="ZERO_VECTOR", REST="ZERO_MOTOR", GROUND="IDENTITY_POSE")

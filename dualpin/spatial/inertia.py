@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..renamed import former_names
+from ..renamed import renamed_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .pose import Pose
 from .rotation import ZEROS, diagonal, skew
@@ -154,4 +154,4 @@ class Connection:
         return Connection(p, B + diagonal(r.dot(p)) - p.outer(r))
 
 
-__getattr__ = former_names(__name__, {"NOTHING": "ZERO_INERTIA"})
+__getattr__ = renamed_names(__name__, NOTHING="ZERO_INERTIA")

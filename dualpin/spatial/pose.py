@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..dual import Dual
-from ..renamed import former_names
+from ..renamed import renamed_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .quaternion import Quaternion, displaced
 from .rotation import IDENTITY, Rotation, check_convention
@@ -122,4 +122,4 @@ def _snapped(x: float, scale: float, values: tuple[int, ...]) -> Scalar:
     return exact(x)
 
 
-__getattr__ = former_names(__name__, {"GROUND": "IDENTITY_POSE"})
+__getattr__ = renamed_names(__name__, GROUND="IDENTITY_POSE")

@@ -15,7 +15,7 @@ from typing import Any, Protocol, TypeAlias, TypeVar
 import numpy as np
 
 from ..dual import Compound, Dual
-from ..renamed import former_names
+from ..renamed import renamed_names
 from ..scalars import ONE, ZERO, Scalar
 
 M = TypeVar("M", bound="Matrix3")
@@ -174,4 +174,4 @@ def power(screw: Twist, wrench: Wrench) -> Scalar:
     return screw.dot(wrench).dual
 
 
-__getattr__ = former_names(__name__, {"NOUGHT": "ZERO_VECTOR", "REST": "ZERO_MOTOR"})
+__getattr__ = renamed_names(__name__, NOUGHT="ZERO_VECTOR", REST="ZERO_MOTOR")
