@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from ..algorithms.kinematics import References
@@ -12,24 +13,6 @@ from ..model.robot import Robot
 from ..terms import TERMS
 from .sampling import frames
 
-Variants = Callable[[Robot, int], list[dict[str, Any]]]
-
-
-def _plain(robot: Robot, seed: int) -> list[dict[str, Any]]:
-    return [{}]
-
-
-def _frames(robot: Robot, seed: int) -> list[dict[str, Any]]:
-    return [{"frame": f} for f in frames(robot, seed)]
-
-
-def _seen(robot: Robot, seed: int) -> list[dict[str, Any]]:
-    return [{"frame": f, "reference": r} for f in frames(robot, seed) for r in References]
-
-
-def _accelerated(robot: Robot, seed: int) -> list[dict[str, Any]]:
-    return [{**o, "classical": c} for o in _seen(robot, seed) for c in (False, True)]
-
 
 @dataclass(frozen=True)
 class Check:
@@ -37,8 +20,6 @@ class Check:
 
     Attributes
     ----------
-    variants : callable
-        (robot, seed) -> the options it is compared with.
     solves : bool
         Whether a linear system with M is solved in it.
     weighs : bool
@@ -46,9 +27,14 @@ class Check:
     """
 
     term: str
-    variants: Variants = _plain
     solves: bool = False
     weighs: bool = True
+
+    def variants(self, robot: Robot, seed: int) -> list[dict[str, Any]]:
+        """The options it is compared with: all combinations, of frames a few; others have their defaults."""
+        values = {"frame": frames(robot, seed), "reference": References, "classical": (False, True)}
+        names = [option.name for option in TERMS[self.term].options if option.name in values]
+        return [dict(zip(names, chosen, strict=True)) for chosen in product(*(values[name] for name in names))]
 
     @property
     def inertial(self) -> bool:
@@ -71,9 +57,9 @@ class Check:
 CHECKS = {
     c.term: c
     for c in (
-        Check("fk", weighs=False), Check("frame_pose", _frames, weighs=False), Check("jacobian", _seen, weighs=False),
-        Check("jacobian_dot", _seen, weighs=False), Check("frame_velocity", _seen, weighs=False),
-        Check("frame_acceleration", _accelerated, weighs=False),
+        Check("fk", weighs=False), Check("frame_pose", weighs=False), Check("jacobian", weighs=False),
+        Check("jacobian_dot", weighs=False), Check("frame_velocity", weighs=False),
+        Check("frame_acceleration", weighs=False),
         Check("rnea"), Check("rnea_f_ext", weighs=False), Check("joint_wrenches"), Check("bias"), Check("gravity"),
         Check("crba"), Check("coriolis"), Check("aba", solves=True), Check("minv", solves=True),
         Check("kinetic_energy"), Check("potential_energy"), Check("com"), Check("com_jacobian"),
@@ -106,6 +92,8 @@ class Case:
         What computes it, where that is not what the whole campaign is computed with.
     title : str
         What to call it, where that is not the name or path.
+    oracle : str
+        Who it is compared with.
     """
 
     robot: str | Robot
@@ -114,6 +102,7 @@ class Case:
     against: str | None = None
     engine: str = ""
     title: str = ""
+    oracle: str = "pinocchio"
 
     @property
     def name(self) -> str:

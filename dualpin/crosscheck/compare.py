@@ -18,7 +18,7 @@ from .arbiter import arbitrate as by_definition
 from .checks import Case, Check
 from .definitions import UndecidedError
 from .extent import Extent
-from .oracles.pinocchio import Pinocchio
+from .oracles import Oracle
 from .pairing import Pair, paired
 from .reading import Difference
 from .results import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, RobotResult, TermResult
@@ -77,7 +77,7 @@ class _Comparison:
     """A robot and its oracle on the same states."""
 
     pair: Pair
-    oracle: Pinocchio
+    oracle: Oracle
     samples: int
     seed: int
     engine: str
@@ -191,6 +191,8 @@ class _Comparison:
 
 def _hindrance(check: Check, pair: Pair, variants: list[dict[str, Any]]) -> str:
     """Why a term cannot be compared, if it cannot."""
+    if pair.oracle and check.term not in pair.oracle.terms:
+        return f"{pair.oracle.name} does not answer it"
     if check.weighs and pair.robot.mass == 0:
         return WEIGHTLESS
     if not variants:

@@ -7,17 +7,17 @@ import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ..arguments import choice
 from ..errors import DualpinError, DualpinWarning
 from ..io.catalogue import find
 from ..io.mjcf import is_mjcf
 from ..io.urdf import load
 from ..model.robot import Robot
 from .checks import Case
-from .oracles.pinocchio import OracleError, Pinocchio
-from .oracles.pinocchio_model import described, read
+from .oracles import ORACLES, Oracle, OracleError
 from .reading import Difference, describe, differences
 
-ASSEMBLED = "compared with a Pinocchio model of the same joints, bodies, rotors and gravity, not with a file"
+ASSEMBLED = "compared with a {} model of the same joints, bodies, rotors and gravity, not with a file"
 
 
 @dataclass
@@ -30,12 +30,12 @@ class Pair:
         What the oracle's model was made of, where that is not the robot's own file.
     apart : list of Difference
         What the two do not share, found before any term is compared.
-    oracle : Pinocchio or None
+    oracle : Oracle or None
         None where joints are not the same, so that no term can be compared.
     """
 
     robot: Robot
-    oracle: Pinocchio | None
+    oracle: Oracle | None
     floating: bool
     notes: list[str] = field(default_factory=list)
     apart: list[Difference] = field(default_factory=list)
@@ -44,11 +44,11 @@ class Pair:
 def paired(case: Case) -> Pair:
     """The robot of a case, with the oracle that fits.
 
-    - A robot as it was read from a file: Pinocchio reads the same file; where it refuses that, the
+    - A robot as it was read from a file: the oracle reads the same file; where it refuses that, the
       URDF that dualpin writes of it; where it refuses this too, as the next.
-    - A robot that was changed since, or built in code: a Pinocchio model put together from
+    - A robot that was changed since, or built in code: a model of the oracle's put together from
       the robot's own joints, bodies, rotors and gravity.
-    - `against` a file, whatever the robot is: Pinocchio's reading of that file.
+    - `against` a file, whatever the robot is: the oracle's reading of that file.
 
     Raises
     ------
@@ -57,26 +57,28 @@ def paired(case: Case) -> Pair:
     OracleError
         If there is no model to compare with.
     """
+    library = ORACLES[choice("validate: oracle", case.oracle, tuple(ORACLES))]
     robot = case.robot if isinstance(case.robot, Robot) else quietly_loaded(case.robot, case.floating, case.mimic)
     floating = robot.floating
     if case.against is not None:
         path = str(find(str(case.against)))
-        whose, (model, complaints) = Path(path).name, read(path, floating, mimic=False)
-        if list(model.names)[1:] != robot.joint_names:
-            apart = differences(robot, described(model, complaints), whose)
-            return Pair(robot, None, floating, apart=apart)
-        return _checked(Pair(robot, Pinocchio.of_file(robot, path, floating), floating), whose)
-    of_model = robot.source is not None and is_mjcf(Path(robot.source))  # Pinocchio's reader has rules of its own
+        whose, theirs = Path(path).name, library.described(path, floating)
+        if [body.joint for body in theirs.bodies] != robot.joint_names:
+            return Pair(robot, None, floating, apart=differences(robot, theirs, whose))
+        return _checked(Pair(robot, library.of_file(robot, path, floating), floating), whose)
+    of_model = robot.source is not None and is_mjcf(Path(robot.source))  # readers of MJCF have rules of their own
     if of_model or (isinstance(case.robot, Robot) and not unchanged(robot, floating)):
-        return _checked(Pair(robot, Pinocchio.of_robot(robot), floating, [ASSEMBLED]), "Pinocchio's model")
+        return _checked(
+            Pair(robot, library.of_robot(robot), floating, [ASSEMBLED.format(library.name)]), f"{library.name}'s model"
+        )
     try:
-        oracle, notes = Pinocchio.of_file(robot, str(robot.source), floating), []
+        oracle, notes = library.of_file(robot, str(robot.source), floating), []
     except OracleError as refusal:
-        oracle, made = _of_written(robot, floating, refusal)
+        oracle, made = _of_written(library, robot, floating, refusal)
         notes = [f"{refusal}; {made}"]
     if oracle.refusal:
         notes.append(f"mimic: {oracle.refusal}; projected from the uncoupled model")
-    return _checked(Pair(robot, oracle, floating, notes), "Pinocchio's reading")
+    return _checked(Pair(robot, oracle, floating, notes), f"{library.name}'s reading")
 
 
 def _checked(pair: Pair, whose: str) -> Pair:
@@ -85,18 +87,18 @@ def _checked(pair: Pair, whose: str) -> Pair:
     return pair
 
 
-def _of_written(robot: Robot, floating: bool, refusal: OracleError) -> tuple[Pinocchio, str]:
-    """Pinocchio's reading of what dualpin writes, else the same joints; or its refusal of the file itself."""
+def _of_written(library: type[Oracle], robot: Robot, floating: bool, refusal: OracleError) -> tuple[Oracle, str]:
+    """The library's reading of what dualpin writes, else the same joints; or its refusal of the file itself."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)
         path = str(Path(folder) / "written.urdf")
         try:
             robot.to_urdf(path)
-            return Pinocchio.of_file(robot, path, floating), "compared with the URDF that dualpin writes"
+            return library.of_file(robot, path, floating), "compared with the URDF that dualpin writes"
         except DualpinError:
             pass
     try:
-        return Pinocchio.of_robot(robot), ASSEMBLED
+        return library.of_robot(robot), ASSEMBLED.format(library.name)
     except OracleError:
         raise refusal from None
 

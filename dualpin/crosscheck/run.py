@@ -11,7 +11,8 @@ from ..model.robot import Robot
 from .checks import CHECKS, Case, Check, chosen
 from .compare import compare, used_engine
 from .merge import merged
-from .oracles.pinocchio import OracleError, build, import_pinocchio
+from .oracles import ORACLES, OracleError
+from .oracles.pinocchio_model import build
 from .pairing import quietly_loaded
 from .results import NOT_COMPARED, Refusal, Report, RobotResult
 from .tally import scaled_error
@@ -31,6 +32,7 @@ def validate(
     engine: str = "auto",
     arbitrate: bool = False,
     against: str | None = None,
+    oracle: str = "pinocchio",
 ) -> Report:
     """Compare every term of a robot with Pinocchio on random states.
 
@@ -54,6 +56,9 @@ def validate(
         Name or path of a URDF that the robot is compared with, whatever it came from.  What differs
         in bodies, joints and gravity is in the notes of the result and in the reasons of its terms.
 
+    oracle : str
+        Who it is compared with, one of `dualpin.crosscheck.oracles.ORACLES`.
+
     Returns
     -------
     Report
@@ -74,19 +79,19 @@ def validate(
     >>> dp.validate("panda", samples=3, terms=["rnea", "crba"]).passed
     True
     """
-    case = Case(robot, floating, mimic, against)
+    case = Case(robot, floating, mimic, against, oracle=oracle)
     checks = chosen(terms)
     samples = count("validate: samples", samples, 1)
     parts = slices(case, samples, seed)
     found = [compare(case, u.samples, u.seed, checks, engine, arbitrate) for u in parts]
     report = Report([merged(parts, found, seed)])
-    report.versions = provenance(engine)
+    report.versions = provenance(engine, oracle)
     return report
 
 
-def provenance(engine: str) -> dict[str, str]:
+def provenance(engine: str, oracle: str = "pinocchio") -> dict[str, str]:
     """Versions, the machine, and what computes on it."""
-    found = versions(pinocchio=str(import_pinocchio().__version__), engine=used_engine(engine))
+    found = versions(**{oracle: ORACLES[oracle].version()}, engine=used_engine(engine))
     if found["engine"] == "compiled":
         from ..engine.jit.host import this_host
 

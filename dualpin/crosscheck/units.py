@@ -69,7 +69,9 @@ class Unit:
 
 def slices(case: Case, samples: int, seed: int) -> list[Unit]:
     """The units of a case.  The first one's seed is the case's, so that few samples are one plain validation."""
-    name = "|".join([case.name, str(case.floating), str(case.mimic), case.engine, case.against or "", identity(case)])
+    name = "|".join(
+        [case.name, str(case.floating), str(case.mimic), case.engine, case.against or "", case.oracle, identity(case)]
+    )
     return [
         Unit(
             case, first, min(SLICE, samples - first), seed if first == 0 else _seed(seed, first // SLICE),

@@ -23,9 +23,9 @@ from ...algorithms.regressor import rotors
 from ...errors import nearest
 from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
-from .pinocchio_model import ANGULAR_FIRST, OracleError, assembled, build, described, import_pinocchio, read
-
-__all__ = ["OracleError", "Pinocchio", "build", "import_pinocchio"]
+from ..reading import Description
+from .oracle import Oracle, OracleError
+from .pinocchio_model import ANGULAR_FIRST, assembled, build, described, import_pinocchio, read
 
 # what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
 NATIVE_WITH_MIMIC = frozenset({"fk", "frame_pose", "jacobian", "rnea", "bias", "gravity", "crba"})
@@ -129,7 +129,7 @@ def _rotor_columns(robot: Robot) -> list[int]:
     return columns if rotors(robot) else []
 
 
-class Pinocchio:
+class Pinocchio(Oracle):
     """The terms of one robot, computed by Pinocchio.
 
     Parameters
@@ -144,6 +144,8 @@ class Pinocchio:
         Why it has none.
     """
 
+    name = "Pinocchio"
+
     def __init__(
         self, robot: Robot, model: Any, complaints: tuple[str, ...] = (), coupled: Any = None, refusal: str = ""
     ) -> None:
@@ -151,6 +153,14 @@ class Pinocchio:
         self.free = Layout(robot, model)
         self.coupled = None if coupled is None else Layout(robot, coupled)
         self.description = described(model, complaints)
+
+    @classmethod
+    def version(cls) -> str:
+        return str(import_pinocchio().__version__)
+
+    @classmethod
+    def described(cls, path: str, floating: bool) -> Description:
+        return described(*read(path, floating, mimic=False))
 
     @classmethod
     def of_file(cls, robot: Robot, path: str, floating: bool) -> Pinocchio:
@@ -169,12 +179,7 @@ class Pinocchio:
         """Put together from the robot's own joints, bodies and gravity."""
         return cls(robot, assembled(robot))
 
-    @property
-    def version(self) -> str:
-        return str(self.pin.__version__)
-
     def source(self, term: str) -> str:
-        """ "Pinocchio", or "Pinocchio, projected" where it cannot do the coupled model."""
         return "Pinocchio" if not self.robot.coupled or self._native(term) else "Pinocchio, projected"
 
     def _native(self, term: str) -> bool:
@@ -183,7 +188,6 @@ class Pinocchio:
     def compute(
         self, term: str, states: dict[str, np.ndarray], variants: Sequence[dict[str, Any]] = ({},)
     ) -> list[np.ndarray]:
-        """A term on states (n, size), once for each variant, in dualpin's conventions: arrays (n, ...)."""
         shapes = [TERMS[term].shape(self.robot, **options) for options in variants]
         n = len(states["q"])
         if 0 in shapes[0]:  # a robot without joints: Pinocchio 4.1 crashes on Jacobians without columns
@@ -208,7 +212,6 @@ class Pinocchio:
             return [question.convert(a, layout).reshape(n, *s) for a, s in zip(answers, shapes, strict=True)]
 
     def offers(self, options: Mapping[str, Any]) -> bool:
-        """Whether it has what the options name: its model may lack a frame."""
         frame = options.get("frame")
         return frame is None or any(f.name == frame.name for f in self.free.model.frames)
 
@@ -393,3 +396,4 @@ QUESTIONS = {
     ),
     "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), _velocities),
 }
+Pinocchio.terms = QUESTIONS.keys()

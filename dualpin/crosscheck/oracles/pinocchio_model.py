@@ -12,19 +12,15 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ...errors import DualpinError
 from ...model.joints import Axial
 from ...model.robot import Joint, Robot
 from ...spatial.pose import Pose
 from ..reading import Body, Description
+from .oracle import OracleError
 
 T = TypeVar("T")
 ANGULAR_FIRST = [3, 4, 5, 0, 1, 2]
 _console = threading.Lock()
-
-
-class OracleError(DualpinError):
-    """The oracle is missing, or refuses the robot."""
 
 
 def import_pinocchio() -> Any:
