@@ -102,7 +102,7 @@ class NewtonEuler:
     def forces(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
         """tau (n, nv) for the velocities and accelerations, under the gravity g."""
         links = self._motions(q, v, a)
-        out = np.zeros((len(q), self.robot.nv))
+        out = np.zeros((len(q), self.robot.nv), q.dtype)
         R0 = links[0].R
         for lump in self._lumps():
             k = links[lump.link]
@@ -120,14 +120,40 @@ class NewtonEuler:
             self._into(out, links, lump.link, push, n, at, np.broadcast_to(weight, push.shape), low)
         return out
 
+    def mass_matrix(self, q: np.ndarray) -> np.ndarray:
+        """Column by column: the forces of unit accelerations, at rest and without gravity."""
+        columns = self.forces(*self._unit(q), np.zeros(3))
+        return columns.reshape(self.robot.nv, len(q), -1).transpose(1, 2, 0)
+
+    def energy_matrix(self, q: np.ndarray) -> np.ndarray:
+        """The mass matrix as kinetic energy has it: sum m Jv^T Jv + Jw^T I Jw, with the slips of the Jacobians."""
+        links, shape = self._motions(*self._unit(q)), (self.robot.nv, len(q), 3)
+        M = np.zeros((len(q), self.robot.nv, self.robot.nv), q.dtype)
+        for lump in self._lumps():
+            k = links[lump.link]
+            r = product(k.R, lump.com)
+            arm = 0 * r if self.without("moment_arm", "tangential", "tangential_com") else cross(k.alpha, r)
+            Jv, Jw = (k.a + arm).reshape(shape), k.alpha.reshape(shape)
+            IJw = product(self._inertia(k, lump), k.alpha).reshape(shape)
+            M += lump.mass * np.einsum("ind,jnd->nij", Jv, Jv) + np.einsum("ind,jnd->nij", Jw, IJw)
+        return M
+
+    def _unit(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Every state at rest under every unit acceleration."""
+        n, nv = len(q), self.robot.nv
+        return np.tile(q, (nv, 1)), np.zeros((nv * n, nv)), np.repeat(np.eye(nv), n, axis=0)
+
+    def _inertia(self, k: _Link, lump: Lump) -> np.ndarray:
+        """About the centre of mass, in world axes."""
+        if self.without("inertia_frame"):
+            return np.broadcast_to(lump.inertia, k.R.shape)
+        if self.without("inertia_frame_transposed"):
+            return transposed(k.R) @ lump.inertia @ k.R
+        return k.R @ lump.inertia @ transposed(k.R)
+
     def _moment(self, k: _Link, lump: Lump) -> np.ndarray:
         """I alpha + w x I w about the centre of mass."""
-        if self.without("inertia_frame"):
-            I = np.broadcast_to(lump.inertia, k.R.shape)
-        elif self.without("inertia_frame_transposed"):
-            I = transposed(k.R) @ lump.inertia @ k.R
-        else:
-            I = k.R @ lump.inertia @ transposed(k.R)
+        I = self._inertia(k, lump)
         spin = cross(k.w, product(I, k.w))
         spin = -spin if self.without("gyroscopic_sign") else 0 * spin if self.without("gyroscopic") else spin
         return spin if self.without("no_angular_acceleration") else product(I, k.alpha) + spin
@@ -156,7 +182,7 @@ class NewtonEuler:
 
     def _motions(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> list[_Link]:
         """Poses, velocities and accelerations of all links, parents first."""
-        n, zero = len(q), np.zeros((len(q), 3))
+        n, zero = len(q), np.zeros((len(q), 3), q.dtype)
         p: np.ndarray = zero
         w, alpha, acc = zero, zero, zero
         R: np.ndarray = np.broadcast_to(np.eye(3), (n, 3, 3))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from ...subjects.layout import transposed
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from ..newton_euler import SLIPS, NewtonEuler
@@ -18,20 +20,29 @@ IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_mom
 IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius")
 
 
-def newton_euler(slip: str, merged: bool) -> Callable[[View, str], np.ndarray | None]:
+Mass = Callable[[NewtonEuler, np.ndarray], np.ndarray]
+MASSES: dict[str, Mass] = {"": NewtonEuler.mass_matrix, "M from Jacobians": NewtonEuler.energy_matrix}
+"""How codes find the mass matrix: from the equations themselves, or from the same slip in the kinetic energy."""
+MOST_STEPS = 12
+"""Degrees of freedom up to which C is predicted from dM/dq."""
+
+
+def newton_euler(slip: str, merged: bool, mass: Mass) -> Callable[[View, str], np.ndarray | None]:
     """The prediction of a term by Newton-Euler equations with a slip."""
 
     def act(view: View, term: str) -> np.ndarray | None:
         s, zero = view.states, np.zeros_like(view.states["v"])
         model = NewtonEuler(view.robot, view.description, slip, merged)
-        g, none = model.gravity, np.zeros(3)
+        g = model.gravity
         if term == "gravity":
             return model.forces(s["q"], zero, zero, g)
         if term == "bias":
             return model.forces(s["q"], s["v"], zero, g)
         if term == "rnea":
             return model.forces(s["q"], s["v"], s["a"], g)
-        M = _mass_matrix(model, s["q"], none)
+        if term == "coriolis":
+            return christoffel(lambda q: mass(model, q), s["q"], s["v"])
+        M = mass(model, s["q"])
         if term == "crba":
             return M
         if term == "minv":
@@ -46,12 +57,15 @@ def newton_euler(slip: str, merged: bool) -> Callable[[View, str], np.ndarray | 
     return act
 
 
-def _mass_matrix(model: NewtonEuler, q: np.ndarray, none: np.ndarray) -> np.ndarray:
-    """Column by column, at rest and without gravity."""
-    n, nv = len(q), model.robot.nv
-    unit = np.broadcast_to(np.eye(nv), (n, nv, nv)).transpose(1, 0, 2).reshape(nv * n, nv)
-    columns = model.forces(np.tile(q, (nv, 1)), np.zeros((nv * n, nv)), unit, none)
-    return columns.reshape(nv, n, nv).transpose(1, 2, 0)
+def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C from Christoffel's symbols of a mass matrix, whose derivatives are taken by complex steps.
+
+    References: Siciliano et al., Robotics (2009), equation 7.45; Squire and Trapp, SIAM Review 40 (1998).
+    """
+    h = 1e-30
+    dM = np.stack([mass(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], axis=-1)
+    rate, by_q = np.einsum("nijk,nk->nij", dM, v), np.einsum("nijk,nj->nik", dM, v)
+    return np.asarray(0.5 * (rate + by_q - transposed(by_q)))
 
 
 @proposer(
@@ -62,21 +76,23 @@ def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
         return []
     slides = any(p.slides for p in case.description.parts)
     merges = any(not p.moves and p.body is not None and p.body.mass > 0 for p in case.description.parts)
+    steps = () if case.floating or case.robot.nv > MOST_STEPS else ("coriolis",)
     out = []
     for slip, says in SLIPS.items():
         if (slip.startswith("slide") and not slides) or (slip == "gravity_in_base" and not case.floating):
             continue
-        terms: tuple[str, ...] = FORCED
-        if slip in IN_GRAVITY:
-            terms = (*WEIGHED,)
+        terms: tuple[str, ...] = (*WEIGHED,) if slip in IN_GRAVITY else FORCED
         if slip in IN_MASS:
-            terms = (*terms, "crba", "minv", "kinetic_energy")
-        for merged in (False, True) if merges else (False,):
+            terms = (*terms, "crba", "minv", "kinetic_energy", *steps)
+        for merged, (how, mass) in itertools.product((False, True)[: 1 + merges], MASSES.items()):
+            if how and slip not in IN_MASS:
+                continue
+            values = ", ".join(x for x in ("of bodies merged from fixed links" if merged else "", how) if x)
             out.append(
                 replace(
-                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged), cost=1.1,
+                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged, mass),
+                    cost=1.15 if how else 1.1, values=values,
                     fix=f"put it in: {says.replace(' is left out', '')}" if "left out" in says else "turn it round",
-                    values="of bodies merged from fixed links" if merged else "",
                 )
             )  # fmt: skip
     return out
