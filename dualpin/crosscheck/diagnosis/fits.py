@@ -213,8 +213,9 @@ def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray
     if term not in (*WEIGHED,) or keys & {"joint_scale", "scale", "sign"} or p is None:
         return []
     squares = (p[train] ** 2).sum(0)
+    felt = np.abs(p[train]).max(0) > 1e-12 * max(1.0, np.abs(p[train]).max())  # what is only rounding has no factor
     with np.errstate(all="ignore"):
-        k = np.where(squares > 0, (x[train] * p[train]).sum(0) / squares, 1.0)
+        k = np.where(felt, (x[train] * p[train]).sum(0) / squares, 1.0)
     near = np.round(k)
     k = np.where(np.abs(k - near) < 1e-9, near, k)
     off = np.flatnonzero(np.abs(k - 1) > 1e-9)

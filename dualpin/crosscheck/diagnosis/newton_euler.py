@@ -38,6 +38,8 @@ SLIPS = {
     "slide_coriolis": "2 w x z v of sliding joints is left out",
     "slide_coriolis_half": "w x z v of sliding joints is counted once, not twice",
     "slide_radius": "the position of sliding joints is left out of the lever arms",
+    "axis_frame": "axes of joints are not turned into world axes",
+    "slide_axis_frame": "axes of sliding joints are not turned into world axes",
     "moment_arm": "forces act at links' origins, not at their centres of mass",
     "force_moment": "the moment of forces about the joints is left out",
     "no_translational": "m a is left out",
@@ -212,9 +214,11 @@ class NewtonEuler:
         x, column = q[:, joint.q.start, None], joint.v.start
         xd, xdd = v[:, column, None], a[:, column, None]
         axis = part.unit_axis
-        z, slides = product(R, axis), part.slides
+        slides, along = part.slides, product(R, axis)
+        local = self.without("axis_frame") or (slides and self.without("slide_axis_frame"))
+        z = np.broadcast_to(axis, along.shape) if local else along  # of velocities and forces, not of poses
         if slides:
-            p, arm = at + z * x, at - up.p + (0 if self.without("slide_radius") else z * x)
+            p, arm = at + along * x, at - up.p + (0 if self.without("slide_radius") else along * x)
             twice = 0.0 if self.without("slide_coriolis") else 1.0 if self.without("slide_coriolis_half") else 2.0
             acc = self._carried(up, arm) + z * xdd + twice * cross(w, z * xd)
         else:

@@ -15,9 +15,11 @@ from ..newton_euler import SLIPS, NewtonEuler
 from .register import FORCED, WEIGHED, proposer
 
 IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_moment", "no_translational",
-           "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius")  # fmt: skip
+           "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius", "axis_frame",
+           "slide_axis_frame")  # fmt: skip
 """Slips that the mass matrix shows too."""
-IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius")
+IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius", "axis_frame",
+              "slide_axis_frame")  # fmt: skip
 
 
 Mass = Callable[[NewtonEuler, np.ndarray], np.ndarray]
