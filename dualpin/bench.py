@@ -147,7 +147,7 @@ class Pair:
         Returns the call, how many samples it computes, and its name.
         """
         pin, model = self.oracle.pin, self.oracle.free.model
-        states = self.oracle.free.states(self.states, coupled=False)
+        states = self.oracle.free.of(self.states, coupled=False)
         in_parallel = {"rnea": "rneaInParallel", "aba": "abaInParallel"}.get(self.term.name)
         if self.batch > 1 and in_parallel:
             pool = pin.ModelPool(model, self.threads)

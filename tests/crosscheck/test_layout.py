@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import dualpin as dp
-from dualpin.crosscheck.subjects import Convention, Layout, asking
+from dualpin.crosscheck.subjects import QUESTIONS, Convention, Layout, asking
 from dualpin.crosscheck.subjects.asking import expected
 from dualpin.crosscheck.subjects.convention import BASE_Q, BASE_V
 
@@ -58,6 +60,23 @@ def test_the_equations_of_motion_hold_in_any_columns(how):
     near(x["minv"] @ x["crba"], np.broadcast_to(np.eye(ASKED.robot.nv), x["crba"].shape), "M^-1 M = 1")
     power = (ASKED.states["v"] * dp.rnea(ASKED.robot, *(ASKED.states[k] for k in "qva"), engine="numpy")).sum(-1)
     near((s["v"] * x["rnea"]).sum(-1), power, "power is the same in all columns")
+
+
+@settings(max_examples=12, deadline=None)
+@given(conventions())
+def test_answers_come_back(how):
+    layout, x = Layout(ASKED.robot, how), answers(how)
+    plain = answers(replace(Convention.of(ASKED.robot), reference=how.reference))
+    for term, form in ((t, QUESTIONS[t].form) for t in TERMS):
+        needs = {"bias": "crba", "coriolis": "crba", "six_rate": "jacobian"}.get(form)
+        again = layout.read(form, x[term], ASKED.states, x[needs] if needs else None)
+        assert np.abs(again - plain[term]).max() < EPS * max(1, np.abs(plain[term]).max()), term
+
+
+def test_an_oracle_is_read_by_the_same_algebra_as_a_subject():
+    from dualpin.crosscheck.oracles.pinocchio import Layout as OfPinocchio
+
+    assert issubclass(OfPinocchio, Layout) and OfPinocchio.read is Layout.read
 
 
 @settings(max_examples=6, deadline=None)

@@ -10,8 +10,8 @@ from random_robots import random_urdf
 import dualpin as dp
 from dualpin.algorithms import coriolis as coriolis_module
 from dualpin.crosscheck import CHECKS, tolerance
-from dualpin.crosscheck.oracles.pinocchio import Layout, _runs
 from dualpin.crosscheck.run import scaled_error
+from dualpin.crosscheck.subjects.algebra import Change
 from dualpin.crosscheck.where import locate
 from dualpin.model.robot import Joint, Robot
 from dualpin.spatial import Inertia, Pose, Vector3, diagonal
@@ -233,16 +233,11 @@ def test_what_is_singular_is_found_by_norms_as_by_eigenvalues():
 
 
 def test_layouts_that_only_permute_pick_instead_of_multiplying():
-    def layout(G):
-        made = object.__new__(Layout)
-        made.G, made.runs = G, _runs(G)
-        return made
-
     rng = np.random.default_rng(3)
     permutation = np.eye(5)[[3, 0, 4, 1, 2]]
     tall = rng.normal(size=(5, 3))
     for G in (permutation, np.eye(5), tall, -np.eye(5), 2 * np.eye(5), np.eye(5)[[0, 0, 2, 3, 4]]):
-        to, x = layout(G), rng.normal(size=(4, 5, 5))
+        to, x = Change(G), rng.normal(size=(4, 5, 5))
         assert np.allclose(to.columns(x), x @ G, rtol=0, atol=1e-14)
         assert np.allclose(to.rows(x), G.T @ x, rtol=0, atol=1e-14)
-    assert [len(layout(G).runs) for G in (permutation, np.eye(5), tall, -np.eye(5))] == [4, 1, 0, 0]
+    assert [len(Change(G).runs) for G in (permutation, np.eye(5), tall, -np.eye(5))] == [4, 1, 0, 0]

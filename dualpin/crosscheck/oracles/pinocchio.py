@@ -4,9 +4,10 @@ Pinocchio's six-vectors are linear first, its free flyer's velocity is [v; w] an
 (x, y, z, w), continuous joints and the angle of planar ones are (cos, sin), `crba` fills one
 triangle.  Everything comes back in dualpin's conventions.
 
-One matrix G does most of it: v_pinocchio = G v.  It permutes, and where joints follow others
-(mimic) it projects, so that tau = G^T tau_pin, M = G^T M_pin G, J = J_pin G, whether Pinocchio can
-build the coupled model or not.  Where it can, its own coupled model answers what it supports.
+Pinocchio is a subject as any other: `Layout` says how it writes, and the algebra of `subjects.algebra`
+brings its answers home.  Where joints follow others (mimic) G has a row for each of them, so that what
+Pinocchio says of free joints is projected, whether it can build the coupled model or not.  Where it can, its own
+coupled model answers what it supports.
 """
 
 from __future__ import annotations
@@ -23,65 +24,48 @@ from ...algorithms.regressor import rotors
 from ...errors import nearest
 from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
+from .. import subjects
 from ..reading import Description
+from ..subjects.algebra import Change
+from ..subjects.convention import Convention, names_of
 from .oracle import Oracle, OracleError
 from .pinocchio_model import ANGULAR_FIRST, assembled, build, described, import_pinocchio, read
 
 # what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
+LINEAR_FIRST = ("vx", "vy", "vz", "wx", "wy", "wz")
 NATIVE_WITH_MIMIC = frozenset({"fk", "frame_pose", "jacobian", "rnea", "bias", "gravity", "crba"})
 
 
-class Layout:
-    """How a robot's q and v become those of a Pinocchio model."""
+class Layout(subjects.Layout):
+    """How a robot's q and v become those of a Pinocchio model, and its answers dualpin's."""
 
     def __init__(self, robot: Robot, model: Any) -> None:
         names = list(model.names)[1:]
         if names != robot.joint_names:
             raise OracleError(f"{robot.name}: joints differ: dualpin {robot.joint_names}, Pinocchio {names}")
-        self.model, self.G = model, np.zeros((model.nv, robot.nv))
-        self._moves: list[Callable[[np.ndarray, np.ndarray], None]] = []
-        for i, joint in enumerate(robot, 1):
-            self._add(robot, joint, model.joints[i])
-        self.runs = _runs(self.G)
+        moving = [(j, p) for j, p in zip(robot, list(model.joints)[1:], strict=True) if _moves(p)]
+        q, v = ([n for j, _ in moving for n in written(robot, j)[i]] for i in (0, 1))
+        super().__init__(robot, Convention(tuple(q), tuple(v), rows=LINEAR_FIRST), followers=True)
+        self.model = model
+        self.circles = [k == "angle" and p.nq > p.nv for j, p in moving for k in j.model.coordinates]
+        (G,), _ = self.matrices(np.zeros((1, robot.nq)), np.zeros((1, robot.nv)))
+        self.constant = Change(G)
         self.rotors = _rotor_columns(robot)
         # each term has data of its own, since some fill only what they need; those of a large robot take
         # longer to make than a batch, and 40 MB
         self.data = lru_cache(maxsize=4)(lambda pin, term: QUESTIONS[term].data(pin, model))
 
-    def _add(self, robot: Robot, joint: Joint, pin_joint: Any) -> None:
-        if pin_joint.nv == 0 or "Mimic" in pin_joint.shortname():
-            return  # Pinocchio moves it with its leader
-        to_q, to_v = slice(pin_joint.idx_q, pin_joint.idx_q + pin_joint.nq), pin_joint.idx_v
-        multiplier, offset = map(float, joint.coupling)
-        q, v, kinds = joint.q, joint.v, joint.model.coordinates
-        if "quaternion" in kinds:  # ours begin with w, Pinocchio's end with it
-            first = q.start + kinds.index("quaternion")
-            order = [*range(q.start, first), first + 1, first + 2, first + 3, first]
-            n = pin_joint.nv
-            self.G[to_v : to_v + n, v] = np.eye(n)[ANGULAR_FIRST] if n == 6 else np.eye(n)
-            self._moves.append(lambda ours, pins: pins.__setitem__((..., to_q), ours[..., order]))
-        elif pin_joint.nv > 1:
-            self.G[to_v : to_v + pin_joint.nv, v] = np.eye(pin_joint.nv)
-            circles = [k == "angle" and pin_joint.nq > pin_joint.nv for k in kinds]
+    @property
+    def G(self) -> np.ndarray:
+        """v of Pinocchio is G v."""
+        return self.constant.G
 
-            def several(ours: np.ndarray, pins: np.ndarray) -> None:
-                columns = []
-                for x, circle in zip(np.moveaxis(ours[..., q], -1, 0), circles, strict=True):
-                    columns += [np.cos(x), np.sin(x)] if circle else [x]
-                pins[..., to_q] = np.stack(columns, -1)
+    def change(self, ours: Mapping[str, np.ndarray]) -> Change:
+        """The base's velocity is written in its own axes by both: G does not depend on the state."""
+        return self.constant
 
-            self._moves.append(several)
-        else:
-            self.G[to_v, v.start] = multiplier
-
-            def axial(ours: np.ndarray, pins: np.ndarray) -> None:
-                x = multiplier * ours[..., q] + offset
-                pins[..., to_q] = x if pin_joint.nq == 1 else np.concatenate([np.cos(x), np.sin(x)], -1)
-
-            self._moves.append(axial)
-
-    def states(self, ours: dict[str, np.ndarray], coupled: bool) -> dict[str, np.ndarray]:
-        """Inputs (n, size) of dualpin to those of Pinocchio."""
+    def of(self, ours: dict[str, np.ndarray], coupled: bool) -> dict[str, np.ndarray]:
+        """Sampled quantities as Pinocchio takes them."""
         how = {"q": self.q, "q1": self.q, "v": self.v, "a": self.v}
         if not coupled:  # G is a permutation then, good for forces too
             how["tau"] = self.v
@@ -91,33 +75,27 @@ class Layout:
         """(n, nv) of dualpin to (n, nv) of Pinocchio."""
         return ours @ self.G.T
 
-    def columns(self, x: np.ndarray) -> np.ndarray:
-        """x G, of the last axis."""
-        if not self.runs:
-            return x @ self.G
-        return x if len(self.runs) == 1 else np.concatenate([x[..., run] for run in self.runs], axis=-1)
-
-    def rows(self, x: np.ndarray) -> np.ndarray:
-        """G^T x, of axis 1."""
-        if not self.runs:
-            return np.moveaxis(np.tensordot(x, self.G, axes=(1, 0)), -1, 1)
-        return x if len(self.runs) == 1 else np.concatenate([x[:, run] for run in self.runs], axis=1)
-
     def q(self, ours: np.ndarray) -> np.ndarray:
-        """(n, nq) of dualpin to (n, nq) of Pinocchio."""
-        pins = np.zeros((*ours.shape[:-1], self.model.nq))
-        for move in self._moves:
-            move(ours, pins)
-        return pins
+        """(n, nq) of dualpin to (n, nq) of Pinocchio, which writes some angles as (cos, sin)."""
+        columns: list[np.ndarray] = []
+        for x, circle in zip(np.moveaxis(self.positions(ours), -1, 0), self.circles, strict=True):
+            columns += [np.cos(x), np.sin(x)] if circle else [x]
+        return np.stack(columns, -1) if columns else np.zeros((*ours.shape[:-1], 0))
 
 
-def _runs(G: np.ndarray) -> list[slice]:
-    """Which rows of G hold the ones of its columns, as runs of neighbours; none where G does more than permute."""
-    square = 0 < G.shape[0] == G.shape[1]
-    if not (square and ((G == 0) | (G == 1)).all() and (G.sum(axis=0) == 1).all() and (G.sum(axis=1) == 1).all()):
-        return []
-    order = G.argmax(axis=0)
-    return [slice(run[0], run[-1] + 1) for run in np.split(order, np.flatnonzero(np.diff(order) != 1) + 1)]
+def _moves(joint: Any) -> bool:
+    """Whether Pinocchio counts it; others it moves with their leaders."""
+    return joint.nv > 0 and "Mimic" not in joint.shortname()
+
+
+def written(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
+    """The names of a joint's columns, in Pinocchio's order: quaternions x y z w, velocities linear first."""
+    q, v = names_of(robot, joint)
+    kinds = joint.model.coordinates
+    if "quaternion" not in kinds:
+        return q, v
+    w = kinds.index("quaternion")
+    return [*q[:w], *q[w + 1 :], q[w]], [v[i] for i in ANGULAR_FIRST] if len(v) == 6 else v
 
 
 def _rotor_columns(robot: Robot) -> list[int]:
@@ -199,7 +177,7 @@ class Pinocchio(Oracle):
         d = layout.data(self.pin, term)
         choices = [self._chosen(m, options) for options in variants]
         answers: list[np.ndarray] = []
-        rows = layout.states(states, coupled=self.robot.coupled)
+        rows = layout.of(states, coupled=self.robot.coupled)
         with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
             for k, one in enumerate(zip(*rows.values(), strict=True)):
                 found = question.run(self.pin, m, d, dict(zip(rows, one, strict=True)))
@@ -209,7 +187,8 @@ class Pinocchio(Oracle):
                     answers = [np.empty((n, *np.shape(x))) for x in values]
                 for answer, x in zip(answers, values, strict=True):
                     answer[k] = x  # copied: what the binding returns may live in its data
-            return [question.convert(a, layout).reshape(n, *s) for a, s in zip(answers, shapes, strict=True)]
+            found = [layout.read(question.form, question.whole(a, layout), {}) for a in answers]
+            return [x.reshape(n, *shape) for x, shape in zip(found, shapes, strict=True)]
 
     def offers(self, options: Mapping[str, Any]) -> bool:
         frame = options.get("frame")
@@ -262,43 +241,23 @@ def _solve(M: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 # --- the questions -------------------------------------------------------------------------------
 #
-# run computes a sample, read picks what a variant asks for, convert turns all samples into dualpin's
-# conventions at once.
+# run computes a sample, read picks what a variant asks for, whole fills what Pinocchio leaves open; the form
+# says how the layout rewrites all samples in dualpin's conventions at once.
 
 
-def _plain(x: np.ndarray, to: Layout) -> np.ndarray:
-    return x
+def _mirrored(x: np.ndarray, to: Layout) -> np.ndarray:
+    """A symmetric matrix of which the upper triangle is filled."""
+    return np.where(np.tri(x.shape[-1], k=-1, dtype=bool), np.swapaxes(x, -1, -2), x)
 
 
-def _six(x: np.ndarray, to: Layout) -> np.ndarray:
-    return x[:, ANGULAR_FIRST]
+def _last_mirrored(x: np.ndarray, to: Layout) -> np.ndarray:
+    """Derivatives by q, by v, and a symmetric matrix."""
+    return np.concatenate([x[:, :2], _mirrored(x[:, 2:], to)], axis=1)
 
 
-def _columns(x: np.ndarray, to: Layout) -> np.ndarray:
-    return to.columns(x)
-
-
-def _six_columns(x: np.ndarray, to: Layout) -> np.ndarray:
-    return to.columns(_six(x, to))
-
-
-def _forces(x: np.ndarray, to: Layout) -> np.ndarray:
-    return to.rows(x)
-
-
-def _matrix(x: np.ndarray, to: Layout) -> np.ndarray:
-    return to.rows(to.columns(x))
-
-
-def _symmetric(x: np.ndarray, to: Layout) -> np.ndarray:
-    """Of which the upper triangle is filled."""
-    lower = np.tri(x.shape[-1], k=-1, dtype=bool)
-    return _matrix(np.where(lower, np.swapaxes(x, -1, -2), x), to)
-
-
-def _regressor(x: np.ndarray, to: Layout) -> np.ndarray:
-    """Of the bodies, and of rotors where there are any; Pinocchio's own has none, they are diag(a)."""
-    Y, bodies = to.rows(x), 10 * (to.model.njoints - 1)
+def _with_rotors(Y: np.ndarray, to: Layout) -> np.ndarray:
+    """The columns of the bodies, and of rotors where there are any; Pinocchio's own has none, they are diag(a)."""
+    bodies = 10 * (to.model.njoints - 1)
     return np.concatenate([Y[..., :bodies], Y[..., bodies:][..., to.rotors]], axis=-1)
 
 
@@ -307,24 +266,16 @@ def _regressed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray
     return np.hstack([np.reshape(Y, (m.nv, -1)), np.diag(s["a"])])
 
 
-def _derivatives(x: np.ndarray, to: Layout) -> np.ndarray:
-    """By q, by v, and a symmetric matrix of which one triangle is filled."""
-    return np.stack([_matrix(x[:, 0], to), _matrix(x[:, 1], to), _symmetric(x[:, 2], to)], axis=1)
-
-
-def _velocities(x: np.ndarray, to: Layout) -> np.ndarray:
-    return x @ np.linalg.pinv(to.G).T
-
-
 @dataclass(frozen=True)
 class Question:
     """How Pinocchio computes a term: run(pin, model, data, state), then read(pin, model, data, *options)."""
 
     run: Callable[..., Any]
-    convert: Callable[[np.ndarray, Layout], np.ndarray] = _plain
+    form: str = "plain"
     read: Callable[..., Any] | None = None
     solves: bool = False
     data: Callable[[Any, Any], Any] = lambda pin, m: m.createData()
+    whole: Callable[[np.ndarray, Layout], np.ndarray] = lambda x, to: x
 
 
 def _motion(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> None:
@@ -361,39 +312,44 @@ QUESTIONS = {
         lambda pin, m, d, s: pin.framesForwardKinematics(m, d, s["q"]),
         read=lambda pin, m, d, frame: d.oMf[frame].homogeneous,
     ),
-    "jacobian": Question(_jacobians, _six_columns, lambda pin, m, d, f, r: pin.getFrameJacobian(m, d, f, r)),
+    "jacobian": Question(_jacobians, "six", lambda pin, m, d, f, r: pin.getFrameJacobian(m, d, f, r)),
     "jacobian_dot": Question(
-        _jacobians, _six_columns, lambda pin, m, d, f, r: pin.getFrameJacobianTimeVariation(m, d, f, r)
+        _jacobians, "six_rate", lambda pin, m, d, f, r: pin.getFrameJacobianTimeVariation(m, d, f, r)
     ),
-    "frame_velocity": Question(_motion, _six, lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
-    "frame_acceleration": Question(_motion, _six, _acceleration),
-    "rnea": Question(lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]), _forces),
+    "frame_velocity": Question(_motion, "twist", lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
+    "frame_acceleration": Question(_motion, "twist", _acceleration),
+    "rnea": Question(lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]), "force"),
     "rnea_f_ext": Question(
-        _pushed, _forces, data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])
+        _pushed, "force", data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])
     ),
     "joint_wrenches": Question(
         lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]),
-        lambda x, to: x[..., ANGULAR_FIRST],
+        "twist",
         read=lambda pin, m, d: np.array([f.vector for f in d.f][1:]),
     ),
-    "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), _forces),
-    "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), _forces),
-    "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), _symmetric),
-    "coriolis": Question(lambda pin, m, d, s: pin.computeCoriolisMatrix(m, d, s["q"], s["v"]), _matrix),
-    "aba": Question(lambda pin, m, d, s: pin.aba(m, d, s["q"], s["v"], s["tau"]), _forces, solves=True),
-    "minv": Question(lambda pin, m, d, s: pin.computeMinverse(m, d, s["q"]), _symmetric, solves=True),
+    "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), "bias"),
+    "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), "force"),
+    "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), "matrix", whole=_mirrored),
+    "coriolis": Question(lambda pin, m, d, s: pin.computeCoriolisMatrix(m, d, s["q"], s["v"]), "coriolis"),
+    "aba": Question(lambda pin, m, d, s: pin.aba(m, d, s["q"], s["v"], s["tau"]), "acceleration", solves=True),
+    "minv": Question(lambda pin, m, d, s: pin.computeMinverse(m, d, s["q"]), "inverse", solves=True, whole=_mirrored),
     "kinetic_energy": Question(lambda pin, m, d, s: pin.computeKineticEnergy(m, d, s["q"], s["v"])),
     "potential_energy": Question(lambda pin, m, d, s: pin.computePotentialEnergy(m, d, s["q"])),
     "com": Question(lambda pin, m, d, s: pin.centerOfMass(m, d, s["q"])),
-    "com_jacobian": Question(lambda pin, m, d, s: pin.jacobianCenterOfMass(m, d, s["q"]), _columns),
-    "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), _six_columns),
-    "joint_torque_regressor": Question(_regressed, _regressor),
+    "com_jacobian": Question(lambda pin, m, d, s: pin.jacobianCenterOfMass(m, d, s["q"]), "columns"),
+    "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), "six"),
+    "joint_torque_regressor": Question(_regressed, "force", whole=_with_rotors),
     "rnea_derivatives": Question(
-        lambda pin, m, d, s: pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])[:3], _derivatives
+        lambda pin, m, d, s: pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])[:3],
+        "derivatives",
+        whole=_last_mirrored,
     ),
     "aba_derivatives": Question(
-        lambda pin, m, d, s: pin.computeABADerivatives(m, d, s["q"], s["v"], s["tau"])[:3], _derivatives, solves=True
+        lambda pin, m, d, s: pin.computeABADerivatives(m, d, s["q"], s["v"], s["tau"])[:3],
+        "derivatives",
+        solves=True,
+        whole=_last_mirrored,
     ),
-    "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), _velocities),
+    "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), "velocity"),
 }
 Pinocchio.terms = QUESTIONS.keys()

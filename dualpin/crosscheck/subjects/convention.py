@@ -111,7 +111,7 @@ def columns(robot: Robot) -> tuple[tuple[str, ...], tuple[str, ...]]:
     q, v = [""] * robot.nq, [""] * robot.nv
     for j in robot:
         if j.mimic is None:
-            of_q, of_v = _columns_of(robot, j)
+            of_q, of_v = names_of(robot, j)
             q[j.q], v[j.v] = of_q, of_v
     return tuple(q), tuple(v)
 
@@ -131,15 +131,20 @@ def floats_of(robot: Robot) -> list[Joint]:
     return [j for j in robot if j.parent is None and j.model.coordinates == Floating.coordinates]
 
 
-def _columns_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
-    if joint is base_of(robot):
+def names_of(robot: Robot, joint: Joint) -> tuple[Sequence[str], Sequence[str]]:
+    """The names of one joint's columns of q and of v.
+
+    Those of a floating base stand alone, unless a joint has the name of one of them.
+    """
+    of_base = joint is base_of(robot)
+    if of_base and not {j.name for j in robot} & {*BASE_Q, *BASE_V}:
         return BASE_Q, BASE_V
     if joint.model.nq == joint.model.nv == 1:
         return [joint.name], [joint.name]
     model = joint.model
     q = _ENDINGS.get(model.coordinates, [str(i) for i in range(model.nq)])
     v = model.velocity_names if len(model.velocity_names) == model.nv else [str(i) for i in range(model.nv)]
-    return [f"{joint.name}.{x}" for x in q], [f"{joint.name}.{x}" for x in v]
+    return [f"{joint.name}.{x}" for x in q], [f"{joint.name}.{x}" for x in (BASE_V if of_base else v)]
 
 
 def _names(what: str, given: Iterable[str]) -> tuple[str, ...]:

@@ -1,23 +1,24 @@
 """A robot's states and answers in dualpin's columns, rewritten in a subject's, and back.
 
-One matrix does all of it: with v_s = G(q) v,
+One matrix does all of it: v_s = G(q) v, with
 
     a_s = G a + G' v          tau = G^T tau_s
-    M_s = G^-T M G^-1         h_s = G^-T (h - M G^-1 G' v)       C_s = G^-T (C - M G^-1 G') G^-1
-    J_s = P J G^-1            J'_s = P (J' - J G^-1 G') G^-1
 
-P permutes the rows of six-vectors.  G permutes, and turns with floating bodies whose velocity is
-written in other axes (or of another point); G' is its rate.
+and, for answers, the algebra of `algebra` with v = G^-1 v_s.  G permutes, and turns with floating bodies whose
+velocity is written in other axes (or of another point); G' is its rate.  Where joints follow others and a
+subject has them as joints of its own, G has a row for each.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from ...errors import ArgumentError, nearest
-from ...model.robot import Robot
+from ...model.robot import Joint, Robot
+from .algebra import REWRITINGS, SIX, Change, product, transposed
 from .convention import BASE_V, Convention, base_of, columns, floats_of
 
 States = Mapping[str, np.ndarray]
@@ -41,15 +42,6 @@ def cross_matrix(p: np.ndarray) -> np.ndarray:
     return np.stack([np.stack([o, -z, y], -1), np.stack([z, o, -x], -1), np.stack([-y, x, o], -1)], -2)
 
 
-def transposed(x: np.ndarray) -> np.ndarray:
-    return np.swapaxes(x, -1, -2)
-
-
-def product(A: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """A x, of matrices and vectors (n, ...)."""
-    return (A @ x[..., None])[..., 0]
-
-
 class Layout:
     """How a robot's arrays become a subject's.
 
@@ -61,6 +53,9 @@ class Layout:
         Columns of v that the subject counts the other way round (while it does not those of q).
     point : sequence of float, optional
         The base's velocity is that of this point of it (in the base's own axes).
+    followers : bool
+        Whether joints that follow others may be columns of the subject: then its answers can be read, and not
+        predicted, since it says more than dualpin does.
 
     Raises
     ------
@@ -69,17 +64,22 @@ class Layout:
     """
 
     def __init__(
-        self, robot: Robot, how: Convention, turned: Sequence[str] = (), point: Sequence[float] | None = None
-    ) -> None:
+        self, robot: Robot, how: Convention, turned: Sequence[str] = (), point: Sequence[float] | None = None,
+        followers: bool = False,
+    ) -> None:  # fmt: skip
         self.how, self.nv = how, robot.nv
         self.point = None if point is None else np.asarray(point, float)
         self.base = base_of(robot)
         self.floats = floats_of(robot)
+        follows = {j.name: j for j in robot if j.mimic is not None} if followers else {}
         names = columns(robot)
         self.to_q, self.to_v = (
-            _places(w, ours, theirs) for w, ours, theirs in zip("qv", names, (how.q, how.v), strict=True)
+            _places(w, ours, theirs, follows) for w, ours, theirs in zip("qv", names, (how.q, how.v), strict=True)
         )
-        self.signs = np.array([-1.0 if n in turned else 1.0 for n in how.v])
+        coupling = {name: tuple(map(float, j.coupling)) for name, j in follows.items()}
+        self.ratios, self.offsets = np.array([coupling.get(n, (1.0, 0.0)) for n in how.q]).reshape(-1, 2).T
+        signs = np.array([-1.0 if n in turned else 1.0 for n in how.v])
+        self.factors = signs * [coupling.get(n, (1.0, 0.0))[0] for n in how.v]
         self.rows = [BASE_V.index(r) for r in how.rows]
 
     def matrices(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,7 +89,7 @@ class Layout:
         D = np.zeros_like(G)
         for j in self.floats:
             self._base(G, D, j.v.start, q[:, j.q], v[:, j.v])
-        pick = self.signs[:, None]
+        pick = self.factors[:, None]
         return G[:, self.to_v] * pick, D[:, self.to_v] * pick
 
     def _base(self, G: np.ndarray, D: np.ndarray, start: int, q: np.ndarray, v: np.ndarray) -> None:
@@ -110,11 +110,15 @@ class Layout:
 
     # states
 
+    def positions(self, q: np.ndarray) -> np.ndarray:
+        """dualpin's q to the subject's."""
+        return self.ratios * q[..., self.to_q] + self.offsets
+
     def states(self, ours: States) -> dict[str, np.ndarray]:
         """dualpin's q, v, a, tau to the subject's."""
         G, D = self.matrices(ours["q"], ours["v"])
         return {
-            "q": ours["q"][:, self.to_q],
+            "q": self.positions(ours["q"]),
             "v": product(G, ours["v"]),
             "a": product(G, ours["a"]) + product(D, ours["v"]),
             "tau": np.linalg.solve(transposed(G), ours["tau"][..., None])[..., 0],
@@ -137,12 +141,24 @@ class Layout:
 
         `other` is the mass matrix for the forms "bias" and "coriolis", and the Jacobian for "six_rate".
         """
-        if form == "plain":
+        x, other = (_ordered(y, form, self.rows) for y in (x, other))
+        if form in UNCHANGED:
             return x
-        if form == "twist":
-            return x[..., self.rows]
+        to = self.change(ours)
+        H = np.linalg.inv(to.G)
+        back = Change(H, None if to.D is None else -H @ to.D @ H, inverse=to.G)
+        return REWRITINGS[form](back, x, product(to.G, ours["v"]), other)
+
+    def read(self, form: str, x: np.ndarray, ours: States, other: np.ndarray | None = None) -> np.ndarray:
+        """The subject's answer in dualpin's form; `other` is the subject's."""
+        order = list(np.argsort(self.rows))
+        x, other = (_ordered(y, form, order) for y in (x, other))
+        return x if form in UNCHANGED else REWRITINGS[form](self.change(ours), x, ours.get("v", NOTHING), other)
+
+    def change(self, ours: States) -> Change:
+        """v_s = G v, for dualpin's states."""
         G, D = self.matrices(ours["q"], ours["v"])
-        return FORMS[form](self, x, G, D, ours["v"], other)
+        return Change(G, D if self.turns else None)
 
     @property
     def turns(self) -> bool:
@@ -150,77 +166,19 @@ class Layout:
         return bool(self.floats) and (self.how.angular != "body" or self.how.linear != "body")
 
 
-def _force(
-    to: Layout, x: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    return product(transposed(np.linalg.inv(G)), x)
+UNCHANGED = ("plain", "twist")
+"""Forms that have no columns of velocities."""
+NOTHING = np.zeros(0)
 
 
-def _bias(to: Layout, h: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, M: np.ndarray | None) -> np.ndarray:
-    H = np.linalg.inv(G)
-    if M is not None:
-        h = h - product(M @ H @ D, v)
-    return product(transposed(H), h)
+def _ordered(x: Any, form: str, rows: Sequence[int]) -> Any:
+    """Its six rows in this order, where it has any."""
+    return np.take(x, rows, SIX[form]) if form in SIX and x is not None else x
 
 
-def _acceleration(
-    to: Layout, a: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    return product(G, a) + product(D, v)
-
-
-def _matrix(
-    to: Layout, M: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    H = np.linalg.inv(G)
-    return transposed(H) @ M @ H
-
-
-def _inverse(
-    to: Layout, W: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    return G @ W @ transposed(G)
-
-
-def _coriolis(
-    to: Layout, C: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, M: np.ndarray | None
-) -> np.ndarray:
-    H = np.linalg.inv(G)
-    if M is not None:
-        C = C - M @ H @ D
-    return transposed(H) @ C @ H
-
-
-def _columns(
-    to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    H = np.linalg.inv(G)
-    return J @ (H if J.ndim == 3 else H[:, None])
-
-
-def _six(
-    to: Layout, J: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, other: np.ndarray | None
-) -> np.ndarray:
-    return _columns(to, J[..., to.rows, :], G, D, v, None)
-
-
-def _six_rate(
-    to: Layout, Jd: np.ndarray, G: np.ndarray, D: np.ndarray, v: np.ndarray, J: np.ndarray | None
-) -> np.ndarray:
-    if J is not None:
-        Jd = Jd - J @ (np.linalg.inv(G) @ D)[:, None]
-    return _six(to, Jd, G, D, v, None)
-
-
-FORMS: dict[str, Callable[..., np.ndarray]] = {
-    "force": _force, "bias": _bias, "acceleration": _acceleration, "matrix": _matrix, "inverse": _inverse,
-    "coriolis": _coriolis, "columns": _columns, "six": _six, "six_rate": _six_rate,
-}  # fmt: skip
-"""How each kind of answer is rewritten."""
-
-
-def _places(what: str, ours: Sequence[str], theirs: Sequence[str]) -> list[int]:
-    unknown = [n for n in theirs if n not in ours]
+def _places(what: str, ours: Sequence[str], theirs: Sequence[str], follows: Mapping[str, Joint]) -> list[int]:
+    """Where each of the subject's columns is in dualpin's; those of a joint that follows, where its leader's is."""
+    unknown = [n for n in theirs if n not in ours and n not in follows]
     if unknown:
         raise ArgumentError(
             f"the subject's {what} names {unknown[0]!r}, which is no column of the robot; "
@@ -229,4 +187,5 @@ def _places(what: str, ours: Sequence[str], theirs: Sequence[str]) -> list[int]:
     missing = [n for n in ours if n not in theirs]
     if missing:
         raise ArgumentError(f"the subject's {what} lacks {', '.join(missing)}")
-    return [ours.index(n) for n in theirs]
+    leaders = {n: getattr(j, what).start for n, j in follows.items()}
+    return [leaders[n] if n in leaders else ours.index(n) for n in theirs]
