@@ -1,4 +1,7 @@
-"""MJX, MuJoCo on JAX with 64 bits; passive forces, equalities and contacts are off, so that what is left is the model."""
+"""MJX, MuJoCo on JAX with 64 bits.
+
+Passive forces, equalities and contacts are off, so that what is left is the model.
+"""
 
 import os
 from importlib.metadata import version

@@ -37,11 +37,11 @@ def theirs(robot: Robot, term: str, state: dict[str, np.ndarray]) -> np.ndarray:
         v = state["v"]
         return np.asarray(v @ theirs(robot, "crba", {"q": state["q"]}) @ v / 2)
     layout, question = Pinocchio.of_robot(robot).free, QUESTIONS[term]
-    rows = layout.states({k: x[None] for k, x in state.items()}, coupled=robot.coupled)
+    rows = layout.of({k: x[None] for k, x in state.items()}, coupled=robot.coupled)
     d = question.data(pin, layout.model)
     found = question.run(pin, layout.model, d, {k: x[0] for k, x in rows.items()})
     value = found if question.read is None else question.read(pin, layout.model, d)
-    return question.convert(np.asarray(value)[None], layout)[0]
+    return layout.read(question.form, question.whole(np.asarray(value)[None], layout), {})[0]
 
 
 @pytest.mark.parametrize("armature", [False, True], ids=["plain", "armature"])
