@@ -31,8 +31,8 @@ from ..subjects.convention import Convention, names_of
 from .oracle import Oracle, OracleError
 from .pinocchio_model import ANGULAR_FIRST, assembled, build, described, import_pinocchio, read
 
-# what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
 LINEAR_FIRST = ("vx", "vy", "vz", "wx", "wy", "wz")
+# what Pinocchio computes on models with mimic joints (4.1: the others throw, or are not documented to)
 NATIVE_WITH_MIMIC = frozenset({"fk", "frame_pose", "jacobian", "rnea", "bias", "gravity", "crba"})
 
 
