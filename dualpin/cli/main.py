@@ -27,6 +27,7 @@ MODULES = (
     "view",
     "campaigns",
     "cache",
+    "selftest",
 )
 
 
