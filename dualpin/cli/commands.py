@@ -12,6 +12,7 @@ import typer
 
 from ..errors import ArgumentError
 from ..escape import line
+from .angles import Degrees, typed
 from .app import Floating, Json, Mimic, RobotName, app, show_json
 
 
@@ -33,8 +34,13 @@ def list_(json: Json = False) -> None:
 
 
 @app.command()
-def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, json: Json = False) -> None:
-    """Print the tree of a robot, the order of q and v, limits, and what was assumed."""
+def info(
+    robot: RobotName, floating: Floating = False, mimic: Mimic = False, degrees: Degrees = False, json: Json = False
+) -> None:
+    """Print the tree of a robot, the order of q and v, limits, and what was assumed.
+
+    --degrees is for the text; JSON is in rad and m.
+    """
     from ..io.urdf import load
     from ..model.describe import total_mass
 
@@ -44,7 +50,7 @@ def info(robot: RobotName, floating: Floating = False, mimic: Mimic = False, jso
 
     r = load(robot, floating, mimic)
     if not json:
-        print(r.summary())
+        print(r.summary(degrees=degrees))
         return
     joints = [
         {
@@ -77,15 +83,19 @@ def fk(
     dual_quaternion: Annotated[bool, typer.Option("--dual-quaternion", help="Print w x y z | w x y z.")] = False,
     floating: Floating = False,
     mimic: Mimic = False,
+    degrees: Degrees = False,
     json: Json = False,
 ) -> None:
-    """Print the pose of a frame in the world, as a 4x4 matrix or a dual quaternion."""
+    """Print the pose of a frame in the world, as a 4x4 matrix or a dual quaternion.
+
+    Examples:  dualpin fk ur5 --q 0,0,0,0,0,0  |  dualpin fk ur5 --q 0,-90,90,0,0,0 --degrees --frame tool0
+    """
     from ..functions import fk as forward
     from ..io.urdf import load
 
     r = load(robot, floating, mimic)
     words = " ".join([q, *_numbers_after(ctx, q)])
-    x = parsed(words, r.nq, "--q") if q else r.neutral
+    x = typed(r, parsed(words, r.nq, "--q"), degrees, "--q") if q else r.neutral
     name = frame or r.frame_names[-1]
     pose = forward(r, x, frame=name, as_="dual_quaternion" if dual_quaternion else "matrix", engine="numpy")
     if json:

@@ -23,6 +23,7 @@ MODULES = (
     "judging",
     "subjects",
     "measure",
+    "integrate",
     "report",
     "view",
     "campaigns",

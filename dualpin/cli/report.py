@@ -13,7 +13,8 @@ from ..errors import ArgumentError
 from ..escape import line
 from ..files import write_text
 from .app import Json, app, show_json
-from .show import formats, show, show_comparison, show_rows
+from .listing import show_rows
+from .show import formats, show, show_comparison
 
 
 @app.command()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..escape import line
 
@@ -91,24 +91,13 @@ def show_comparison(found: Comparison) -> None:
         listing = table("", "what", "where", "old", "new", "factor>")
         for c in found.changes:
             verdict = "[red]WORSE[/]" if c.worse else "better" if c.factor < 1 else "changed"
-            factor = f"{c.factor:.3g}" if c.what in ("error", "speed") else ""
+            factor = f"{c.factor:.3g}" if c.what in ("error", "speed", "evaluations") else ""
             listing.add_row(verdict, c.what, _plain(c.where), _plain(c.old), _plain(c.new), factor)
         out.print(listing)
     for name, old, new in found.versions:
         out.print(line(f"{name}: {old} -> {new}"), markup=False)
     verdict = "[bold green]nothing got worse[/]" if found.passed else f"[bold red]{len(found.worse)} got WORSE[/]"
     out.print(f"{verdict}: {found.compared} figures compared")
-
-
-def show_rows(name: str, rows: list[dict[str, Any]], most: int = 40) -> None:
-    """Records as a table, cut after some rows."""
-    from ..report.matrix import number
-
-    columns = [k for k in dict.fromkeys(k for r in rows for k in r) if not isinstance(rows[0].get(k), (list, dict))]
-    listing = table(*columns, title=f"{name}: {len(rows)} rows")
-    for row in rows[:most]:
-        listing.add_row(*(_plain(number(row.get(k))) for k in columns))
-    console().print(listing)
 
 
 def mark(of: TermResult | RobotResult) -> str:

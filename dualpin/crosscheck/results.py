@@ -367,6 +367,10 @@ class Report:
         found: str = home("Report.to_html")(self)
         return found
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the largest error of every term over its tolerance; returns the axes.  Needs the extra `figures`."""
+        return home("Report.plot")(self, axes)
+
     def _repr_html_(self) -> str:
         found: str = home("Report._repr_html_")(self)
         return found

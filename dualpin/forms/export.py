@@ -38,12 +38,42 @@ def dh_text(table: DHTable, format: str, degrees: bool, digits: int | None) -> s
     before = "[i-1]" if table.convention == "modified" else ""
     angle = "deg" if degrees else "rad"
     titles = ("row", "joint", "kind", f"theta [{angle}]", "d [m]", f"a{before} [m]", f"alpha{before} [{angle}]")
-    cells = [row[:7] for row in _cells(table, degrees, digits)]
     if format == "markdown":
-        return text.markdown(titles, cells)
+        return text.markdown(titles, [row[:7] for row in _cells(table, degrees, digits)])
     order = "X(alpha, a) Z(theta, d)" if before else "Z(theta, d) X(alpha, a)"
-    title = f"{line(table.name)}: Denavit-Hartenberg, {table.convention}, row = {order}"
-    return "\n".join([title, text.aligned(titles, cells), *(f"note: {line(n)}" for n in table.notes)])
+    title = f"{line(caption(table))}, row = {order}"
+    notes = [residual_line(table), *(f"note: {line(n)}" for n in table.notes)]
+    return "\n".join([title, text.aligned(titles, display(table, degrees, digits)), *notes])
+
+
+def caption(table: DHTable) -> str:
+    """What the table is of: the robot, its links as they were asked for, and the convention."""
+    ends = f" from {table.chain.base.name} to {table.chain.tip.name}" if table.chain else ""
+    return f"{table.name}{ends}: Denavit-Hartenberg, {table.convention}"
+
+
+def residual_line(table: DHTable) -> str:
+    """How far the table is from the robot."""
+    return f"residual {table.residual:.1e}: the largest entry by which poses of table and robot differ, of 16 random q"
+
+
+def display(table: DHTable, degrees: bool = False, digits: int | None = None) -> list[list[str]]:
+    """row, joint, kind, theta, d, a, alpha for people: what is below the residual is rounded off (exports are not)."""
+    turn = in_degrees(1.0) if degrees else 1.0
+
+    def values(step: DHStep) -> list[str]:
+        sizes = (turn * table.residual, table.residual) * 2
+        four = zip(_four(step, degrees), (sizes[0], sizes[1], sizes[1], sizes[0]), strict=True)
+        return [text.tidy(x, size, digits) for x, size in four]
+
+    def end(name: str, steps: tuple[DHStep, ...]) -> list[list[str]]:
+        several = len(steps) > 1
+        return [
+            [f"{name} {k} of {len(steps)}" if several else name, "", "", *values(s)] for k, s in enumerate(steps, 1)
+        ]
+
+    rows = [[str(i), row.joint or "", row.letter, *values(row)] for i, row in enumerate(table.rows, 1)]
+    return [*end("base", table.base.steps), *rows, *end("tool", table.tool.steps)]
 
 
 def _four(step: DHStep, degrees: bool) -> list[float]:
@@ -97,18 +127,21 @@ def _latex(table: DHTable, degrees: bool, digits: int | None) -> str:
     ]  # fmt: skip
 
     def angle_of(x: float) -> str:
-        return text.number(x, digits) if degrees else text.with_pi(x, digits, r"\pi")
+        return text.scientific(text.number(x, digits) if degrees else text.with_pi(x, digits, r"\pi"))
+
+    def length_of(x: float) -> str:
+        return text.scientific(text.number(x, digits))
 
     def values(step: DHStep, symbols: tuple[str, str] = ("", "")) -> list[str]:
         theta, d, a, alpha = _four(step, degrees)
-        shown = [_sum(symbols[0], angle_of(theta)), _sum(symbols[1], text.number(d, digits))]
-        return [f"${x}$" for x in (*shown, text.number(a, digits), angle_of(alpha))]
+        shown = [_sum(symbols[0], angle_of(theta)), _sum(symbols[1], length_of(d))]
+        return [f"${x}$" for x in (*shown, length_of(a), angle_of(alpha))]
 
     rows = [["base", "", *values(s)] for s in table.base.steps]
     for i, row in enumerate(table.rows, 1):
         symbol = {
             "R": (f"q_{{{i}}}", ""), "P": ("", f"q_{{{i}}}"), "C": (rf"\vartheta_{{{i}}}", f"s_{{{i}}}"),
-            "H": (f"q_{{{i}}}", f"{text.number(row.pitch, digits)}\\,q_{{{i}}}"), "F": ("", ""),
+            "H": (f"q_{{{i}}}", f"{length_of(row.pitch)}\\,q_{{{i}}}"), "F": ("", ""),
         }[row.letter]  # fmt: skip
         rows.append([str(i), tex(row.joint or "fixed"), *values(row, symbol)])
     rows += [["tool", "", *values(s)] for s in table.tool.steps]
@@ -120,7 +153,7 @@ def _sum(symbol: str, constant: str) -> str:
         return constant
     if constant == "0.0" or constant == "0":
         return symbol
-    return f"{symbol} {constant}" if constant.startswith("-") else f"{symbol} + {constant}"
+    return f"{symbol} - {constant[1:]}" if constant.startswith("-") else f"{symbol} + {constant}"
 
 
 # --- code for the Robotics Toolboxes ---------------------------------------------------------------
@@ -260,7 +293,7 @@ def khalil_text(table: KhalilTable, format: str, degrees: bool, digits: int | No
     if format == "latex":
         symbols = [r"$\gamma$", "$b$", r"$\alpha$", "$d$", r"$\theta$", "$r$"]
         return text.latex("rrllrrrrrr", ["$j$", "$a(j)$", "kind", "joint", *symbols], [
-            [*row[:3], tex(row[3]), *(f"${x}$" for x in row[4:])] for row in cells
+            [*row[:3], tex(row[3]), *(f"${text.scientific(x)}$" for x in row[4:])] for row in cells
         ])  # fmt: skip
     angle = "deg" if degrees else "rad"
     return (

@@ -40,16 +40,21 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
             ["", *row[1:5]] for row in home
         ])  # fmt: skip
     if format == "latex":
-        matrix = " \\\\\n".join(" & ".join(row[1:5]) for row in home)
+        matrix = " \\\\\n".join(" & ".join(map(text.scientific, row[1:5])) for row in home)
         symbols = [rf"${c[0] if c[0] == 'v' else chr(92) + 'omega'}_{c[1]}$" for c in AXES]
-        rows = [[tex(row[0]), *(f"${x}$" for x in row[1:])] for row in cells]
+        rows = [[tex(row[0]), *(f"${text.scientific(x)}$" for x in row[1:])] for row in cells]
         table = text.latex("lrrrrrr", ["joint", *symbols], rows)
         return table + "\n\\[ M = \\left[\\begin{array}{rrrr}\n" + matrix + "\n\\end{array}\\right] \\]"
     unit = "deg" if degrees else "rad"
     ends = f"from {line(poe.chain.base.name)} to {line(poe.chain.tip.name)}"
     title = f"{line(poe.chain.robot.name)}: {poe.frame} screws [w; v] per {unit} (or m), {ends}"
     order = "T = exp(S1 q1) ... exp(Sn qn) M" if poe.frame == "space" else "T = M exp(B1 q1) ... exp(Bn qn)"
-    matrix = text.aligned(["M", "", "", ""], [row[1:5] for row in home])
+
+    def tidied(row: Any) -> list[str]:
+        return [text.tidy(x, poe.residual, digits) for x in row]
+
+    cells = [[name, *tidied(s)] for name, s in zip(poe.joint_names, S.T, strict=True)]
+    matrix = text.aligned(["M", "", "", ""], [tidied(row) for row in poe.home])
     return f"{title}\n{order}\n{text.aligned(header, cells)}\n\n{matrix}"
 
 

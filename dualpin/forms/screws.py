@@ -75,6 +75,13 @@ class Screws:
     def __repr__(self) -> str:
         return f"<Screws of {self.chain.robot.name!r}: {len(self)}, {self.frame}, tip {self.chain.tip.name!r}>"
 
+    def _repr_html_(self) -> str:
+        return str(home("Screws._repr_html_")(self))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the axes of the screws at home; returns the axes.  Needs ``pip install 'dualpin[figures]'``."""
+        return home("Screws.plot")(self, axes)
+
     def __len__(self) -> int:
         return len(self.columns)
 

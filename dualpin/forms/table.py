@@ -225,6 +225,13 @@ class DHTable:
     def _repr_html_(self) -> str:
         return home("DHTable._repr_html_")(self)
 
+    def plot(self, q: ArrayLike | None = None, axes: Any = None) -> Any:
+        """Draw the frames of all rows at a configuration of the whole robot (zero by default); returns the axes.
+
+        Needs ``pip install 'dualpin[figures]'``.
+        """
+        return home("DHTable.plot")(self, q, axes)
+
     def __len__(self) -> int:
         return len(self.rows)
 

@@ -7,7 +7,7 @@ import io
 import json
 import re
 from collections.abc import Sequence
-from math import pi
+from math import floor, log10, pi
 from os import PathLike
 from typing import Any
 
@@ -32,6 +32,37 @@ def number(x: float, digits: int | None = None) -> str:
     """x with as many digits as it takes to read the same number back, or with `digits` significant ones."""
     x = float(x) + 0.0  # no negative zero
     return repr(x) if digits is None else f"{x:.{digits}g}"
+
+
+ROUNDING = 1e-15
+"""What a double leaves of numbers of size one, where nothing is known to be worse."""
+
+
+def tidy(x: float, residual: float = 0.0, digits: int | None = None) -> str:
+    """x for people: what is below the residual of a table is rounded off, and zeros at the end are left out.
+
+    Examples
+    --------
+    >>> from dualpin.forms.text import tidy
+    >>> tidy(0.3839999999999999), tidy(-3e-17), tidy(1.5707963267948966), tidy(90.00000000000001, 1e-13)
+    ('0.384', '0', '1.570796326794897', '90')
+    """
+    if digits is not None:
+        return number(x, digits)
+    x = float(x)
+    level = max(residual, ROUNDING, abs(x) * 2.0**-52)
+    places = max(0, floor(-log10(level)))
+    value = round(x, places) + 0.0
+    if 0.0 < abs(value) < 1e-4:
+        return f"{value:.{max(1, places + floor(log10(abs(value))) + 1)}g}"
+    text = f"{value:.{places}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def scientific(x: str) -> str:
+    r"""A number as LaTeX writes it: 1e-05 as 1 \cdot 10^{-5}."""
+    mantissa, e, exponent = x.partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else x
 
 
 def checked_digits(digits: int | None) -> None:

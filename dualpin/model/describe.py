@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import degrees as to_degrees
 from math import inf, isfinite
 
 from ..escape import line
@@ -11,8 +12,8 @@ _UNITS = {"angle": "rad", "length": "m", "quaternion": ""}
 _STATED = ("effort", "damping", "friction")  # shown where a joint has one
 
 
-def summary(robot: Robot) -> str:
-    """The text of `Robot.summary`."""
+def summary(robot: Robot, degrees: bool = False) -> str:
+    """The text of `Robot.summary`; limits of angles in degrees where asked."""
     symbolic = robot.numbers == "symbolic"
     g = ", ".join(str(x) if symbolic else f"{float(x):g}" for x in robot.gravity)
     weight = "symbolic constants" if symbolic else _masses(robot)
@@ -21,7 +22,7 @@ def summary(robot: Robot) -> str:
         f"{weight}, gravity ({g}) m/s^2",
         *([f"read from {line(robot.source)}"] if robot.source else []),
         "",
-        *_table(robot),
+        *_table(robot, degrees),
     ]
     layouts = dict.fromkeys(f"{j.kind}: {j.model.layout}" for j in robot if j.model.layout)
     lines += ["", *layouts] if layouts else []
@@ -41,7 +42,7 @@ def _masses(robot: Robot) -> str:
     return f"{moving:.6g} kg" + (f" moving of {total:.6g} kg" if still else "")
 
 
-def rows(robot: Robot) -> list[tuple[str, ...]]:
+def rows(robot: Robot, degrees: bool = False) -> list[tuple[str, ...]]:
     """The joints as rows of text, the heading first."""
     more = [name for name in _STATED if any(getattr(j.limits, name) not in (0.0, inf) for j in robot)]
     found: list[tuple[str, ...]] = [("", "joint", "kind", "parent", "q", "v", "limits", *more)]
@@ -53,15 +54,15 @@ def rows(robot: Robot) -> list[tuple[str, ...]]:
             line(j.parent.name) if j.parent else "-",
             _span(j.q),
             _span(j.v),
-            _limits(j),
+            _limits(j, degrees),
             *(f"{getattr(j.limits, name):.6g}".replace("inf", "none") for name in more),
         )
         for j in robot
     ]
 
 
-def _table(robot: Robot) -> list[str]:
-    table = rows(robot)
+def _table(robot: Robot, degrees: bool) -> list[str]:
+    table = rows(robot, degrees)
     widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
     return ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)).rstrip() for row in table]
 
@@ -74,10 +75,12 @@ def _following(j: Joint) -> str:
     return f" = {j.mimic.multiplier:g} {line(j.mimic.joint)} + {j.mimic.offset:g}" if j.mimic else ""
 
 
-def _limits(j: Joint) -> str:
+def _limits(j: Joint, in_degrees: bool) -> str:
     if not j.limits.lower:
         return "none"
-    return "; ".join(
-        f"{lo:.6g} to {up:.6g} {_UNITS[what]}" if isfinite(lo) or isfinite(up) else "none"
-        for lo, up, what in zip(j.limits.lower, j.limits.upper, j.model.coordinates, strict=True)
-    )
+    said = []
+    for low, high, what in zip(j.limits.lower, j.limits.upper, j.model.coordinates, strict=True):
+        unit, turn = ("deg", to_degrees) if in_degrees and what == "angle" else (_UNITS[what], float)
+        known = isfinite(low) or isfinite(high)
+        said.append(f"{turn(low):.6g} to {turn(high):.6g} {unit}" if known else "none")
+    return "; ".join(said)

@@ -201,9 +201,9 @@ class Robot:
         """Write the robot as an MJCF file, and return its text; see `dualpin.io.write_mjcf.to_mjcf`."""
         return home("Robot.to_mjcf")(self, path)
 
-    def summary(self) -> str:
-        """The tree, the order of q and v, limits, and what was assumed, as text."""
-        return home("Robot.summary")(self)
+    def summary(self, degrees: bool = False) -> str:
+        """The tree, the order of q and v, limits (of angles in rad, or degrees), and what was assumed, as text."""
+        return home("Robot.summary")(self, degrees)
 
     def _repr_html_(self) -> str:
         return home("Robot._repr_html_")(self)

@@ -3,88 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import Any
 
 from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from ..errors import ArgumentError
+from .changes import LAST_DIGITS, Change, Comparison
+from .compare_studies import studies
 from .read import Row, Study
-
-LAST_DIGITS = 1e-14
-"""An error below this is a few roundings of the largest entry: its changes say nothing."""
-
-
-@dataclass(frozen=True)
-class Change:
-    """One difference.
-
-    Attributes
-    ----------
-    what : str
-        "verdict", "error", "speed", "missing" or "new".
-    where : str
-        The robot and the term, or the setting.
-    old, new : str
-        As they were, as they are.
-    worse : bool
-        Whether it is for the worse, past the threshold.
-    factor : float
-        How many times larger the new figure is; 1 where that has no meaning.
-    """
-
-    what: str
-    where: str
-    old: str
-    new: str
-    worse: bool
-    factor: float = 1.0
-
-
-@dataclass
-class Comparison:
-    """All differences of two results, the worst first.
-
-    Examples
-    --------
-    >>> import dualpin as dp
-    >>> from dualpin.report import compare, Study
-    >>> report = dp.validate("ur5", samples=2, terms=["fk"])
-    >>> compare(report, report).passed
-    True
-    """
-
-    old: dict[str, str]
-    new: dict[str, str]
-    changes: list[Change] = field(default_factory=list)
-    compared: int = 0
-    error_factor: float = 10.0
-    speed_factor: float = 1.1
-
-    @property
-    def worse(self) -> list[Change]:
-        return [c for c in self.changes if c.worse]
-
-    @property
-    def passed(self) -> bool:
-        """Whether nothing is worse past the thresholds."""
-        return not self.worse
-
-    @property
-    def versions(self) -> list[tuple[str, str, str]]:
-        """(name, old, new) of the versions and machines that differ."""
-        names = dict.fromkeys([*self.old, *self.new])
-        pairs = [(n, self.old.get(n, "–"), self.new.get(n, "–")) for n in names]
-        return [p for p in pairs if p[1] != p[2]]
-
-    def to_dict(self) -> dict[str, Any]:
-        return {
-            "passed": self.passed,
-            "compared": self.compared,
-            "error_factor": self.error_factor,
-            "speed_factor": self.speed_factor,
-            "changes": [vars(c) for c in self.changes],
-            "versions": {n: {"old": o, "new": w} for n, o, w in self.versions},
-        }
 
 
 def compare(
@@ -95,7 +19,7 @@ def compare(
     Parameters
     ----------
     old, new : Study or Report
-        Two results of the same kind: two validations, or two measurements of speed.
+        Two results of the same kind: two validations, two measurements of speed, or two studies of integrators.
     error_factor : float
         An error that grew by more than this, and is above 1e-14, is worse.
     speed_factor : float
@@ -117,8 +41,13 @@ def compare(
         found.changes += _validations(found, old.report, new.report)
     elif old.subject == "speed":
         found.changes += _speeds(found, old.rows, new.rows)
+    elif old.subject == "integrators":
+        found.changes += studies(found, old, new)
     else:
-        raise ArgumentError(f"report --compare: {old.subject} results are not compared; validations and speeds are")
+        raise ArgumentError(
+            f"report --compare: {old.subject} results are not compared; validations, speeds and studies of "
+            "integrators are"
+        )
     found.changes.sort(key=lambda c: (not c.worse, -abs(c.factor)))
     return found
 

@@ -9,7 +9,7 @@ from typing import Any
 from .. import __version__
 from ..crosscheck.results import Report
 from ..errors import ArgumentError
-from .compare import Comparison
+from .changes import Comparison
 from .matrix import Matrix, number, short
 from .methods import Methods
 from .read import Study

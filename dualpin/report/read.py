@@ -52,6 +52,10 @@ class Study:
         Sequences over turns, time or samples, under what they belong to.
     header : dict of str to str
         Versions, machine, date, settings.
+    title : str
+        The document's own heading, if it has one.
+    notes : list of str
+        What it says about itself.
     """
 
     subject: str
@@ -60,6 +64,8 @@ class Study:
     tables: dict[str, list[Row]] = field(default_factory=dict)
     curves: dict[str, list[Curve]] = field(default_factory=dict)
     header: dict[str, str] = field(default_factory=dict)
+    title: str = ""
+    notes: list[str] = field(default_factory=list)
     kind = Renamed("subject")
 
     @property
@@ -128,7 +134,10 @@ def study(data: Any, name: str = "result") -> Study:
         )
     columns = {key for rows in tables.values() for row in rows for key in row}
     kind = "speed" if columns >= SPEED else "integrators" if "method" in columns else "records"
-    return Study(kind, name, tables=tables, curves=curves, header=_header(data))
+    header = _header(data)
+    said = data.get("notes") if isinstance(data, Mapping) else None
+    notes = [str(n) for n in said] if isinstance(said, list) else []
+    return Study(kind, name, tables=tables, curves=curves, header=header, title=header.pop("title", ""), notes=notes)
 
 
 def _tables(data: Any, path: str = "") -> Iterable[tuple[str, list[Row]]]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from math import exp, log
+from statistics import fmean, stdev
 from typing import Any
 
 from .chart import Chart, Series
@@ -23,6 +25,28 @@ class Ratios:
     rows: list[tuple[str, list[tuple[float, str] | None]]]
 
 
+@dataclass(frozen=True)
+class Mean:
+    """The geometric mean of ratios, and how they spread about it.
+
+    Attributes
+    ----------
+    spread : float
+        The geometric standard deviation: two thirds of the ratios are within mean / spread and mean * spread if their
+        logarithms are normal.
+    least, most : tuple of float and str
+        The extreme ratios, and whose.
+    """
+
+    setting: str
+    of: str
+    count: int
+    mean: float
+    spread: float
+    least: tuple[float, str]
+    most: tuple[float, str]
+
+
 @dataclass
 class Speed:
     """The speed section as it is shown."""
@@ -36,6 +60,11 @@ class Speed:
         self.rows = rows
         self.ratios = list(_ratios(rows))
         self.charts = [*_dof(rows), *_scaling(rows, "batch", "threads"), *_scaling(rows, "threads", "batch")][:CHARTS]
+
+    @property
+    def means(self) -> list[Mean]:
+        """Geometric means of the ratios: of everything under a setting, then of each term."""
+        return list(_means(self.rows))
 
     @property
     def others(self) -> list[tuple[str, list[str], list[Row]]]:
@@ -72,6 +101,21 @@ def _ratios(rows: list[Row]) -> Iterable[Ratios]:
             matrix = [(name, [_ratio(of.get(t)) for t in terms]) for name, of in robots.items()]
             threads_text = "1 thread" if threads == 1 else f"{threads} threads"
             yield Ratios(f"batch {batch}, {threads_text}", terms, matrix)
+
+
+def _means(rows: list[Row]) -> Iterable[Mean]:
+    timed = [(r, ratio) for r in rows if (ratio := speedup(r))]
+    groups: dict[str, dict[str, list[tuple[float, str]]]] = {}
+    for r, ratio in timed:
+        threads = r.get("threads", 1)
+        setting = f"batch {r.get('batch')}, {'1 thread' if threads == 1 else f'{threads} threads'}"
+        for of in ("all terms", str(r["term"])):
+            groups.setdefault(setting, {}).setdefault(of, []).append((ratio, f"{label(r)} {r['term']}"))
+    for setting, terms in groups.items():
+        for of, found in terms.items():
+            logs = [log(x) for x, _ in found]
+            spread = exp(stdev(logs)) if len(logs) > 1 else 1.0
+            yield Mean(setting, of, len(found), exp(fmean(logs)), spread, min(found), max(found))
 
 
 def _size(batch: Any) -> float:

@@ -6,6 +6,7 @@ import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from .. import call
 from ..arguments import count, numbers, real
 from ..call.arguments import as_array, check_robot
+from ..delegates import home
 from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..integrators.solve import Cost
 from ..integrators.space import ConfigurationSpace
@@ -67,6 +69,13 @@ class IKResult:
     def __repr__(self) -> str:
         n = self.success.size
         return f"<IKResult: {int(self.success.sum())} of {n} reached, q {self.q.shape}>"
+
+    def _repr_html_(self) -> str:
+        return str(home("IKResult._repr_html_")(self))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw what each target still lacks; returns the axes.  Needs ``pip install 'dualpin[figures]'``."""
+        return home("IKResult.plot")(self, axes)
 
 
 def ik(

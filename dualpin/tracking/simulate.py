@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from .. import call
 from ..arguments import count, real
 from ..call.arguments import as_array, check_robot
+from ..delegates import home
 from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..functions import aba, centroidal_momentum_matrix, crba, kinetic_energy, minv, potential_energy
 from ..integrators.methods import Mechanical, Method
@@ -80,6 +81,13 @@ class SimulationResult:
             f"<SimulationResult: {self.method.name}, {len(self.t)} values to t = {self.t[-1]:.6g} s, q {self.q.shape}, "
             f"energy drift {self.energy_drift:.3g} J{said}>"
         )
+
+    def _repr_html_(self) -> str:
+        return str(home("SimulationResult._repr_html_")(self))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the coordinates and the energy over time, on two axes, which are returned (extra `figures`)."""
+        return home("SimulationResult.plot")(self, axes)
 
 
 def _largest(x: np.ndarray) -> float:

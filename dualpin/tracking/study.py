@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from math import pi
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import count
 from ..call.arguments import as_array
+from ..delegates import home
 from ..errors import DualpinWarning
 from ..functions import jacobian
 from ..model.limits import ranges
@@ -55,6 +57,52 @@ class Row:
     def as_dict(self) -> dict[str, Any]:
         """As plain data, for JSON."""
         return asdict(self)
+
+
+class IntegratorStudy(list[Row]):
+    """The runs of a study, and what they have in common.
+
+    Attributes
+    ----------
+    settings : dict
+        "robot", "frame", "radius" [m], "period" [s], "plane", "turns", "task", "start" [rad, m], ...
+    """
+
+    settings: dict[str, Any]
+
+    def __init__(self, rows: Sequence[Row] = (), settings: dict[str, Any] | None = None) -> None:
+        super().__init__(rows)
+        self.settings = settings or {}
+
+    @property
+    def title(self) -> str:
+        """Robot, circle, start and steps in one sentence."""
+        s = self.settings
+        q = ", ".join(f"{x:.4g}" for x in s["start"])
+        steps = ", ".join(f"{x:g}" for x in dict.fromkeys(r.dt for r in self))
+        return (
+            f"{s['robot']}: {s['frame']} on a circle of radius {s['radius']:g} m in the {s['plane']} plane, "
+            f"{s['turns']} {'turn' if s['turns'] == 1 else 'turns'} of {s['period']:g} s, start q = ({q}), "
+            f"dt = {steps} s"
+        )
+
+    def __repr__(self) -> str:
+        return (
+            f"<IntegratorStudy of {len(self)} runs: {self.title}>"
+            if self.settings
+            else f"<IntegratorStudy of {len(self)} runs>"
+        )
+
+    def _repr_html_(self) -> str:
+        return home("IntegratorStudy._repr_html_")(self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the peak errors against evaluations and against time; returns the two axes (needs matplotlib)."""
+        return home("IntegratorStudy.plot")(self, axes)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """The drawing as a file: .png, .svg or .pdf."""
+        home("IntegratorStudy.save")(self, path)
 
 
 def pa10() -> Robot:
@@ -131,7 +179,7 @@ def run(
     task: str | Sequence[int] = "pose",
     unreachable: str = "raise",
     rtol: float = 1e-9,
-) -> list[Row]:
+) -> IntegratorStudy:
     """Follow a circle with every method, step and gain.
 
     Parameters
@@ -152,7 +200,8 @@ def run(
 
     Returns
     -------
-    list of Row
+    IntegratorStudy
+        A list of `Row`, with ``.settings``, ``.title`` and ``.plot()``.
 
     Raises
     ------
@@ -193,7 +242,11 @@ def run(
                         *peaks,
                         found.cost.evaluations, found.cost.seconds, found.warnings)
                 )  # fmt: skip
-    return rows
+    settings = {
+        "robot": robot.name, "frame": goal.name, "radius": radius, "period": period, "plane": chosen, "turns": turns,
+        "task": name, "start": [float(x) for x in start], "feedback": feedback, "startup": startup, "rtol": rtol,
+    }  # fmt: skip
+    return IntegratorStudy(rows, settings)
 
 
 def plane_of(robot: Robot, frame: Frame, q: np.ndarray) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import choice, real
 from ..call.arguments import as_array, check_robot
+from ..delegates import home
 from ..errors import ArgumentError, DualpinWarning, ShapeError
 from ..functions import fk
 from ..integrators.methods import Mechanical, Method
@@ -61,6 +62,13 @@ class TrackingResult:
         p, o = (float(np.max(x, initial=0.0)) for x in (self.position_error, self.orientation_error))
         said = f", {len(self.warnings)} warnings" if self.warnings else ""
         return f"<TrackingResult: {self.method.name}, q {self.q.shape}, errors up to {p:.3g} m, {o:.3g} rad{said}>"
+
+    def _repr_html_(self) -> str:
+        return str(home("TrackingResult._repr_html_")(self))
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the errors over time; returns the axes.  Needs ``pip install 'dualpin[figures]'``."""
+        return home("TrackingResult.plot")(self, axes)
 
 
 def track(

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import choice, numbers, real
+from ..delegates import home
 from ..errors import ArgumentError, ShapeError
 from ..spatial import compose, exp, from_matrix, inverse, log, to_matrix
 
@@ -37,6 +38,10 @@ class Trajectory:
     def at(self, T0: np.ndarray) -> Bound:
         """The motion that starts at the poses T0 (..., 4, 4)."""
         raise NotImplementedError  # every trajectory has its own
+
+    def plot(self, T0: ArrayLike | None = None, axes: Any = None) -> Any:
+        """Draw the path from a pose (the identity by default); returns the axes.  Needs the extra `figures`."""
+        return home("Trajectory.plot")(self, T0, axes)
 
 
 @dataclass(frozen=True)

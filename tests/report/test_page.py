@@ -130,7 +130,8 @@ def test_speed_shows_ratios_and_how_costs_scale():
 
 def test_integrators_show_errors_and_drift():
     titles = [x.text_content() for x in parsed(page(study(samples.integrators(), "s"))).xpath("//figcaption/b")]
-    assert titles == ["pa10: position peak", "drift over turns"]
+    assert titles == ["pa10: position peak against evaluations of the right-hand side",
+                      "pa10: position peak against step in s", "drift over turns"]  # fmt: skip
 
 
 def test_all_robots_are_under_ten_megabytes():

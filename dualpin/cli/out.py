@@ -1,0 +1,62 @@
+"""`--out DIR` of the commands that measure or convert: JSON, a page, and what else the command has."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import ArgumentError
+from ..escape import line
+from ..files import write_text
+
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Write JSON (with processor, versions, date, command) and a page."),
+]
+
+
+def command() -> str:
+    """The command as it was typed."""
+    return shlex.join(["dualpin", *sys.argv[1:]])
+
+
+def write_result(folder: Path, name: str, found: Mapping[str, Any], **texts: str) -> None:
+    """NAME.json, NAME.csv and what else is given by its ending, and report.html; says on stderr what was written.
+
+    Infinite and undefined numbers become null, as JSON has none.
+    """
+    from ..report import page, study
+    from ..report.page import HINT, available
+
+    contents = {f"{name}.json": json.dumps(_plain(found), indent=1)}
+    contents |= {f"{name}.{ending}": text for ending, text in texts.items()}
+    if available():
+        contents["report.html"] = page(study(found, f"{name}.json"), title=str(found["title"]))
+    else:
+        print(f"note: {HINT}", file=sys.stderr)
+    write_files(folder, contents)
+
+
+def write_files(folder: Path, contents: Mapping[str, str]) -> None:
+    """Texts into a folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in contents.items():
+            write_text(folder / name, text)
+            print(f"wrote {line(str(folder / name))}", file=sys.stderr)
+    except OSError as e:
+        raise ArgumentError(f"--out: cannot write into {folder} ({e.strerror or e})") from None
+
+
+def _plain(x: Any) -> Any:
+    if isinstance(x, Mapping):
+        return {str(k): _plain(v) for k, v in x.items()}
+    if isinstance(x, (list, tuple)):
+        return [_plain(v) for v in x]
+    return None if isinstance(x, float) and not -1e308 <= x <= 1e308 else x

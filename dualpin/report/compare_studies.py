@@ -1,0 +1,72 @@
+"""What changed between two studies of integrators: errors, evaluations, and what is said about a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from .changes import LAST_DIGITS, Change, Comparison
+from .read import Row, Study
+
+MEASURED = ("error", "drift", "peak", "late", "seconds", "evaluations", "steps", "wall", "cost")
+"""What a run gives, by words in the name of a column; all other plain columns say what was run."""
+ERRORS = ("error", "drift", "peak", "late")
+
+
+def studies(found: Comparison, old: Study, new: Study) -> Iterable[Change]:
+    """The differences of runs with the same settings, table by table; settings that changed are told first."""
+    for name, rows in old.tables.items():
+        if not any("method" in r for r in rows):
+            continue
+        before, after = _runs(rows), _runs(new.tables.get(name, []))
+        for setting in sorted(before.keys() - after.keys()):
+            yield Change("missing", setting, "run", "absent", True)
+        for setting in sorted(after.keys() - before.keys()):
+            yield Change("new", setting, "absent", "run", False)
+        for setting, row in after.items():
+            if setting in before:
+                yield from _run(found, setting, before[setting], row)
+
+
+def _run(found: Comparison, setting: str, old: Row, new: Row) -> Iterable[Change]:
+    for key in (k for k in new if _is(k, ERRORS) and k in old):
+        x, y = old[key], new[key]
+        finite = [isinstance(v, (int, float)) and not isinstance(v, bool) for v in (x, y)]
+        if not all(finite):
+            if finite[0] != finite[1]:
+                yield Change("error", f"{setting}: {key}", _text(x), _text(y), not finite[1], 1.0)
+            continue
+        found.compared += 1
+        factor = max(abs(y), LAST_DIGITS) / max(abs(x), LAST_DIGITS)
+        if factor > found.error_factor or factor < 1 / found.error_factor:
+            yield Change("error", f"{setting}: {key}", f"{x:.2e}", f"{y:.2e}", factor > 1, factor)
+    for key in ("evaluations", "rhs_evaluations"):
+        if isinstance(old.get(key), int) and isinstance(new.get(key), int) and old[key]:
+            factor = new[key] / old[key]
+            if factor > found.speed_factor or factor < 1 / found.speed_factor:
+                yield Change("evaluations", setting, str(old[key]), str(new[key]), factor > 1, factor)
+    said, says = _kinds(old), _kinds(new)
+    for kind in says - said:
+        yield Change("remark", setting, "-", kind, True)
+    for kind in said - says:
+        yield Change("remark", setting, kind, "-", False, 0.5)
+
+
+def _runs(rows: Sequence[Row]) -> dict[str, Row]:
+    """The rows by what was run: the columns that are no measurement."""
+    keys = [k for k in dict.fromkeys(k for r in rows for k in r) if not _is(k, MEASURED)]
+    plain = [k for k in keys if not any(isinstance(r.get(k), (list, dict)) for r in rows)]
+    return {", ".join(f"{k} {_text(r[k])}" for k in plain if r.get(k) is not None): r for r in rows}
+
+
+def _is(column: str, words: Sequence[str]) -> bool:
+    return any(w in column for w in words)
+
+
+def _kinds(row: Row) -> set[str]:
+    """The kinds of what is said about a run: the words before the colon."""
+    return {str(w).partition(":")[0] for w in row.get("warnings") or ()}
+
+
+def _text(x: Any) -> str:
+    return "not finite" if x is None else f"{x:g}" if isinstance(x, float) else str(x)
