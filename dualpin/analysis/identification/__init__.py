@@ -1,6 +1,13 @@
 """From torques to parameters: which can be known at all, which motion shows them, and what they are."""
 
-from .base import BaseParameters, base_parameters
+from .base import BaseParameters, Margin, base_parameters
+from .excitation import Excitation, excite
+from .figaroh import from_figaroh, read_figaroh, to_figaroh
+from .fit import Identification, identify
 from .parameters import Parameters
+from .payload import Payload, identify_payload
 
-__all__ = ["BaseParameters", "Parameters", "base_parameters"]
+__all__ = [
+    "BaseParameters", "Excitation", "Identification", "Margin", "Parameters", "Payload", "base_parameters", "excite",
+    "from_figaroh", "identify", "identify_payload", "read_figaroh", "to_figaroh",
+]  # fmt: skip
