@@ -22,6 +22,8 @@ HOMES = {
     "IntegratorStudy._repr_html_": "dualpin.report.notebook.integrators_html",
     "IntegratorStudy.plot": "dualpin.report.figures.integrators",
     "IntegratorStudy.save": "dualpin.report.figures.save",
+    "Excitation.plot": "dualpin.analysis.identification.plots.excitation",
+    "Identification.plot": "dualpin.analysis.identification.plots.residuals",
     "KhalilTable.export": "dualpin.forms.export.khalil_text",
     "numpy.linalg": "dualpin.algebra",
     "numpy.ufunc": "dualpin.ufuncs.on_duals",

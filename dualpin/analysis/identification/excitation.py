@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...arguments import count, numbers, real
+from ...delegates import home
 from ...errors import ArgumentError, ShapeError, nearest
 from ...extras import extra
 from ...files import write_text
@@ -104,9 +105,7 @@ class Excitation:
 
     def plot(self, path: Any = None) -> Any:
         """Positions, velocities and accelerations over their limits."""
-        from .plots import excitation
-
-        return excitation(self, path)
+        return home("Excitation.plot")(self, path)
 
     def __repr__(self) -> str:
         return (

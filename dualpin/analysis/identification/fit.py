@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import flag, numbers, real
+from ...delegates import home
 from ...errors import ArgumentError, ShapeError
 from ...model.robot import Robot
 from .base import TOLERANCE, BaseParameters, grouped
@@ -84,9 +85,7 @@ class Identification:
 
     def plot(self, path: Any = None) -> Any:
         """Measured torques, and what the parameters leave of them; see `plots.residuals`."""
-        from .plots import residuals
-
-        return residuals(self, path)
+        return home("Identification.plot")(self, path)
 
     def __repr__(self) -> str:
         noise = ", ".join(f"{x:.2g}" for x in self.noise[:8]) + (", ..." if len(self.noise) > 8 else "")
