@@ -1,7 +1,7 @@
 """The quantities dualpin computes, each tied to its one source over scalars.
 
 A term says which arrays go in, what shape comes out, and which algorithm computes it.  The NumPy
-execution and the compiled engine both run a term; the public functions of `dualpin.api` name one.
+execution and the compiled engine both run a term; the public functions of `dualpin.functions` name one.
 """
 
 from __future__ import annotations

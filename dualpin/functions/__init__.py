@@ -6,42 +6,19 @@ Every function takes ``engine=``: "auto", "compiled", or "numpy" to run the sour
 those that return one array take ``out=``, a float64 array of just the result's shape.
 """
 
-from .derivatives import (
-    aba_derivatives,
-    rnea_derivatives,
-    rnea_hessian,
-    rnea_hvp,
-    rnea_jvp,
-    rnea_second_derivatives,
-    rnea_vjp,
-)
-from .dynamics import (
-    LinkTerm,
-    LinkTerms,
-    aba,
-    bias,
-    coriolis,
-    crba,
-    gravity,
-    inertial_parameters,
-    joint_torque_regressor,
-    joint_wrenches,
-    link_terms,
-    minv,
-    rnea,
-)
-from .energy import centroidal_momentum_matrix, kinetic_energy, potential_energy
-from .kinematics import (
+from .configurations import difference, integrate
+from .derivatives import aba_derivatives, rnea_derivatives, rnea_jvp, rnea_vjp
+from .dynamics import aba, bias, coriolis, crba, gravity, joint_wrenches, minv, rnea
+from .kinematics import fk, frame_acceleration, frame_velocity, jacobian, jacobian_dot
+from .momentum import (
+    centroidal_momentum_matrix,
     com,
     com_jacobian,
-    difference,
-    fk,
-    frame_acceleration,
-    frame_velocity,
-    integrate,
-    jacobian,
-    jacobian_dot,
+    kinetic_energy,
+    potential_energy,
 )
+from .parameters import LinkTerm, LinkTerms, inertial_parameters, joint_torque_regressor, link_terms
+from .second import rnea_hessian, rnea_hvp, rnea_second_derivatives
 
 __all__ = [
     "LinkTerm", "LinkTerms", "aba", "aba_derivatives", "bias", "centroidal_momentum_matrix", "com", "com_jacobian",

@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algorithms import regressor
-from ..call import evaluator
-from ..call.arguments import check_robot
 from ..call.public import ask, public
 from ..model.robot import Robot
 from ..terms import (
@@ -20,10 +14,8 @@ from ..terms import (
     CORIOLIS,
     CRBA,
     GRAVITY,
-    JOINT_TORQUE_REGRESSOR,
     JOINT_WRENCHES,
     JOINT_WRENCHES_F_EXT,
-    LINK_TERMS,
     MINV,
     RNEA,
     RNEA_F_EXT,
@@ -45,15 +37,25 @@ def rnea(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     v, a : array_like, shape (..., nv)
     f_ext : array_like, shape (..., njoints, 6), optional
         External wrench [n; f] on each joint's body, about and in that joint's moving frame.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
 
     Returns
     -------
     ndarray, shape (..., nv)
         Joint torques [N m] and forces [N].
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
 
     References
     ----------
@@ -91,10 +93,15 @@ def joint_wrenches(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     v, a : array_like, shape (..., nv)
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
 
     Returns
     -------
@@ -130,6 +137,31 @@ def bias(
 ) -> np.ndarray:
     """Nonlinear effects h = C(q, v) v + g(q), shape (..., nv).
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv)
+        [N m] and [N].
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
+
+    References
+    ----------
+    Featherstone (2008), 3.1 and 5.3: inverse dynamics with a = 0.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
+
     Examples
     --------
     >>> import numpy as np, dualpin as dp
@@ -143,6 +175,30 @@ def bias(
 def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv)
+        [N m] and [N].
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
+
+    References
+    ----------
+    Featherstone (2008), 5.3: inverse dynamics with v = a = 0.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
+
     Examples
     --------
     >>> import numpy as np, dualpin as dp
@@ -155,6 +211,24 @@ def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine
 @public
 def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Joint-space inertia matrix M(q), full and symmetric, shape (..., nv, nv).
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv, nv)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
 
     References
     ----------
@@ -178,6 +252,25 @@ def coriolis(
 
     Many matrices give the same C v; this one makes dM/dt - 2 C skew for every q and v.  With a
     floating base it is the matrix of the Levi-Civita connection in body velocities.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv, nv)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
 
     References
     ----------
@@ -210,10 +303,27 @@ def aba(
 
     Parameters
     ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
     tau : array_like, shape (..., nv)
         Joint torques [N m] and forces [N].
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv)
+        Accelerations of the joints [rad/s^2, m/s^2].
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
 
     Notes
     -----
@@ -241,6 +351,24 @@ def aba(
 def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
     """Inverse of the joint-space inertia matrix, shape (..., nv, nv), by its branch-sparse L^T D L factors.
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
+    Returns
+    -------
+    ndarray, shape (..., nv, nv)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where an array or an option is not as above; the message says what was expected.
+
     References
     ----------
     Featherstone (2008), 6.5.
@@ -254,100 +382,3 @@ def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     True
     """
     return ask(MINV, q)
-
-
-@public
-def joint_torque_regressor(
-    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
-) -> np.ndarray:
-    """Y with rnea = Y p, shape (..., nv, 10 njoints), with armature as many columns more as it has entries.
-
-    The parameters p of each body: m; m cx, m cy, m cz; Jxx Jxy Jyy Jxz Jyz Jzz about the joint
-    frame's origin, as `inertial_parameters` returns them; then, if any joint has armature, the
-    entries of all joints', in the joints' order.
-
-    References
-    ----------
-    Atkeson, An & Hollerbach (1986).
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> robot = dp.load("ur5")
-    >>> q, v, a = robot.sample(seed=0)
-    >>> Y = dp.joint_torque_regressor(robot, q, v, a)
-    >>> bool(np.allclose(Y @ dp.inertial_parameters(robot), dp.rnea(robot, q, v, a)))
-    True
-    """
-    return ask(JOINT_TORQUE_REGRESSOR, q, v, a)
-
-
-def inertial_parameters(robot: Robot) -> np.ndarray:
-    """The ten inertial parameters of each moving body and the armature, in the order of `joint_torque_regressor`.
-
-    Examples
-    --------
-    >>> import dualpin as dp
-    >>> dp.inertial_parameters(dp.load("ur5")).shape
-    (60,)
-    """
-    check_robot(robot, "inertial_parameters")
-    return np.array([float(x) for x in regressor.inertial_parameters(robot)])
-
-
-@dataclass(frozen=True)
-class LinkTerm:
-    """What one link adds: M (..., nv, nv), C (..., nv, nv), g (..., nv), padded with zeros."""
-
-    name: str
-    M: np.ndarray
-    C: np.ndarray
-    g: np.ndarray
-
-
-class LinkTerms(Sequence[LinkTerm]):
-    """One `LinkTerm` for each moving body, in the order of ``robot.joint_names``."""
-
-    def __init__(self, names: Sequence[str], packed: np.ndarray) -> None:
-        nv = packed.shape[-2]
-        self._terms = [
-            LinkTerm(name, packed[..., i, :, :nv], packed[..., i, :, nv : 2 * nv], packed[..., i, :, 2 * nv])
-            for i, name in enumerate(names)
-        ]
-
-    def __len__(self) -> int:
-        return len(self._terms)
-
-    def __getitem__(self, i):  # type: ignore[no-untyped-def]
-        return self._terms[i]
-
-    def __iter__(self) -> Iterator[LinkTerm]:
-        return iter(self._terms)
-
-
-def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> LinkTerms:
-    """Progressive dynamics: M_i, C_i, g_i of each link, whose sums are M, C and g.
-
-        M_i = J_i^T I_i J_i,   C_i = J_i^T (I_i dJ_i/dt + B_i J_i),   g_i = -J_i^T I_i (gravity)
-
-    A new link adds its own term and changes no other.  Trees too: each term is scattered to the
-    joints on the link's path.
-
-    Returns
-    -------
-    LinkTerms
-        A sequence of objects with ``.name``, ``.M``, ``.C`` (..., nv, nv), ``.g`` (..., nv).
-
-    References
-    ----------
-    Laus, Simoni & Martins, progressive dynamics by screws; here for any tree.
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> robot = dp.load("ur5")
-    >>> q, v, _ = robot.sample(seed=0)
-    >>> bool(np.allclose(sum(t.M for t in dp.link_terms(robot, q, v)), dp.crba(robot, q)))
-    True
-    """
-    return LinkTerms(robot.joint_names, evaluator(robot, LINK_TERMS, engine)(q, v))

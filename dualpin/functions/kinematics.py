@@ -9,16 +9,12 @@ from ..arguments import choice
 from ..call.public import ask, public
 from ..model.robot import Frame, Robot
 from ..terms import (
-    COM,
-    COM_JACOBIAN,
-    DIFFERENCE,
     FK,
     FK_QUATERNION,
     FRAME_ACCELERATION,
     FRAME_POSE,
     FRAME_QUATERNION,
     FRAME_VELOCITY,
-    INTEGRATE,
     JACOBIAN,
     JACOBIAN_DOT,
 )
@@ -42,10 +38,15 @@ def fk(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame, optional
         A link or joint name; without it, all joint frames in the order of ``robot.joint_names``.
     as_ : "matrix" or "dual_quaternion"
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
 
     Returns
     -------
@@ -88,16 +89,26 @@ def jacobian(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame
     reference : "world", "local" or "local_world_aligned"
         Twist about the world's origin; about the frame's origin in its own axes; about the frame's
         origin in world axes.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
 
     Returns
     -------
     ndarray, shape (..., 6, nv)
         Rows [w; v], angular first.
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
 
     References
     ----------
@@ -127,9 +138,32 @@ def jacobian_dot(
 
     V_f is the velocity of the reference: none, the frame's twist, or the translation with its origin.
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
+    frame : str, int or Frame
+        A link or joint name, its index, or the frame itself.
+    reference : "world", "local" or "local_world_aligned"
+        Where the observer is, see `jacobian`.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
     Returns
     -------
     ndarray, shape (..., 6, nv), rows [w; v].
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+
+    References
+    ----------
+    Featherstone (2008), 2.11 and 4.4; Lynch & Park (2017), 5.1.
 
     Examples
     --------
@@ -154,10 +188,33 @@ def frame_velocity(
 ) -> np.ndarray:
     """Twist of a frame, J v.
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v : array_like, shape (..., nv)
+    frame : str, int or Frame
+        A link or joint name, its index, or the frame itself.
+    reference : "world", "local" or "local_world_aligned"
+        Where the observer is, see `jacobian`.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
+
     Returns
     -------
     ndarray, shape (..., 6)
         [w; v] in rad/s and m/s, about the origin and in the axes of the reference (see `jacobian`).
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+
+    References
+    ----------
+    Lynch & Park (2017), 5.1; Featherstone (2008), 4.4.
 
     Examples
     --------
@@ -188,14 +245,30 @@ def frame_acceleration(
 
     Parameters
     ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+    v, a : array_like, shape (..., nv)
+    frame : str, int or Frame
+        A link or joint name, its index, or the frame itself.
+    reference : "world", "local" or "local_world_aligned"
+        Where the observer is, see `jacobian`.
     classical : bool
         Add w x v to the linear part: with "local" or "local_world_aligned" the acceleration of
         the frame's origin as a point, what an accelerometer there would see without gravity.
+    out : ndarray, optional
+        Where the result is written, float64 or float32 and of its shape.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes it.
 
     Returns
     -------
     ndarray, shape (..., 6)
         [angular; linear].
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
 
     References
     ----------
@@ -208,63 +281,3 @@ def frame_acceleration(
     (6,)
     """
     return ask((FRAME_ACCELERATION, frame, reference, classical), q, v, a)
-
-
-@public
-def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
-    """Centre of mass of the moving bodies in the world [m], shape (..., 3).
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> dp.com(dp.load("ur5"), np.zeros(6)).shape
-    (3,)
-    """
-    return ask(COM, q)
-
-
-@public
-def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
-    """Jacobian of the centre of mass, dc/dt = J v, world axes, shape (..., 3, nv).
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> dp.com_jacobian(dp.load("ur5"), np.zeros(6)).shape
-    (3, 6)
-    """
-    return ask(COM_JACOBIAN, q)
-
-
-@public
-def integrate(
-    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
-) -> np.ndarray:
-    """The configuration reached from q by moving with v for one unit of time, shape (..., nq).
-
-    On the group: a floating base moves along the screw of its twist, q * exp(v).
-
-    Examples
-    --------
-    >>> import dualpin as dp
-    >>> robot = dp.load("ur5", floating=True)
-    >>> q, v, _ = robot.sample(seed=0)
-    >>> bool(abs(dp.difference(robot, q, dp.integrate(robot, q, 0.1 * v)) - 0.1 * v).max() < 1e-14)
-    True
-    """
-    return ask(INTEGRATE, q, v)
-
-
-@public
-def difference(
-    robot: Robot, q0: ArrayLike, q1: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
-) -> np.ndarray:
-    """The v with integrate(q0, v) = q1, shape (..., nv).
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> dp.difference(dp.load("ur5"), np.zeros(6), np.ones(6)).tolist()
-    [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-    """
-    return ask(DIFFERENCE, q0, q1)
