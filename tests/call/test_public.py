@@ -110,7 +110,7 @@ def test_mistakes_after_calls_that_were_right(robot, state):
     for wrong, error, message in (
         ((robot, q, v), TypeError, r"rnea\(\) missing 1 required positional argument: 'a'"),
         ((robot, q, v, a, None, None), TypeError, "rnea.. takes from 4 to 5 positional arguments"),
-        (("ur5", q, v, a), dp.ArgumentError, "a Robot expected first, got str"),
+        (("ur5", q, v, a), dp.ArgumentError, "a Robot expected, got str"),
         ((robot, q[:5], v, a), dp.ShapeError, r"q of shape \(\.\.\., 6\) expected"),
         ((robot, q, v, np.zeros((2, 7))), dp.ShapeError, "rnea: a of shape"),
         ((), TypeError, "missing 4 required"),
