@@ -23,6 +23,25 @@ def numbers(what: str, value: ArrayLike) -> np.ndarray:
     return x.astype(np.float64, copy=False)
 
 
+def is_symbol(x: object) -> bool:
+    """Whether x is a formula of SymPy: a symbol, a function of time, a number of its own kind."""
+    return hasattr(x, "free_symbols")
+
+
+def entries(what: str, value: Any) -> np.ndarray:
+    """As `numbers`, but symbols are let in: then an array of objects, each a float or a formula."""
+    try:
+        x = np.asarray(value)
+    except ValueError as e:
+        raise ShapeError(f"{what}: not an array ({e})") from None
+    if x.dtype.kind != "O" or not any(map(is_symbol, x.flat)):
+        return numbers(what, value)
+    found = np.empty(x.shape, dtype=object)
+    for i, entry in np.ndenumerate(x):
+        found[i] = entry if is_symbol(entry) else float(numbers(what, entry))
+    return found
+
+
 def _hint(x: np.ndarray) -> str:
     if x.dtype.kind != "O":
         return ""

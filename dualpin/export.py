@@ -15,7 +15,7 @@ from .escape import c_comment, c_identifier, is_c_identifier
 from .extras import extra
 from .files import write_text
 from .model import frames
-from .model.robot import Robot
+from .model.robot import Robot, constants, expect_robot
 from .terms import Term, flat
 from .terms import term as term_named
 
@@ -90,7 +90,8 @@ def export_c(
     >>> print(dp.export_c(dp.load("ur5"), "gravity").header.splitlines()[-3])
     void ur5_gravity(const double q[6], double result[6]);
     """
-    chosen = _term(robot, term)
+    check_robot(robot, term)
+    chosen = term_named(term)
     kind = {"d": "double", "f": "float"}.get(np.dtype(dtype).char)
     if kind is None:
         raise ArgumentError(f"export_c: dtype float64 or float32 expected, got {np.dtype(dtype)}")
@@ -155,24 +156,35 @@ def c_lines(program: Trace, term: Term, kind: str) -> list[str]:
     return [f"    (void){key};" for key in unused] + lines
 
 
-def _decimal(x: Any) -> Any:
-    """A fraction as a number of as many digits as it has, at most fifteen."""
+def _decimals(robot: Robot, entry: Any) -> Any:
+    """A formula whose fractions are decimals of up to fifteen digits, where they came from decimals.
+
+    Of a robot whose constants are all symbols and whole numbers, only gravity can be a decimal; fractions that the
+    algorithms make are halves and quarters, and stay.
+    """
     sympy = extra("sympy", "exact", "symbolic")
-    return sympy.Float(x, 15) if x.q > 10**15 else sympy.Float(repr(float(x)))
+    bare = robot.with_gravity([0, 0, 0])
+    everywhere = any(isinstance(x, float) and not x.is_integer() for x in constants(bare))
+    return entry.replace(
+        lambda x: x.is_Rational and not x.is_Integer and (everywhere or x.q % 5 == 0),
+        lambda x: sympy.Float(f"{float(x):.15g}"),
+    )
 
 
-def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool = False, **given: Any) -> Any:
+def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool = True, **given: Any) -> Any:
     """One term as SymPy expressions: the algorithm itself, run on symbols.  For small robots.
 
     Parameters
     ----------
+    robot : Robot
+        Its constants are numbers, or symbols as `dualpin.from_dh` and `dualpin.mechanisms.body` take them.
     term : str
-        "crba", "coriolis", "gravity", "rnea", "fk", ...
+        "crba", "coriolis", "gravity", "rnea", "fk", "link_terms", ...
     simplify : bool
         Whether SymPy simplifies each entry.
     decimals : bool
-        Whether numbers in the result are decimals (9.81) rather than the fractions that are computed with
-        (981/100).
+        Numbers that came from decimals are decimals in the result (9.81); False leaves the fractions that are
+        computed with (981/100).
     **given
         Symbols for the inputs (``q=``, ``v=``, ...: a list, array or column each, also of functions of time as
         ``sympy.physics.mechanics.dynamicsymbols`` makes them; by default q0, q1, ..., real), and what the term
@@ -185,7 +197,8 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool =
 
     Notes
     -----
-    Constants of the robot that are short decimals become fractions, so 0.5 is 1/2.
+    All is computed with fractions, exactly; "link_terms" has the shape (links, nv, 2 nv + 1), the columns of
+    M_i, C_i and g_i side by side.
 
     Raises
     ------
@@ -203,13 +216,14 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool =
     >>> J = Matrix3(ZERO_VECTOR, UY * 0.5, ZERO_VECTOR)
     >>> b.joint("hinge", revolute(UY), inertia=Inertia(2.0, Vector3(1.0, 0.0, 0.0), J))
     >>> dp.symbolic(b.robot(), "crba"), dp.symbolic(b.robot(), "gravity")
-    (Matrix([[1/2]]), Matrix([[-981*cos(q0)/100]]))
-    >>> dp.symbolic(b.robot(), "gravity", decimals=True)
-    Matrix([[-9.81*cos(q0)]])
+    (Matrix([[0.5]]), Matrix([[-9.81*cos(q0)]]))
+    >>> dp.symbolic(b.robot(), "gravity", decimals=False)
+    Matrix([[-981*cos(q0)/100]])
     """
     sympy = extra("sympy", "exact", "symbolic")
 
-    chosen = _term(robot, term)
+    expect_robot("symbolic", robot)
+    chosen = term_named(term)
     inputs = []
     for x in chosen.arguments:
         key, size = x.name, x.size(robot)
@@ -230,15 +244,10 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool =
     if simplify:
         entries = [sympy.simplify(x) for x in entries]
     if decimals:
-        entries = [x.replace(lambda y: y.is_Rational and not y.is_Integer, _decimal) for x in entries]
+        entries = [_decimals(robot, x) for x in entries]
     shape = chosen.shape(robot, **settled)
     if len(shape) == 0:
         return entries[0]
     if len(shape) <= 2:
         return sympy.Matrix(shape[0], shape[1] if len(shape) == 2 else 1, entries)
     return sympy.Array(entries, shape)
-
-
-def _term(robot: Robot, name: str) -> Term:
-    check_robot(robot, name)
-    return term_named(name)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import entries
 from ..dual import Dual, stack
 from ..errors import ArgumentError, DualDivisionError, DualpinError, ShapeError
 
@@ -20,13 +21,19 @@ class SingularError(AssumptionError, DualDivisionError):
     """A matrix whose real part is singular (or lacks full rank): a divisor that is purely dual."""
 
 
-def dual_array(what: str, x: Any, ndim: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def dual_array(what: str, x: Any, ndim: int = 0, *, symbols: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Both parts, as float or complex arrays of one shape with at least `ndim` axes.
 
     `x` is a `Dual`, something with `.real` and `.dual` (a motor), a plain array, or nested lists of dual numbers.
+    With `symbols`, parts that hold formulas stay arrays of objects.
     """
     x = gathered(x)
     a, b = x.arrays if isinstance(x, Dual) else (np.asarray(x), None)
+    if symbols and any(y is not None and y.dtype.kind == "O" for y in (a, b)):
+        a, b = entries(what, a), entries(what, np.zeros(a.shape) if b is None else b)
+        if a.ndim < ndim:
+            raise ShapeError(f"{what}: an array of at least {ndim} axes expected, got shape {a.shape}")
+        return a, b
     if a.dtype.kind not in "biufc" or (b is not None and b.dtype.kind not in "biufc"):
         raise ArgumentError(f"{what}: float or complex parts expected, got {a.dtype}")
     if a.ndim < ndim:

@@ -26,7 +26,7 @@ def check_robot(robot: Robot, term: str) -> None:
     if robot.numbers == "symbolic":
         raise ArgumentError(
             f"{term}: the constants of {robot.name} are symbols; arrays of numbers need numbers. "
-            "The functions of dualpin.algorithms take lists of symbols"
+            "dualpin.symbolic and the functions of dualpin.algorithms take symbols"
         )
 
 

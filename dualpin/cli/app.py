@@ -27,10 +27,10 @@ app = typer.Typer(
 
 def robot_names(incomplete: str) -> list[str]:
     """The robots and short names a shell completes; paths are completed by the shell itself."""
-    from ..io.catalogue import ALIASES, catalogue
+    from ..io.catalogue import ALIASES, catalogue, shipped
 
     robots = catalogue()
-    names = [*robots, *(short for short, full in ALIASES.items() if full in robots)]
+    names = [*robots, *shipped(), *(short for short, full in ALIASES.items() if full in robots)]
     return sorted(n for n in names if n.startswith(incomplete))
 
 

@@ -19,18 +19,21 @@ from .app import Floating, Json, Mimic, RobotName, app, show_json
 @app.command("list")
 def list_(json: Json = False) -> None:
     """Print the robots that can be named."""
-    from ..io.catalogue import ALIASES, catalogue
+    from ..io.catalogue import ALIASES, catalogue, shipped
 
-    robots = catalogue()
+    robots, models = catalogue(), shipped()
     aliases = {short: full for short, full in ALIASES.items() if full in robots}
     if json:
-        show_json({"robots": {name: str(path) for name, path in robots.items()}, "aliases": aliases})
+        paths = ({name: str(path) for name, path in found.items()} for found in (robots, models))
+        show_json({"robots": next(paths), "aliases": aliases, "shipped": next(paths)})
         return
-    if not robots:
+    if not robots and not models:
         raise ArgumentError("no robots are installed by name; pip install example-robot-data")
     short = {full: alias for alias, full in aliases.items()}
     for name in map(line, robots):
         print(f"{name}  (also {short[name]})" if name in short else name)
+    for name in map(line, models):
+        print(f"{name}  (ships with dualpin)")
 
 
 @app.command()

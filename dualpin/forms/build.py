@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import choice, numbers
+from ..arguments import choice, entries, is_symbol, numbers
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError, nearest
 from ..model.builder import Builder
@@ -43,7 +43,8 @@ def from_dh(
     Parameters
     ----------
     rows : array_like, shape (n, 4), or sequence of DHRow, or DHTable
-        theta, d, a, alpha in rad and m.  Modified rows carry the a and alpha before the joint (Craig).
+        theta, d, a, alpha in rad and m; here and below numbers, or SymPy's symbols and formulas.
+        Modified rows carry the a and alpha before the joint (Craig).
         Rows of a table that share a coordinate become joints that follow the first of them (mimic).
     joints : str or sequence
         One for each row: "R" (q adds to theta), "P" (to d), "C" (angle to theta, slide to d, in
@@ -136,12 +137,12 @@ def _couplings(table: DHTable) -> tuple[list[Mimic | None], list[str]]:
 def _values(rows: Any) -> list[list[float]]:
     if isinstance(rows, (list, tuple)) and rows and all(isinstance(r, DHStep) for r in rows):
         return [[r.theta, r.d, r.a, r.alpha] for r in rows]
-    x = numbers(
+    x = entries(
         "from_dh: rows", rows if not isinstance(rows, Iterable) or isinstance(rows, (str, np.ndarray)) else list(rows)
     )
     if x.ndim != 2 or x.shape[1] != 4:
         raise ShapeError(f"from_dh: rows of shape (n, 4) expected, theta, d, a, alpha each; got {x.shape}")
-    wrong = np.argwhere(~np.isfinite(x))
+    wrong = np.argwhere(~_finite(x))
     if len(wrong):
         i, j = wrong[0]
         raise ArgumentError(
@@ -150,7 +151,7 @@ def _values(rows: Any) -> list[list[float]]:
     return x.tolist()
 
 
-def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
+def _kinds(joints: Any, n: int) -> list[tuple[str, Any]]:
     if not isinstance(joints, Iterable | None):
         raise ArgumentError(f"from_dh: joints: letters of R P C H F expected, one a row, got {joints!r}")
     entries = ["R"] * n if joints is None else list(joints)
@@ -165,13 +166,13 @@ def _kinds(joints: Any, n: int) -> list[tuple[str, float]]:
         if letter not in KINDS:
             known = ", ".join(f"{k} ({v})" for k, v in KINDS.items())
             raise ArgumentError(f"from_dh: joint {i + 1} is {entry!r}; one of {known} expected")
-        if letter == "H" and not (isinstance(pitch, (int, float)) and np.isfinite(pitch)):
+        if letter == "H" and not (is_symbol(pitch) or (isinstance(pitch, (int, float)) and np.isfinite(pitch))):
             raise ArgumentError(
                 f"from_dh: joint {i + 1} is helical and needs its pitch in m/rad: ('H', pitch); got {entry!r}"
             )
         if letter != "H" and pitch is not None:
             raise ArgumentError(f"from_dh: joint {i + 1} is {entry!r}; only a helical joint has a pitch")
-        kinds.append((letter, float(pitch or 0.0)))
+        kinds.append((letter, pitch if is_symbol(pitch) else float(pitch or 0.0)))
     return kinds
 
 
@@ -189,11 +190,13 @@ def _end(what: str, value: Any, convention: str) -> Pose:
 
 def homogeneous(what: str, value: Any) -> Pose:
     """The pose of a homogeneous matrix, checked to be one."""
-    T = numbers(what, value)
+    T = entries(what, value)
     if T.shape != (4, 4):
         raise ShapeError(f"{what} of shape (4, 4) expected, a homogeneous matrix; got {T.shape}")
-    if not np.isfinite(T).all():
-        raise ArgumentError(f"{what}: finite numbers expected, got {T[~np.isfinite(T)][0]}")
+    if not _finite(T).all():
+        raise ArgumentError(f"{what}: finite numbers expected, got {T[~_finite(T)][0]}")
+    if T.dtype == object:
+        return Pose.from_rows(T.tolist()).snapped
     try:
         from_matrix(T)
     except ArgumentError as e:
@@ -224,27 +227,39 @@ def _body(what: str, given: Any) -> Inertia:
     if "mass" not in given:
         raise ArgumentError(f"{what} has no mass")
     mass, com, J = (
-        numbers(f"{what}: {key}", given.get(key, np.zeros(shape)))
+        entries(f"{what}: {key}", given.get(key, np.zeros(shape)))
         for key, shape in zip(KEYS, ((), (3,), (3, 3)), strict=True)
     )
     for key, x, shape in zip(KEYS, (mass, com, J), ((), (3,), (3, 3)), strict=True):
         if x.shape != shape:
             raise ShapeError(f"{what}: {key} of shape {shape} expected, got {x.shape}")
-        if not np.isfinite(x).all():
+        if not _finite(x).all():
             raise ArgumentError(
-                f"{what}: {key}: finite numbers expected, got {x[~np.isfinite(x)].flat[0] if x.ndim else x}"
+                f"{what}: {key}: finite numbers expected, got {x[~_finite(x)].flat[0] if x.ndim else x}"
             )
-    if mass < 0:
+    if not is_symbol(mass.item()) and mass < 0:
         raise ArgumentError(f"{what}: mass is {mass:g} kg; zero or more expected")
+    off = J - J.T
+    if J.dtype == object:
+        if any(x != 0 for x in off.flat):
+            raise ArgumentError(f"{what}: inertia is not symmetric: J - J^T is {off.tolist()}")
+        return Inertia.of(mass.item(), com.tolist(), J.tolist())
     # entries printed to six digits may differ in the last
-    if np.abs(J - J.T).max() > 1e-6 * max(np.abs(J).max(), 1e-300):
+    if np.abs(off).max() > 1e-6 * max(np.abs(J).max(), 1e-300):
         raise ArgumentError(
-            f"{what}: inertia is not symmetric, J[i, j] and J[j, i] differ by up to {np.abs(J - J.T).max():.3g}"
+            f"{what}: inertia is not symmetric, J[i, j] and J[j, i] differ by up to {np.abs(off).max():.3g}"
         )
-    return Inertia.of(float(mass), com.tolist(), ((J + J.T) / 2).tolist())
+    return Inertia.of(mass.item(), com.tolist(), ((J + J.T) / 2).tolist())
 
 
-def _bounds(limits: Any, kinds: list[tuple[str, float]]) -> list[Limits]:
+def _finite(x: np.ndarray) -> np.ndarray:
+    """Which entries are finite numbers, or symbols."""
+    if x.dtype != object:
+        return np.isfinite(x)
+    return np.array([is_symbol(e) or bool(np.isfinite(e)) for e in x.flat]).reshape(x.shape)
+
+
+def _bounds(limits: Any, kinds: list[tuple[str, Any]]) -> list[Limits]:
     if limits is None:
         return [Limits()] * len(kinds)
     if len(limits) != len(kinds):
@@ -271,11 +286,6 @@ def model(kind: str, pitch: float = 0.0) -> JointModel:
     return {"R": revolute, "P": prismatic, "C": cylindrical}[kind]()
 
 
-def placed(X: Pose) -> Pose:
-    """X in numbers, with entries within rounding of -1, 0, 1 exact, so that they cost nothing later."""
-    return Pose.from_matrix(X.array)
-
-
 def assembled(
     table: DHTable,
     base: Pose | None = None,
@@ -299,7 +309,7 @@ def assembled(
     on, start = "base_link", table.base.pose if base is None else base
     for i, (row, body, bound, mimic) in enumerate(zip(table.rows, bodies, limits, couplings, strict=True), 1):
         Z, X = Pose.about(UZ, row.theta_hat), Pose.about(UX, row.alpha_hat)
-        place, far = (placed(start @ Z), placed(X)) if standard else (placed(start @ X @ Z), IDENTITY_POSE)
+        place, far = ((start @ Z).snapped, X.snapped) if standard else ((start @ X @ Z).snapped, IDENTITY_POSE)
         inertia = None if body is None else far @ body
         if row.letter == "F":
             b.fixed(f"fixed_{i}", on, place, inertia, link=f"link_{i}")
@@ -310,8 +320,8 @@ def assembled(
         if standard:
             b.fixed(f"frame_{i}_joint", on, far, link=f"frame_{i}")
             on = f"frame_{i}"
-    b.fixed("tool_joint", on, placed(start @ (table.tool.pose if tool is None else tool)), link="tool")
+    b.fixed("tool_joint", on, (start @ (table.tool.pose if tool is None else tool)).snapped, link="tool")
     return b.robot()
 
 
-__all__ = ["assembled", "from_dh", "homogeneous", "model", "placed"]
+__all__ = ["assembled", "from_dh", "homogeneous", "model"]

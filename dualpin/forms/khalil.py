@@ -24,7 +24,7 @@ from ..scalars import Scalar
 from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import UX, UZ, ZERO_VECTOR, motor
 from .align import NONE, Rules, Step, ahead, numeric, remaining, step
-from .build import model, placed
+from .build import model
 from .chain import Axis, axes_of, chain, homes, leaves, root, whole_q
 from .text import write
 
@@ -138,9 +138,9 @@ class KhalilTable:
         b = Builder(self.source.name)
         b.base("0")
         for row in self.rows:
-            on, place = str(row.antecedent), placed(row.pose)
+            on, place = str(row.antecedent), row.pose.snapped
             if row.antecedent == 0:
-                place = placed(Pose.about(UZ, self.base) @ row.pose)
+                place = (Pose.about(UZ, self.base) @ row.pose).snapped
             if row.letter == "F":
                 b.fixed(f"fixed_{row.number}", on, place, link=str(row.number))
             else:

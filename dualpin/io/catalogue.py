@@ -1,4 +1,4 @@
-"""Which robots the installed example-robot-data offers, by name."""
+"""Which robots there are by name: those of the installed example-robot-data, and the models that ship with dualpin."""
 
 from __future__ import annotations
 
@@ -75,6 +75,14 @@ def catalogue() -> dict[str, Path]:
     return {(f.stem if count[f.stem] == 1 else f"{f.relative_to(folder).parts[0]}/{f.stem}"): f for f in files}
 
 
+@cache
+def shipped() -> dict[str, Path]:
+    """The models that ship with dualpin: name -> path, sorted; in a checkout they lie beside the package."""
+    package = Path(__file__).parents[1]
+    folder = next((f for f in (package / "urdf", package.parent / "urdf") if f.is_dir()), None)
+    return {} if folder is None else {f.stem: f for f in sorted(folder.glob("*/*.urdf"))}
+
+
 def find(
     name: str | os.PathLike[str],
     xacro_args: Mapping[str, Any] | None = None,
@@ -89,7 +97,7 @@ def find(
     """
     text = os.fspath(name)
     robots = catalogue()
-    known = robots.get(ALIASES.get(text, text))
+    known = robots.get(ALIASES.get(text, text)) or shipped().get(text)
     if known is not None and not (isinstance(name, os.PathLike) and Path(text).exists()):
         return known
     try:
@@ -107,8 +115,12 @@ def find(
     if path.suffix.lower() in (".urdf", ".xml", ".xacro", ".sdf"):
         raise UrdfError(f"{text}: no such file")
     if not robots:
-        raise UrdfError(f"{text!r} is no file, and robots by name need the package {PACKAGE} (pip install {PACKAGE})")
+        raise UrdfError(
+            f"{text!r} is no file, and robots by name need the package {PACKAGE} (pip install {PACKAGE}); "
+            f"{nearest(text, [*shipped()], 'models that ship with dualpin')}"
+        )
     raise UrdfError(
-        f"{text!r} is neither a file nor a robot of {PACKAGE}; {nearest(text, [*ALIASES, *robots], 'robots')}; "
+        f"{text!r} is neither a file nor a robot of {PACKAGE}; "
+        f"{nearest(text, [*ALIASES, *robots, *shipped()], 'robots')}; "
         "`dualpin list` prints them all"
     )

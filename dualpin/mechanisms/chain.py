@@ -13,17 +13,32 @@ from ..algebra.displacements import stacked
 from ..algebra.motors import Motor
 from ..algorithms import kinematics
 from ..algorithms.rnea import joint_wrenches, rnea
-from ..dual import Dual
+from ..arguments import entries
+from ..dual import Dual, stack
 from ..errors import ArgumentError, ShapeError
 from ..model import Builder, cylindrical
-from ..model.robot import STANDARD_GRAVITY, Robot
-from ..parts import joined
+from ..model.robot import STANDARD_GRAVITY, Robot, gravity_vector
+from ..parts import array, joined
 from ..spatial import UX, UZ, Inertia, Matrix3, Pose, Rotation, Vector3
 
 
-def body(mass: float, com: ArrayLike, inertia: ArrayLike) -> Inertia:
-    """A rigid body by its mass, centre of mass, and inertia (3, 3) about the centre of mass."""
-    return Inertia.of(float(mass), np.asarray(com, dtype=float).tolist(), np.asarray(inertia, dtype=float).tolist())
+def body(mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
+    """A rigid body by its mass, centre of mass, and inertia (3, 3) about the centre of mass; numbers or symbols.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> rod = dp.mechanisms.body(2.0, [0, 0, 0.5], [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+    >>> rod.rotational.array.diagonal().round(12).tolist()
+    [0.6, 0.6, 0.1]
+    """
+    parts = []
+    for what, x, shape in (("mass", mass, ()), ("com", com, (3,)), ("inertia", inertia, (3, 3))):
+        given = entries(f"body: {what}", x)
+        if given.shape != shape:
+            raise ShapeError(f"body: {what} of shape {shape} expected, got {given.shape}")
+        parts.append(given.tolist())
+    return Inertia.of(*parts)
 
 
 class DualChain:
@@ -37,7 +52,7 @@ class DualChain:
     Parameters
     ----------
     alpha : Dual or array_like (n,)
-        alpha_i + eps a_i of the links.
+        alpha_i + eps a_i of the links.  Here and below, numbers or SymPy's symbols, also functions of time.
     bodies : sequence of Inertia, optional
         The links' inertia in their distal frames, see `body`; needed for forces only.
     gravity : array_like (3,)
@@ -66,23 +81,23 @@ class DualChain:
         self, alpha: Any, bodies: Sequence[Inertia] | None = None, gravity: Sequence[float] = STANDARD_GRAVITY,
         name: str = "chain",
     ) -> None:  # fmt: skip
-        a, b = dual_array("DualChain: alpha", alpha, 1)
+        a, b = dual_array("DualChain: alpha", alpha, 1, symbols=True)
         if a.ndim != 1:
             raise ShapeError(f"DualChain: alpha of shape (n,) expected, got {a.shape}")
         self.alpha = Dual(a, b)
-        self.gravity = Vector3(*map(float, gravity))
+        self.gravity = gravity_vector(gravity)
         if bodies is not None and len(bodies) != len(a):
             raise ShapeError(f"DualChain: one body for each of {len(a)} links expected, got {len(bodies)}")
         self.bodies = bodies
         self._ends = [f"link{i + 1}_end" for i in range(len(a) - 1)] + ["tip"] * (len(a) > 0)
         self.robot = self._robot(name)
-        self._links = [Rotation.about(UX, Dual(float(x), float(y))) for x, y in zip(a, b, strict=True)]
+        self._links = [Rotation.about(UX, Dual(x, y)) for x, y in zip(a.tolist(), b.tolist(), strict=True)]
 
     def __len__(self) -> int:
         return len(self._links)
 
     def _columns(self, what: str, x: Any) -> list[Dual]:
-        a, b = dual_array(what, x, 1)
+        a, b = dual_array(what, x, 1, symbols=True)
         if a.shape[-1] != len(self):
             raise ShapeError(f"{what} of shape (..., {len(self)}) expected, got {a.shape}")
         return [Dual(a[..., i], b[..., i]) for i in range(len(self))]
@@ -175,9 +190,7 @@ class DualChain:
         ArgumentError
             Without bodies.
         """
-        tau = np.broadcast_arrays(
-            *(np.asarray(f, dtype=float) for f in rnea(self.robot, *self._state("forces", q, v, a)))
-        )
+        tau = np.broadcast_arrays(*map(array, rnea(self.robot, *self._state("forces", q, v, a))))
         return Dual(np.stack(tau[1::2], axis=-1), np.stack(tau[0::2], axis=-1))
 
     def joint_wrenches(self, q: Any, v: Any, a: Any) -> Dual:
@@ -215,7 +228,7 @@ class DualChain:
         state = self._state("joint_wrenches", q, v, a)
         held = zip(self._columns("q", q), joint_wrenches(self.robot, *state), strict=True)
         # the robot's joint wrenches are in the frame that has turned with the joint
-        whole = [Motor.of_entries(Rotation.about(UZ, t) @ F) for t, F in held]
+        whole = [stack([Dual(*x.arrays) for x in Rotation.about(UZ, t) @ F], axis=-1) for t, F in held]
         real, dual = (np.broadcast_arrays(*(getattr(F, part) for F in whole)) for part in ("real", "dual"))
         return Dual(np.stack(real, axis=-2) + 0.0, np.stack(dual, axis=-2) + 0.0)
 
@@ -226,14 +239,15 @@ class DualChain:
 
     def _coordinates(self, what: str, x: Any) -> list[np.ndarray]:
         """Angle and slide of each joint in turn."""
-        return [part for column in self._columns(what, x) for part in column.arrays]
+        return [part[()] for column in self._columns(what, x) for part in column.arrays]
 
     def _robot(self, name: str) -> Robot:
-        b, on = Builder(name, [float(x) for x in self.gravity]), None
+        b, on = Builder(name), None
+        b.gravity = self.gravity
         for i, end in enumerate(self._ends):
             joint = f"C{i + 1}"
             b.joint(joint, cylindrical(), on=on)
-            distal = Pose.about(UX, Dual(float(self.alpha.real[i]), float(self.alpha.dual[i])))
+            distal = Pose.about(UX, Dual(self.alpha.real.tolist()[i], self.alpha.dual.tolist()[i]))
             b.fixed(end, on=joint, placement=distal, inertia=None if self.bodies is None else self.bodies[i])
             on = end
         return b.robot()

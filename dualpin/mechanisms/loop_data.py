@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..algebra.arguments import dual_array, finite
-from ..arguments import numbers, real
+from ..arguments import entries, numbers, real
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 
@@ -60,14 +60,15 @@ def kinds(who: str, joints: Any) -> list[tuple[str, float]]:
     return found
 
 
-def dual_angles(what: str, value: Any, n: int) -> Dual:
-    """n dual angles: a Dual array, dual numbers, or pairs of real and dual part."""
+def dual_angles(what: str, value: Any, n: int, *, symbols: bool = False) -> Dual:
+    """n dual angles: a Dual array, dual numbers, or pairs of real and dual part; with `symbols` also of formulas."""
     duals = isinstance(value, Dual) or (isinstance(value, (list, tuple)) and any(isinstance(x, Dual) for x in value))
     if not duals and np.ndim(value) == 2 and np.shape(value)[1] == 2:
-        value = Dual(*numbers(what, value).T)
-    a, b = dual_array(what, value, 1)
+        value = Dual(*(entries(what, value) if symbols else numbers(what, value)).T)
+    a, b = dual_array(what, value, 1, symbols=symbols)
     if a.shape != (n,):
         raise ShapeError(f"{what}: {n} dual angles expected, one for each joint, got shape {a.shape}")
-    finite(what, a)
-    finite(f"{what}, dual part", b)
+    if a.dtype != object:
+        finite(what, a)
+        finite(f"{what}, dual part", b)
     return Dual(a, b)

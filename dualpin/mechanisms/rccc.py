@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from .. import algebra
 from ..algebra.arguments import AssumptionError, dual_array, finite
 from ..algebra.displacements import stacked
 from ..algebra.newton import NewtonResult
+from ..arguments import is_symbol
 from ..dual import Dual, acos, atan2, cos, cos_sin, sin, sqrt, stack
 from ..errors import ArgumentError, DualDivisionError, ShapeError, nearest
 from ..spatial import UZ, Matrix3, Rotation, skew
@@ -54,7 +56,8 @@ class RCCC:
     Parameters
     ----------
     alpha_hat : Dual (4,), sequence of four Dual, or array_like (4, 2)
-        Dual angles alpha_i + eps a_i of the links [rad, m]; joint i+1 follows link i.
+        Dual angles alpha_i + eps a_i of the links [rad, m]; joint i+1 follows link i.  `coefficients` also takes
+        symbols.
 
     References
     ----------
@@ -71,9 +74,12 @@ class RCCC:
     """
 
     def __init__(self, alpha_hat: Any) -> None:
-        self.alpha = dual_angles("RCCC: alpha_hat", alpha_hat, 4)
-        self.loop = Loop("RCCC", self.alpha)
-        """The same linkage as a loop of joints like any other."""
+        self.alpha = dual_angles("RCCC: alpha_hat", alpha_hat, 4, symbols=True)
+
+    @cached_property
+    def loop(self) -> Loop:
+        """The same linkage as a loop of joints like any other; dimensions in numbers only."""
+        return Loop("RCCC", self.alpha)
 
     def __repr__(self) -> str:
         links = ", ".join(f"{x:.6g} + {y:.6g} eps" for x, y in zip(*self.alpha.arrays, strict=True))
@@ -97,6 +103,10 @@ class RCCC:
         (c1, s1), (c2, _), (c3, s3), (c4, s4) = (cos_sin(self.alpha[i]) for i in range(4))
         c, s = cos_sin(_dual(theta1))
         return s1 * s3 * s, -s3 * (c1 * s4 + s1 * c4 * c), c3 * (c1 * c4 - s1 * s4 * c) - c2
+
+    def _need_numbers(self, who: str) -> None:
+        if self.alpha.real.dtype == object:
+            raise ArgumentError(f"{who}: the linkage's dimensions are symbols; only `coefficients` takes them")
 
     # closed form
 
@@ -122,6 +132,7 @@ class RCCC:
             In a dead centre, where the two branches meet and the slides would be infinite; for dimensions
             whose joint axes 2 and 3, or 3 and 4, are parallel (sin(alpha) without a real part).
         """
+        self._need_numbers("solve")
         t1 = _dual(theta1)
         if t1.shape:
             raise ShapeError(f"solve: one input angle expected, got shape {t1.shape}; sweep takes arrays")
@@ -254,6 +265,7 @@ class RCCC:
             Axis -2: the branches theta4 = atan2(A, B) - acos(...) and + acos(...), each continuous in theta1;
             nan where the linkage cannot be assembled.
         """
+        self._need_numbers("sweep")
         t1 = _dual(theta1)
         A, B, C = (Dual(*np.broadcast_arrays(*x.arrays)) for x in self.coefficients(t1))
         size = sqrt(A * A + B * B)
@@ -324,6 +336,8 @@ VARIANTS: dict[str, Callable[[Dual, Dual, np.ndarray], Dual]] = {
 def _dual(x: Any) -> Dual:
     if isinstance(x, Dual):
         return x
+    if is_symbol(x):
+        return Dual(x, 0)
     y, _ = dual_array("RCCC: theta", x)
     return Dual(y, np.zeros(y.shape)) if y.shape else Dual(float(y), 0.0)
 

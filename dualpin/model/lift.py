@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -52,8 +52,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
             return model
         other = copy(model)
         axis = vector(model.axis)
-        exactly_unit = all(type(c) is Exact for c in axis)
-        other.axis = axis if exactly_unit else axis / sqrt(axis.dot(axis))
+        other.axis = axis if _settled(axis) else axis / sqrt(axis.dot(axis))
         other.units = tuple(Dual(number(u.real), number(u.dual)) for u in model.units)
         other.offset = Dual(number(model.offset.real), number(model.offset.dual))
         other.screws = tuple(motor(other.axis, ZERO_VECTOR) * u for u in other.units)
@@ -79,8 +78,17 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
 
 
 def orthonormal(R: Matrix3) -> Rotation:
-    """The nearest rotation, by Newton's iteration R <- R (3 - R^T R) / 2: 16 digits become 32, 64, 128."""
-    if not all(type(c) is Exact for row in R.rows for c in row):
+    """The nearest rotation, by Newton's iteration R <- R (3 - R^T R) / 2: 16 digits become 32, 64, 128.
+
+    Formulas are taken at their word.
+    """
+    if not _settled(c for row in R.rows for c in row):
         for _ in range(3):
             R = R @ (IDENTITY * 3 - R.T @ R) / 2
     return Rotation(*R.rows)
+
+
+def _settled(entries: Iterable[Scalar]) -> bool:
+    """Whether there is nothing to make orthonormal: exact constants only, or a formula among them."""
+    entries = list(entries)
+    return all(type(x) is Exact for x in entries) or any(getattr(x, "free_symbols", ()) for x in entries)

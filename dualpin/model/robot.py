@@ -6,10 +6,12 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
+from ..arguments import entries, is_symbol
 from ..delegates import home
 from ..errors import ArgumentError, FrameNotFoundError, nearest
 from ..scalars import Exact, Scalar, exact
@@ -84,11 +86,11 @@ class Robot:
     @cached_property
     def numbers(self) -> str:
         """What its constants are: "double", "other" (numbers of more digits, as lifted), or "symbolic"."""
-        constants = list(_constants(self))
-        if all(isinstance(x, (int, float, Exact)) for x in constants):
+        values = list(constants(self))
+        if all(isinstance(x, (int, float, Exact)) for x in values):
             return "double"
         try:
-            for x in constants:
+            for x in values:
                 float(x)
         except (TypeError, ValueError):
             return "symbolic"
@@ -229,9 +231,10 @@ def expect_robot(what: str, robot: object) -> None:
         raise ArgumentError(f"{what}: a Robot expected, got {type(robot).__name__}{hint}")
 
 
-def _constants(robot: Robot) -> Iterator[Scalar]:
+def constants(robot: Robot) -> Iterator[Scalar]:
     """Every number a result can depend on."""
     yield from robot.gravity
+    yield from (x for f in robot.frames for row in f.placement.rows for x in row)
     for j in robot:
         yield from j.inertia.parameters
         yield from j.armature
@@ -244,15 +247,15 @@ def _constants(robot: Robot) -> Iterator[Scalar]:
 def gravity_vector(gravity: Sequence[float]) -> Vector3:
     """Three finite numbers as a vector, zeros exact."""
     try:
-        g = np.asarray(gravity, dtype=float)
-    except (TypeError, ValueError):
+        g = entries("gravity", gravity)
+    except ArgumentError:
         g = np.empty(0)
-    if g.shape != (3,) or not np.isfinite(g).all():
-        raise ArgumentError(f"gravity: three finite numbers (x, y, z) in m/s^2 expected, got {gravity!r}")
+    if g.shape != (3,) or not all(is_symbol(x) or isfinite(x) for x in g):
+        raise ArgumentError(f"gravity: three finite numbers (x, y, z) in m/s^2 expected, or symbols, got {gravity!r}")
     return Vector3(*map(exact, g.tolist()))
 
 
 __all__ = [
-    "BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "expect_robot",
-    "gravity_vector",
+    "BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "constants",
+    "expect_robot", "gravity_vector",
 ]  # fmt: skip

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import is_symbol
 from ..dual import Dual
 from ..renamed import renamed_names
 from ..scalars import ONE, ZERO, Scalar, exact
@@ -105,6 +106,16 @@ class Pose:
         rotation = [Vector3(*(_snapped(x, 1.0, (-1, 0, 1)) for x in row[:3])) for row in T[:3].tolist()]
         return cls(Rotation(*rotation), Vector3(*(_snapped(x, scale, (0,)) for x in T[:3, 3].tolist())))
 
+    @property
+    def snapped(self) -> Pose:
+        """The same with numbers within rounding of -1, 0, 1 exact, so that they cost nothing later; symbols stay."""
+        entries = [x for row in self.rows for x in row]
+        if not any(map(is_symbol, entries)):
+            return Pose.from_matrix(self.array)
+        scale = max((abs(float(x)) for x in self.position if not is_symbol(x)), default=0.0)
+        rotation = (Vector3(*(_kept(x, 1.0, (-1, 0, 1)) for x in row)) for row in self.rotation.rows)
+        return Pose(Rotation(*rotation), Vector3(*(_kept(x, scale, (0,)) for x in self.position)))
+
     @classmethod
     def from_rows(cls, rows: Any) -> Pose:
         """Of a homogeneous 4x4 matrix given as nested sequences of scalars."""
@@ -113,6 +124,13 @@ class Pose:
 
 
 IDENTITY_POSE = Pose()
+
+
+def _kept(x: Scalar, scale: float, values: tuple[int, ...]) -> Scalar:
+    """A number snapped, a symbol as it is; SymPy's own -1, 0 and 1 are as exact as ours."""
+    if is_symbol(x):
+        return next((exact(n) for n in values if x == n), x)
+    return _snapped(float(x), scale, values)
 
 
 def _snapped(x: float, scale: float, values: tuple[int, ...]) -> Scalar:
