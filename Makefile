@@ -43,6 +43,15 @@ oldest: $(STAMP)     ## the smoke tests with the lowest versions that pyproject.
 	.venv-oldest/bin/python -m pip install --quiet --editable '.[exact,integrators]' pytest --constraint .oldest.txt
 	.venv-oldest/bin/python -m pytest -c tests/smoke/pytest.ini --rootdir . --confcutdir tests/smoke tests/smoke
 
+# PyTorch brings a gigabyte, so it has an environment of its own; make torch TORCH_FROM='--index-url URL' takes another build
+TORCH_FROM ?=
+.PHONY: torch
+torch:               ## the tests and the example that need PyTorch
+	$(PYTHON) -m venv .venv-torch
+	.venv-torch/bin/python -m pip install --quiet torch $(TORCH_FROM)
+	.venv-torch/bin/python -m pip install --quiet --editable '.[dev,torch]'
+	.venv-torch/bin/python -m pytest tests/test_torch.py tests/examples -k torch
+
 campaign: $(STAMP)   ## the long tests, and every robot: writes validation/results
 	$(BIN)/python -m pytest -m campaign --timeout 5400
 	$(BIN)/python -m validation.campaign
@@ -73,4 +82,4 @@ wheel: $(STAMP)      ## build the wheel and the source distribution
 	$(BIN)/python -m build
 
 clean:               ## remove the environment and what was built
-	rm -rf $(VENV) .venv-oldest .oldest.txt build dist out site
+	rm -rf $(VENV) .venv-torch .venv-oldest .oldest.txt build dist out site

@@ -41,8 +41,8 @@ _HOMES = {
         "track",
     ),
 }  # fmt: skip
-_PACKAGES = ("algebra", "algorithms", "analysis", "crosscheck", "engine", "forms", "integrators", "io", "mechanisms",
-             "memory", "model", "report", "spatial", "tracking", "view")  # fmt: skip
+_PACKAGES = ("algebra", "algorithms", "analysis", "crosscheck", "engine", "forms", "integrators", "io", "jax",
+             "mechanisms", "memory", "model", "report", "spatial", "torch", "tracking", "view")  # fmt: skip
 _WHERE = {name: module for module, names in _HOMES.items() for name in names}
 
 __all__ = [*sorted(_WHERE), "__version__"]

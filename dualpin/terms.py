@@ -217,6 +217,17 @@ def _per_joint(robot: Robot, f: Callable[..., list[Scalar]]) -> list[list[Scalar
     return [f(b) for b in sorted((b for b in robot if b.mimic is None), key=lambda b: b.q.start)]
 
 
+def _body_twists(robot: Robot, q: Any, v: Any) -> Any:
+    V = kinematics.body_twists(robot, kinematics.joint_poses(robot, q), v)
+    return [twist_entries(V[b]) for b in robot]
+
+
+def _body_twists_jvp(robot: Robot, q: Any, v: Any, dq: Any) -> Any:
+    X = kinematics.joint_poses(robot, q)
+    change = kinematics.body_twists_change(robot, X, kinematics.body_twists(robot, X, v), v, dq)
+    return [twist_entries(change[b]) for b in robot]
+
+
 def _cmm(robot: Robot, q: Any) -> Any:
     return columns(map(wrench_entries, momentum.centroidal_momentum_matrix(robot, q)))
 
@@ -337,6 +348,8 @@ RNEA_SECOND_DERIVATIVES = Term(
 ) = map(
     pushed, (RNEA_DERIVATIVES, ABA_DERIVATIVES, RNEA_JVP, RNEA_VJP, RNEA_HVP, RNEA_HESSIAN, RNEA_SECOND_DERIVATIVES)
 )  # fmt: skip
+BODY_TWISTS = Term("body_twists", (Q, V), _body_twists, lambda r: (len(r), 6))
+BODY_TWISTS_JVP = Term("body_twists_jvp", (Q, V, velocity("dq")), _body_twists_jvp, lambda r: (len(r), 6))
 INTEGRATE = Term("integrate", (Q, V), _integrate, lambda r: (r.nq,))
 DIFFERENCE = Term("difference", (configuration("q0"), configuration("q1")), _difference, _vector)
 

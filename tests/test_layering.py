@@ -20,7 +20,7 @@ LAYERS = (
     "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine", "memory",
     "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
-    "engine", "interpret", "call", "functions",  # how it is computed on arrays
+    "engine", "interpret", "call", "functions", "autodiff", "torch", "jax",  # how it is computed on arrays
     "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck",  # what is done with it
     "analysis", "bench",  # what an engineer asks of a description
     "bench_device",

@@ -69,6 +69,17 @@ def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict
     return V
 
 
+def body_twists_change(
+    robot: Robot, X: dict[Joint, Pose], V: dict[Joint | None, Twist], v: Sequence[Scalar], dq: Sequence[Scalar]
+) -> dict[Joint | None, Twist]:
+    """How these twists change while the joints are displaced by dq.   dV_b = X^-1 dV_parent + (V_b - S v) x S dq"""
+    dV: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
+    for b in robot:
+        before = V[b] - b.model.twist(v[b.v])
+        dV[b] = X[b].pull(dV[b.parent]) + before.cross(b.model.twist(dq[b.v]))
+    return dV
+
+
 def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Twist:
     """Twist of a frame, seen from its viewpoint."""
     chain = path(frame.joint)

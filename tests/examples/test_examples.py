@@ -18,6 +18,9 @@ def test_it_runs(path, tmp_path, monkeypatch, capsys):
         pytest.importorskip("pinocchio")  # which brings the robots
     if "symbolic" in text:
         pytest.importorskip("sympy")
+    for library in ("torch", "jax"):
+        if f"dualpin.{library}" in text:
+            pytest.importorskip(library)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("sys.argv", [str(path)])
     code = 0

@@ -1,0 +1,39 @@
+"""Gradients by displacements of the joints, as terms give them, turned into gradients by coordinates."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..model.robot import Joint, Robot
+from ..scalars import Scalar
+from ..spatial.quaternion import Quaternion
+from ..spatial.vector import Vector3
+from .operation import Library
+
+
+def by_coordinates(robot: Robot, library: Library, q: Any, g: Any) -> Any:
+    """The gradient (..., nq) by coordinates of what changes by g (..., nv) for displacements of the joints.
+
+    Where coordinates add they are the same.  Otherwise dq/dt = N(q) v with N a rotation but for the
+    factor 1/2 of quaternions, and the gradient is the one with N^T gradient = g that has no part along
+    the quaternion itself: functions are only defined for unit quaternions.
+    """
+    if all(b.model.additive for b in robot):
+        return g
+    entries: list[Any] = [None] * robot.nq
+    for b in (b for b in robot if b.mimic is None):
+        part = [g[..., i] for i in range(b.v.start, b.v.stop)]
+        found = part if b.model.additive else _lifted(b, library, [q[..., i] for i in range(b.q.start, b.q.stop)], part)
+        entries[b.q] = found
+    return library.stack(entries, -1)
+
+
+def _lifted(b: Joint, library: Library, q: list[Scalar], g: list[Scalar]) -> list[Scalar]:
+    """The same for one joint: a position and an orientation, or one of both, as its coordinates say."""
+    if not b.model.quaternions:  # x, y, angle: the gradient by the position is in the body's axes
+        c, s = library.cos(q[2]), library.sin(q[2])
+        return [c * g[0] - s * g[1], s * g[0] + c * g[1], g[2]]
+    (at,) = b.model.quaternions
+    r = Quaternion(*q[at:])
+    moving = r.rotation @ Vector3(*g[3:]) if at else ()
+    return [*moving, *(r * Quaternion(0.0, *g[:3]) * 2)]  # dq/dt = q w / 2: N^T N = 1 / 4

@@ -1,0 +1,87 @@
+"""A term as an operation of a library that differentiates: what it computes, and its gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..call.arguments import check_robot
+from ..call.making import function_of
+from ..errors import ArgumentError
+from ..model.memory import memory
+from ..model.robot import Robot
+from ..terms import Options, Shape, Term
+from ..terms import term as term_named
+
+
+@dataclass(frozen=True)
+class Library:
+    """What rules need of a library of arrays.
+
+    Attributes
+    ----------
+    apply : callable
+        (operation, *arrays) -> array, differentiable by the operation's own gradient.
+    stack, concatenate : callable
+        Of a list of arrays along an axis.
+    constant : callable
+        A NumPy array and an array of the library -> the former, as an array like the latter.
+    """
+
+    apply: Callable[..., Any]
+    stack: Callable[[Sequence[Any], int], Any]
+    concatenate: Callable[[Sequence[Any], int], Any]
+    constant: Callable[[np.ndarray, Any], Any]
+    broadcast: Callable[[Any, Shape], Any]
+    cos: Callable[[Any], Any]
+    sin: Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One term of one robot on arrays whose leading axes are equal.
+
+    Attributes
+    ----------
+    options : tuple
+        The settled options, in the order of the term's.
+    """
+
+    robot: Robot
+    term: Term
+    options: tuple[Hashable, ...] = ()
+
+    @classmethod
+    def of(cls, robot: Robot, name: str, **options: Any) -> Operation:
+        """The operation of that name; its options are checked, and kept beside the robot."""
+        check_robot(robot, name)
+        kept, key, term = memory(robot), ("operation", name, *options.items()), term_named(name)
+        settled = kept.get(key)
+        if settled is None:
+            settled = kept.setdefault(key, tuple(term.settled(robot, options).values()))
+        return cls(robot, term, settled)
+
+    @property
+    def settled(self) -> Options:
+        return {x.name: value for x, value in zip(self.term.options, self.options, strict=True)}
+
+    @property
+    def shape(self) -> Shape:
+        """Of one result."""
+        return self.term.shape(self.robot, **self.settled)
+
+    @property
+    def ranks(self) -> list[int]:
+        """How many axes one sample of each array has."""
+        return [len(x.shape(self.robot)) for x in self.term.arguments]
+
+    def compute(self, *arrays: np.ndarray) -> np.ndarray:
+        """The result, in the arrays' type."""
+        kinds = {x.dtype for x in arrays}
+        if len(kinds) > 1 or not kinds <= {np.dtype(np.float32), np.dtype(np.float64)}:
+            names = ", ".join(f"{x.name} {y.dtype}" for x, y in zip(self.term.arguments, arrays, strict=True))
+            raise ArgumentError(f"{self.term.name}: arrays of one type expected, float32 or float64; got {names}")
+        return function_of(self.robot, self.term, self.settled, kinds.pop())(*arrays)
