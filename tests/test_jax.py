@@ -134,7 +134,7 @@ def test_what_does_not_fit_is_named():
     q, v, a = robot.sample(2, seed=5)
     with pytest.raises(dp.ShapeError, match=r"v of shape \(\.\.\., 6\) expected for ur5"):
         dj.rnea(robot, q, v[:, :5], a)
-    with pytest.raises(dp.ArgumentError, match="a Robot expected first"):
+    with pytest.raises(dp.ArgumentError, match="a Robot expected"):
         dj.rnea("ur5", q, v, a)
     with pytest.raises(dp.ArgumentError, match="float32 or float64 expected, got complex"):
         dj.rnea(robot, q + 0j, v, a)

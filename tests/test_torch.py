@@ -153,7 +153,7 @@ def test_what_does_not_fit_is_named():
         dt.rnea(robot, q.numpy(), v, a)
     with pytest.raises(dp.ArgumentError, match=r"float32 or float64 expected, got torch\.int64"):
         dt.rnea(robot, q.long(), v, a)
-    with pytest.raises(dp.ArgumentError, match="a Robot expected first"):
+    with pytest.raises(dp.ArgumentError, match="a Robot expected"):
         dt.rnea("ur5", q, v, a)
     with pytest.raises(dp.ArgumentError, match="v is on meta"):
         dt.rnea(robot, q, v.to("meta"), a)
