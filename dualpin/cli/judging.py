@@ -15,6 +15,7 @@ from .app import Floating, Json, Mimic, RobotName, app
 from .show import formats
 
 Terms = Annotated[str, typer.Option("--terms", help="Some terms, between commas.")]
+EXIT_INTERRUPTED = 130
 Samples = Annotated[int, typer.Option("--samples", "-n", min=2, help="States asked.")]
 
 
@@ -48,12 +49,12 @@ def judge(
     """Compare dynamics code with dualpin term by term, and say why what differs differs.
 
     Exit code 0 if nothing was found, 1 if something was (or a subject did not answer at all), 2 for bad input.
+    With --out an interrupted judgement keeps what it has, and the same command takes it up again.
 
     Examples:  dualpin judge panda pinocchio  |  dualpin judge arm.urdf my_code.py:Arm --out out
     |  dualpin judge arm.urdf --command "./my_program FOLDER"
     """
-    from ..crosscheck.judging import judge as judged
-    from ..crosscheck.results import Report
+    from ..crosscheck.judging import judge_all
     from ..crosscheck.subjects import Command
 
     chosen: list[Any] = [*(subjects or []), *([Command(command, limit)] if command else [])]
@@ -62,15 +63,11 @@ def judge(
             "judge: name a subject, or give --command; `dualpin judge --help` says what a subject may be"
         )
     wanted = [t for t in terms.replace(",", " ").split() if t] or None
-    report = Report()
     with progress() as tick:
-        for subject in chosen:
-            one = judged(
-                robot, subject, samples, seed, terms=wanted, diagnose=diagnose, floating=floating, mimic=mimic,
-                python=python or None, limit=limit, progress=tick,
-            )  # fmt: skip
-            report.robots += one.robots
-            report.versions |= one.versions
+        report = judge_all(
+            robot, chosen, samples, seed, terms=wanted, diagnose=diagnose, floating=floating, mimic=mimic,
+            python=python or None, limit=limit, folder=out, progress=tick, interruptible=True,
+        )  # fmt: skip
     written = report.write(out, (*formats(), "junit", "sarif")) if out else []
     if json:
         print(report.to_json())
@@ -78,6 +75,8 @@ def judge(
         show_judgement(report)
     for path in written:
         print(f"wrote {path}", file=sys.stderr)
+    if report.partial:
+        raise typer.Exit(EXIT_INTERRUPTED)
     raise typer.Exit(0 if report.passed and not report.findings and not unanswered(report) else 1)
 
 

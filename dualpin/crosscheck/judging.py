@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -19,13 +20,15 @@ from . import tolerance
 from .adjudicate import Court, nearer
 from .extent import Extent
 from .findings import Finding
+from .ledger import Ledger
 from .reproduce import program
 from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from .subjects.answers import Answers
 from .subjects.asking import SAMPLES, Asking, asking, expected
+from .subjects.kept import Kept
 from .subjects.layout import Layout, States
 from .subjects.questions import QUESTIONS, wanted
-from .subjects.resolve import resolve
+from .subjects.resolve import Asker, resolve
 from .tally import QUANTILES, scaled_error
 from .tolerance import EPS, MassMatrices
 
@@ -49,6 +52,7 @@ def judge(
     mimic: bool = False,
     python: str | None = None,
     limit: float = 60.0,
+    folder: str | Path | None = None,
     progress: Tick | None = None,
 ) -> Report:
     """Compare dynamics code with dualpin term by term, and say why what differs differs.
@@ -76,6 +80,9 @@ def judge(
         The interpreter of the environment the subject lives in.
     limit : float
         Seconds after which a subject in a process of its own counts as hanging.
+    folder : path, optional
+        Where answers are kept as they come, until the judgement is done: the same call takes up what an
+        interrupted one left.  Of a subject that can be known again: a shipped name, a module's or file's.
     progress : callable, optional
         Called with a line that says what is being done.
 
@@ -101,20 +108,57 @@ def judge(
     >>> report.terms["rnea"].status, report.findings[0].key
     ('differs', 'gravity')
     """
+    chosen = {"terms": terms, "diagnose": diagnose, "floating": floating, "mimic": mimic}
+    how = {"python": python, "limit": limit, "folder": folder, "progress": progress}
+    return judge_all(robot, [subject], samples, seed, **chosen, **how)
+
+
+def judge_all(
+    robot: str | Path | Robot, subjects: Sequence[Any], samples: int | None = None, seed: int = 0, *,
+    terms: Sequence[str] | None = None, diagnose: bool = True, floating: bool = False, mimic: bool = False,
+    python: str | None = None, limit: float = 60.0, folder: str | Path | None = None, progress: Tick | None = None,
+    interruptible: bool = False,
+) -> Report:  # fmt: skip
+    """Several subjects on one robot, as `judge`; with `interruptible`, Ctrl-C ends it with a partial report."""
     tick = progress or (lambda what: None)
     n = SAMPLES if samples is None else samples
     n = count("judge: samples (half of them estimate, all judge)", n, 2)
-    ask = resolve(subject, python=python, limit=limit)
+    askers = [resolve(s, python=python, limit=limit) for s in subjects]
+    report = Report()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)  # its notes are in the result
         given = asking(robot, int(n), seed, wanted(terms), floating=floating, mimic=mimic)
-        answers = ask(given, tick)
-        result = judged(answers, given, diagnose, tick)
-        if diagnose and answers.refused and ask.refusal:
-            _explain_refusal(result, answers, given, ask.refusal, tick)
-    report = Report([result])
-    report.versions = versions(**({answers.name: answers.version} if answers.version else {}))
+        settings = {
+            "robot": given.text, "floating": floating, "mimic": mimic, "gravity": given.gravity, "samples": n,
+            "seed": seed, "terms": given.terms, "diagnose": diagnose, "dualpin": versions()["dualpin"],
+        }  # fmt: skip
+        ledger = Ledger(None if folder is None else Path(folder), settings)
+        try:
+            for ask in askers:
+                report.robots.append(_one(ask, given, diagnose, tick, ledger))
+        except KeyboardInterrupt:
+            report.partial = True
+            if not interruptible:
+                raise
+        finally:
+            ledger.close(done=len(report.robots) == len(askers))
+    said = {r.subject: r.subject_version for r in report.robots if r.subject_version}
+    report.versions = versions(**said)
     return report
+
+
+def _one(ask: Asker, given: Asking, diagnose: bool, tick: Tick, ledger: Ledger) -> RobotResult:
+    """One subject: from the ledger where it is finished there."""
+    key = ask.identity
+    if key and key in ledger.entries:
+        return RobotResult.from_dict(ledger.entries[key])
+    answers = ask(given, tick, Kept(ledger, key) if key else None)
+    result = judged(answers, given, diagnose, tick)
+    if diagnose and answers.refused and ask.refusal:
+        _explain_refusal(result, answers, given, ask.refusal, tick)
+    if key:
+        ledger.add(key, asdict(result))
+    return result
 
 
 def judged(answers: Answers, given: Asking, diagnosing: bool = True, tick: Tick = lambda what: None) -> RobotResult:

@@ -18,7 +18,7 @@ from dualpin.crosscheck.diagnosis.newton_euler import NewtonEuler
 from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, asking
 from dualpin.crosscheck.subjects.asking import expected
 from dualpin.crosscheck.subjects.layout import Layout
-from dualpin.crosscheck.subjects.running import ask_object
+from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.planted import FIXED, FLOATING, MISTAKES, PAIRS
 from tests.crosscheck.student import Student
 
@@ -35,7 +35,7 @@ def asked(robot: str, floating: bool = False, samples: int = 12) -> Asking:
 
 def diagnosed(ask: Asking, wrong: tuple[str, ...]):
     """What is off, and what is said of it."""
-    answers = ask_object(Student(ask.text, ask.floating, wrong), ask, lambda what: None)
+    answers = ask_here(Student(ask.text, ask.floating, wrong), ask, lambda what: None)
     case = Case(answers)
     off = {t for t in answers.terms if not case.score(t).right}
     return off, diagnose(case)

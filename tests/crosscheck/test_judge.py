@@ -73,6 +73,19 @@ def test_a_hang_is_a_result_and_the_other_terms_are_asked():
     assert report.terms["crba"].status == "agrees"
 
 
+def test_objects_are_asked_in_a_process_of_their_own_where_they_can_be_sent_there():
+    from subject_examples import Crashes, Hangs
+
+    for kind, said in ((Crashes, "crashed (SIGABRT)"), (Hangs, "no answer within 2 s")):
+        subject = kind.__new__(kind)
+        subject.robot = dp.load("ur5")
+        report = dp.judge("ur5", subject, 6, terms=["crba", "gravity", "rnea"], diagnose=False, limit=2.0)
+        assert said in report.terms["gravity"].reason and report.terms["crba"].status == "agrees"
+        assert report.robots[0].subject == "light" and not any("this process" in n for n in report.robots[0].notes)
+    here = dp.judge("ur5", {"gravity": lambda q: q}, 4, diagnose=False)
+    assert any("asked in this process" in n for n in here.robots[0].notes)
+
+
 def test_a_refusal_is_a_result():
     report = apart("Refuses", diagnose=False)
     assert report.robots[0].reason == "refused: ended with exit code 1: RuntimeError: no such construct"
@@ -228,3 +241,37 @@ def test_a_program_that_crashes_half_way_counts_for_what_it_wrote(tmp_path):
 def test_a_program_that_hangs_is_stopped(tmp_path):
     report = dp.judge("ur5", Command("sh -c 'sleep 60' FOLDER", limit=0.5), 4, terms=["gravity"])
     assert report.robots[0].reason == "refused: no answer within 0.5 s"
+
+
+# --- interrupted ----------------------------------------------------------------------------------
+
+
+def test_an_interrupted_judgement_goes_on_where_it_was(tmp_path):
+    """Answers that were kept are not asked again: the subject counts its calls in a file."""
+    source = tmp_path / "counting.py"
+    source.write_text(
+        "import dualpin as dp, pathlib, time\nLOG = pathlib.Path(__file__).with_suffix('.log')\n"
+        "class Arm:\n    name, version = 'arm', '1'\n"
+        "    def __init__(self, urdf): self.robot = dp.load(urdf)\n"
+        "    def gravity(self, q):\n        LOG.open('a').write('g'); return dp.gravity(self.robot, q)\n"
+        "    def crba(self, q):\n        LOG.open('a').write('m'); time.sleep(0.1); return dp.crba(self.robot, q)\n"
+    )
+    calls = {"n": 0}
+
+    def interrupting(what):
+        calls["n"] += what.startswith("crba")
+        if calls["n"] == 1:
+            raise KeyboardInterrupt
+
+    asked = {"terms": ["gravity", "crba"], "folder": tmp_path / "kept", "diagnose": False}
+    with pytest.raises(KeyboardInterrupt):
+        dp.judge("ur5", f"{source}:Arm", 4, **asked, progress=interrupting)
+    assert (tmp_path / "kept/judged.jsonl").exists()
+    before = source.with_suffix(".log").read_text()
+    report = dp.judge("ur5", f"{source}:Arm", 4, **asked)
+    after = source.with_suffix(".log").read_text()[len(before) :]
+    assert "g" in before and "g" not in after and "m" in after
+    assert {t: x.status for t, x in report.terms.items()} == {"gravity": "agrees", "crba": "agrees"}
+    assert not (tmp_path / "kept/judged.jsonl").exists()
+    source.write_text(source.read_text().replace("return dp.gravity", "return 2 * dp.gravity"))
+    assert not dp.judge("ur5", f"{source}:Arm", 4, **asked).passed  # another text is another subject

@@ -14,7 +14,7 @@ from typing import Any
 
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.subjects import QUESTIONS, asking
-from dualpin.crosscheck.subjects.running import ask_object
+from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.planted import FIXED, MISTAKES, PAIRS
 from tests.crosscheck.student import Student
 
@@ -30,7 +30,7 @@ SAMPLES = 8
 
 def outcome(asked: Any, wrong: tuple[str, ...]) -> dict[str, Any]:
     """What a mistake leads to: whether it shows, and what is said."""
-    answers = ask_object(Student(asked.text, asked.floating, wrong), asked, lambda what: None)
+    answers = ask_here(Student(asked.text, asked.floating, wrong), asked, lambda what: None)
     case = Case(answers)
     shows = bool(answers.history) or any(not case.score(t).right for t in answers.terms)
     found = diagnose(case)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 import sys
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from .answers import Answers
 from .asking import Asking
 from .commands import Command, ask_command, refusal_of_command
 from .environments import ADAPTERS, interpreter, shipped
+from .kept import Kept
 from .running import ask_apart, ask_object, refusal_apart
 
 MUJOCO = "mujoco"  # reads MJCF itself
@@ -28,17 +30,19 @@ class Asker:
     Attributes
     ----------
     ask : callable
-        (asking, tick) -> `Answers`.
+        (asking, tick, kept) -> `Answers`.
     refusal : callable, optional
         (asking, seconds) -> why it does not read the robot, empty if it does; None for a subject that is not
         given a file in a process of its own.
     """
 
-    ask: Callable[[Asking, Callable[[str], None]], Answers]
+    ask: Callable[[Asking, Callable[[str], None], Kept], Answers]
     refusal: Callable[[Asking, float], str] | None = None
+    identity: str = ""
+    """What it is known by when a judgement goes on: empty for a subject that cannot be known again."""
 
-    def __call__(self, asking: Asking, tick: Callable[[str], None]) -> Answers:
-        return self.ask(asking, tick)
+    def __call__(self, asking: Asking, tick: Callable[[str], None], kept: Kept | None = None) -> Answers:
+        return self.ask(asking, tick, kept or Kept())
 
 
 def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> Asker:
@@ -51,7 +55,7 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
     """
     if isinstance(subject, Command):
         return Asker(
-            lambda asking, tick: ask_command(subject, asking, tick),
+            lambda asking, tick, kept: ask_command(subject, asking, tick),
             lambda asking, seconds: refusal_of_command(subject, asking, seconds),
         )
     if isinstance(subject, (str, Path)):
@@ -59,7 +63,7 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
         if Path(text).is_dir():
             folder = Path(text)
             exchange.asked(folder)
-            return Asker(lambda asking, tick: exchange.read(exchange.with_states(asking, folder), folder))
+            return Asker(lambda asking, tick, kept: exchange.read(exchange.with_states(asking, folder), folder))
         name, _, option = text.partition(":")
         if name in shipped():
             adapter = ADAPTERS / f"{name}.py"
@@ -70,20 +74,31 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
                 return f"{adapter}:Subject:{of or option}"
 
             return Asker(
-                lambda asking, tick: _named(ask_apart(spec(asking), asking, tick, python=own, limit=limit), text),
+                lambda asking, tick, kept: _named(
+                    ask_apart(spec(asking), asking, tick, python=own, limit=limit, kept=kept), text
+                ),
                 lambda asking, seconds: refusal_apart(spec(asking), asking, seconds, python=own),
+                _identity(f"{adapter}:{text}", own),
             )
         if _SPEC.match(text):
             own = python or interpreter(Path(name)) or sys.executable
             return Asker(
-                lambda asking, tick: ask_apart(text, asking, tick, python=own, limit=limit),
+                lambda asking, tick, kept: ask_apart(text, asking, tick, python=own, limit=limit, kept=kept),
                 lambda asking, seconds: refusal_apart(text, asking, seconds, python=own),
+                _identity(text, own),
             )
         raise ArgumentError(
             f"judge: subject {text!r} is no shipped name, no folder that `dualpin ask` wrote and no module:attribute; "
             + nearest(name, shipped(), "shipped")
         )
-    return Asker(lambda asking, tick: ask_object(subject, asking, tick))
+    return Asker(lambda asking, tick, kept: ask_object(subject, asking, tick, limit))
+
+
+def _identity(spec: str, python: str) -> str:
+    """Of a subject in a file: its text counts, since users change it between two runs; of a module: its name."""
+    path = Path(spec.partition(".py:")[0] + ".py")
+    text = path.read_bytes() if path.is_file() else b""
+    return f"{spec}|{python}|{hashlib.sha256(text).hexdigest()[:16]}"
 
 
 def _named(answers: Answers, name: str) -> Answers:

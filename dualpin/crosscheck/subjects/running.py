@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -23,6 +24,7 @@ from .apart import serve
 from .asking import Asking
 from .convention import Convention, columns
 from .environments import ADAPTERS
+from .kept import Kept
 from .layout import Layout
 from .questions import FRAMED, QUESTIONS
 
@@ -30,6 +32,9 @@ SECONDS = 20.0
 """What all states of one term may take before a slow subject is asked fewer of them."""
 LOADING = 120.0
 """What a subject may take to start: libraries of a gigabyte are imported."""
+PICKLED = "object.pkl"
+DIED = re.compile("crashed|no answer within")
+IN_PROCESS = "asked in this process, since it cannot be sent to another: a crash or a hang would be its own"
 _RAISED = re.compile(r"[\w.]*(Error|Exception): ")
 Tick = Callable[[str], None]
 
@@ -47,12 +52,27 @@ def prepared(asking: Asking, said: Mapping[str, Any], name: str) -> tuple[Asking
     return asking, how, ""
 
 
-def ask_object(subject: Any, asking: Asking, tick: Tick) -> Answers:
-    """An object with terms as methods, or a mapping of functions, in this process."""
-    who = serve.introduction(subject, type(subject).__name__ if not isinstance(subject, Mapping) else "mapping")
+def ask_object(subject: Any, asking: Asking, tick: Tick, limit: float = 60.0) -> Answers:
+    """An object with terms as methods, or a mapping of functions: in a process of its own if it can be sent there."""
     _check_terms(subject)
+    try:
+        data = pickle.dumps(subject)
+    except Exception:  # whatever its own reduction raises: it stays here
+        return ask_here(subject, asking, tick)
+    with tempfile.TemporaryDirectory() as at:
+        path = Path(at) / PICKLED
+        path.write_bytes(data)
+        answers = ask_apart(str(path), asking, tick, limit=limit)
+    if answers.refused and not DIED.match(answers.refused):  # there it cannot be put together again
+        return ask_here(subject, asking, tick)
+    return answers
+
+
+def ask_here(subject: Any, asking: Asking, tick: Tick) -> Answers:
+    """An object in this process."""
+    who = serve.introduction(subject, serve.kind(subject))
     asking, how, remark = prepared(asking, who["writes"], who["name"])
-    answers = _begun(who, how, asking, remark)
+    answers = _begun(who, how, asking, "; ".join(x for x in (remark, IN_PROCESS) if x))
     start = time.perf_counter()
     for term in asking.terms:
         tick(term)
@@ -90,7 +110,10 @@ def _check_terms(subject: Any) -> None:
 # --- a process of its own ------------------------------------------------------------------------
 
 
-def ask_apart(spec: str, asking: Asking, tick: Tick, *, python: str = sys.executable, limit: float = 60.0) -> Answers:
+def ask_apart(
+    spec: str, asking: Asking, tick: Tick, *, python: str = sys.executable, limit: float = 60.0,
+    kept: Kept | None = None,
+) -> Answers:  # fmt: skip
     """``module:attribute`` in a process of its own; one that dies is started again without the term it died in."""
     with tempfile.TemporaryDirectory() as at:
         folder, start = Path(at), time.perf_counter()
@@ -98,7 +121,7 @@ def ask_apart(spec: str, asking: Asking, tick: Tick, *, python: str = sys.execut
         try:
             answers = child.introduced()
             if not answers.refused:
-                child.asked(answers, tick)
+                child.asked(answers, tick, kept or Kept())
         finally:
             stop(child.process)  # also where the user interrupts
         answers.seconds = time.perf_counter() - start
@@ -134,6 +157,7 @@ class _Child:
         ask = {
             "floating": a.floating, "gravity": a.gravity, "frames": list(a.frames), "terms": list(terms),
             "inputs": inputs, "seconds": SECONDS, "samples": a.samples,
+            "path": sys.path if self.spec.endswith(PICKLED) else [],
         }  # fmt: skip
         (self.folder / "ask.json").write_text(json.dumps(ask), encoding="utf-8")
 
@@ -192,24 +216,22 @@ class _Child:
             self._waited(path.exists, time.time, self.loading)
         return answers
 
-    def asked(self, answers: Answers, tick: Tick) -> None:
-        """All terms; a term in which the process dies or hangs is left out of the next."""
+    def asked(self, answers: Answers, tick: Tick, kept: Kept) -> None:
+        """All terms but those kept from before; a term in which the process dies or hangs is left out of the next."""
         np.savez(self.folder / "states.npz", **answers.sent)  # type: ignore[arg-type]
-        waiting = list(self.asking.terms)
+        waiting = [t for t in self.asking.terms if not kept.restore(t, answers)]
+        if waiting != list(self.asking.terms):
+            self._write_ask(waiting)
         while waiting:
-            wrong = self._session(tick)
-            notes = _json(self.folder / "notes.json")
-            for term, note in notes.items():
-                if term in waiting:
-                    file = self.folder / "answers" / f"{term}.npy"
-                    answers.take(term, np.load(file) if file.exists() else None, note)
+            wrong = self._session(tick, lambda: self._take(answers, waiting, kept))
+            self._take(answers, waiting, kept)
             now = _json(self.folder / "now.json").get("term")
             (self.folder / "notes.json").unlink(missing_ok=True)
-            waiting = [t for t in waiting if t not in notes]
             if not wrong or not waiting:
                 break
             blamed = now if now in waiting else waiting[0]
             answers.silent[blamed] = wrong
+            kept.silent(blamed, answers, wrong)
             waiting.remove(blamed)
             if waiting:
                 self._write_ask(waiting)
@@ -217,7 +239,17 @@ class _Child:
         for term in waiting:
             answers.silent.setdefault(term, "no answer")
 
-    def _session(self, tick: Tick) -> str:
+    def _take(self, answers: Answers, waiting: list[str], kept: Kept) -> None:
+        """What was answered since; it leaves `waiting`."""
+        for term, note in _json(self.folder / "notes.json").items():
+            if term in waiting:
+                file = self.folder / "answers" / f"{term}.npy"
+                x = np.load(file) if file.exists() else None
+                answers.take(term, x, note)
+                kept.answer(term, answers, x, note)
+                waiting.remove(term)
+
+    def _session(self, tick: Tick, take: Callable[[], None]) -> str:
         """One process from its introduction to its end; what went wrong, if anything."""
         subject, now = self.folder / "subject.json", self.folder / "now.json"
         start = time.time()
@@ -236,6 +268,7 @@ class _Child:
             term = _json(now).get("term", "")
             if term != seen[0]:
                 seen[0] = term
+                take()
                 tick(term)
             try:
                 return max(begun, now.stat().st_mtime)

@@ -2,8 +2,8 @@
 
     python serve.py FOLDER SPEC
 
-SPEC is ``module:attribute`` or ``path/to/file.py:attribute``, optionally followed by ``:option``.  The
-attribute is a class (made with what its signature asks for among urdf, floating, gravity, option), an
+SPEC is ``module:attribute`` or ``path/to/file.py:attribute``, optionally followed by ``:option``, or the file of a
+pickled object.  The attribute is a class (made with what its signature asks for among urdf, floating, gravity, option), an
 object with terms as methods, or a mapping of terms to functions.
 
 What passes through FOLDER:
@@ -22,6 +22,7 @@ import importlib
 import importlib.util
 import inspect
 import json
+import pickle
 import sys
 import time
 import warnings
@@ -131,6 +132,8 @@ def _again(f: Any, given: list[np.ndarray], frame: str | None, first: np.ndarray
 
 def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
     """The subject that ``module:attribute`` or ``file.py:attribute`` names."""
+    if spec.endswith(".pkl"):
+        return pickle.loads(Path(spec).read_bytes())  # written by the process that started this one
     where, _, rest = spec.partition(":")
     name, _, option = rest.partition(":")
     if where.endswith(".py"):
@@ -157,6 +160,11 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
     return found(**{k: x for k, x in offered.items() if open_ended or k in wants})
 
 
+def kind(subject: Any) -> str:
+    """What an object is called that does not say its name."""
+    return "mapping" if isinstance(subject, dict) else type(subject).__name__
+
+
 def introduction(subject: Any, spec: str) -> dict[str, Any]:
     """Who the subject is and how it writes, as plain data."""
     get = subject.get if isinstance(subject, dict) else lambda k, d=None: getattr(subject, k, d)
@@ -178,10 +186,13 @@ def write(path: Path, data: Any) -> None:
 def main(folder: Path, spec: str) -> None:
     ask = json.loads((folder / "ask.json").read_text(encoding="utf-8"))
     start = time.perf_counter()
+    sys.path += [x for x in ask.get("path", []) if x not in sys.path]
     subject = load(spec, str(folder / "robot.urdf"), ask["floating"], ask["gravity"])
-    write(folder / "subject.json", introduction(subject, spec) | {"load_s": round(time.perf_counter() - start, 3)})
+    name = kind(subject) if spec.endswith(".pkl") else spec
+    write(folder / "subject.json", introduction(subject, name) | {"load_s": round(time.perf_counter() - start, 3)})
     if not sys.stdin.readline():
         return  # nobody waits for answers
+    ask = json.loads((folder / "ask.json").read_text(encoding="utf-8"))  # some terms may be known from before
     inputs, frames = ask["inputs"], ask["frames"]
     given = dict(np.load(folder / "states.npz"))
     (folder / "answers").mkdir(exist_ok=True)
