@@ -108,9 +108,10 @@ def judge(
     >>> report.terms["rnea"].status, report.findings[0].key
     ('differs', 'gravity')
     """
-    chosen = {"terms": terms, "diagnose": diagnose, "floating": floating, "mimic": mimic}
-    how = {"python": python, "limit": limit, "folder": folder, "progress": progress}
-    return judge_all(robot, [subject], samples, seed, **chosen, **how)
+    return judge_all(
+        robot, [subject], samples, seed, terms=terms, diagnose=diagnose, floating=floating, mimic=mimic, python=python,
+        limit=limit, folder=folder, progress=progress,
+    )  # fmt: skip
 
 
 def judge_all(

@@ -2,9 +2,9 @@
 
     python serve.py FOLDER SPEC
 
-SPEC is ``module:attribute`` or ``path/to/file.py:attribute``, optionally followed by ``:option``, or the file of a
-pickled object.  The attribute is a class (made with what its signature asks for among urdf, floating, gravity, option), an
-object with terms as methods, or a mapping of terms to functions.
+SPEC is ``module:attribute`` or ``path/to/file.py:attribute``, optionally followed by ``:option``, or the file
+of a pickled object.  The attribute is a class (made with what its signature asks for among urdf, floating,
+gravity, option), an object with terms as methods, or a mapping of terms to functions.
 
 What passes through FOLDER:
 
