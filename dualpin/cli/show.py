@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..report import Comparison
 
 STYLES = {"agrees": "green", "passed": "bold green", "FAILED": "bold red"}
+REMARKS = 8  # that are printed below a robot's terms
 PIPE = 160  # columns where nobody looks
 
 
@@ -57,11 +58,20 @@ def show(report: Report) -> None:
         out.print(f"refused by {who}: {line(refusal.name)}: {line(refusal.reason)}", markup=False)
     verdict = report.verdict.replace("failed", "FAILED")
     against = report.versions.get("pinocchio", "?")
-    counts = f": {report.summary}" if report.robots else ""
-    out.print(
-        f"[{STYLES.get(verdict, 'bold yellow')}]{verdict}[/]: {len(report.robots)} robots "
-        f"against Pinocchio {against}{counts}"
-    )
+    counts = f": {report.headline}" if report.robots else ""
+    style = STYLES.get(verdict, "bold yellow") if not (report.passed and report.remarks) else "bold yellow"
+    if single:
+        _remarks(out, report)
+    out.print(f"[{style}]{verdict}[/]: {len(report.robots)} robots against Pinocchio {against}{counts}")
+
+
+def _remarks(out: Console, report: Report) -> None:
+    """What is to be said about the model, cut where it is much."""
+    for _, note in report.remarks[:REMARKS]:
+        out.print(f"remark: {line(note)}", markup=False)
+    left = len(report.remarks) - REMARKS
+    if left > 0:
+        out.print(f"remark: and {left} more, see `dualpin info {line(report.robots[0].name)}`", markup=False)
 
 
 def _terms(r: RobotResult) -> Table:

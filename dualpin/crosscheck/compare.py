@@ -18,6 +18,7 @@ from .arbiter import arbitrate as by_definition
 from .checks import Case, Check
 from .definitions import UndecidedError
 from .extent import Extent
+from .fingerprint import fingerprint
 from .oracles import Oracle
 from .pairing import Pair, paired
 from .reading import Difference
@@ -47,6 +48,7 @@ def compare(
     found = RobotResult(
         case.name, pair.floating, case.mimic or robot.coupled, robot.nv, samples, seed, True, terms,
         [*robot.notes, *pair.notes, *(d.says for d in pair.apart)], engine=used_engine(engine),
+        model=fingerprint(robot),
     )  # fmt: skip
     weighing = [terms[c.term] for c in checks if c.weighs]
     if pair.oracle is None:

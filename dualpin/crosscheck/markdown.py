@@ -14,7 +14,7 @@ def markdown(report: Report) -> str:
     lines = [
         f"# {'Judgement of ' + ', '.join(subjects) if subjects else 'Validation'}: {verdict}",
         "",
-        f"{len(report.robots)} robots ({report.summary}), "
+        f"{len(report.robots)} robots ({report.headline}), "
         + ", ".join(f"{n} samples from seed {s}" for n, s in settings)
         + f"; {len(report.refused)} files refused.",
         "",

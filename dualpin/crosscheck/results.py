@@ -146,6 +146,8 @@ class RobotResult:
         What computed dualpin's side: "compiled" or "numpy".
     subject, subject_version : str
         Whose answers are judged; empty in a validation.
+    model : dict
+        What the robot was: its links, joints and limits (`dualpin.crosscheck.fingerprint`).
     """
 
     name: str
@@ -164,6 +166,7 @@ class RobotResult:
     engine: str = ""
     subject: str = ""
     subject_version: str = ""
+    model: dict[str, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         self.passed = self.passed and not self.error and all(t.passed for t in self.terms.values())
@@ -278,6 +281,18 @@ class Report:
         said = ", ".join(f"{n} {'agree' if v == AGREES and n != 1 else v}" for v, n in counts.items())
         left = sum(t.status == NOT_COMPARED for r in self.robots if r.status == AGREES for t in r.terms.values())
         return said + (f" ({left} {'term' if left == 1 else 'terms'} of them not compared)" if left else "")
+
+    @property
+    def remarks(self) -> list[tuple[str, str]]:
+        """(robot, remark) of everything that is to be said about the models, each once."""
+        return list(dict.fromkeys((r.name, note) for r in self.robots for note in r.notes))
+
+    @property
+    def headline(self) -> str:
+        """The summary, and how many remarks there are about the models."""
+        n, models = len(self.remarks), len({name for name, _ in self.remarks})
+        about = "the model" if models == 1 else f"{models} models"
+        return self.summary + (f"; {n} {'remark' if n == 1 else 'remarks'} about {about}" if n else "")
 
     @property
     def engine(self) -> str:

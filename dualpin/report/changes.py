@@ -18,7 +18,8 @@ class Change:
     Attributes
     ----------
     what : str
-        "verdict", "error", "speed", "missing" or "new".
+        "verdict", "error", "speed", "evaluations", "model" (a body, joint or limit is another), "remark" (of the
+        loader, or about a run), "missing" or "new".
     where : str
         The robot and the term, or the setting.
     old, new : str

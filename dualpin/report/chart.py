@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, floor, isfinite, log10
 
 WIDTH, HEIGHT = 480.0, 320.0
 LEFT, RIGHT, TOP, BOTTOM = 62.0, 12.0, 10.0, 46.0
 ROW = 17.0  # height of a row of a strip chart
 STRIP_LEFT = 190.0
+WIDE, SLIM = 760.0, 360.0  # of a strip chart
 
 Tick = tuple[float, str]
 
@@ -99,14 +100,36 @@ class Strips:
     highest: float
     line: float = 1.0
     note: str = ""
+    slim: bool = False  # for small screens: names above their rows, and nothing to hover over
 
     shape = "strips"
-    width = 760.0
-    left, right, top = STRIP_LEFT, 760.0 - RIGHT, TOP
+    top = TOP
+
+    @property
+    def both(self) -> list[Strips]:
+        """The drawing for wide screens and for small ones; the page shows one."""
+        rows = [(name, [(x, "", bad) for x, _, bad in points]) for name, points in self.rows]
+        return [self, replace(self, rows=rows, slim=True)]
+
+    @property
+    def width(self) -> float:
+        return SLIM if self.slim else WIDE
+
+    @property
+    def left(self) -> float:
+        return RIGHT if self.slim else STRIP_LEFT
+
+    @property
+    def right(self) -> float:
+        return self.width - RIGHT
+
+    @property
+    def row(self) -> float:
+        return 1.8 * ROW if self.slim else ROW
 
     @property
     def bottom(self) -> float:
-        return TOP + ROW * len(self.rows)
+        return TOP + self.row * len(self.rows)
 
     @property
     def height(self) -> float:
@@ -127,7 +150,7 @@ class Strips:
         return [
             (
                 name,
-                TOP + ROW * (k + 0.5),
+                TOP + self.row * (k + (0.75 if self.slim else 0.5)),
                 [(x.place(min(max(v, self.lowest), self.highest)), t, bad) for v, t, bad in p],
             )
             for k, (name, p) in enumerate(self.rows)

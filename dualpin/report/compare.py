@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..crosscheck.fingerprint import differences
 from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from ..errors import ArgumentError
 from .changes import LAST_DIGITS, Change, Comparison
@@ -67,6 +68,12 @@ def _validations(found: Comparison, old: Report, new: Report) -> Iterable[Change
 
 
 def _robots(found: Comparison, old: RobotResult, new: RobotResult) -> Iterable[Change]:
+    for where, was, is_ in differences(old.model, new.model):
+        yield Change("model", f"{new.label} {where}", was, is_, True)
+    for note in (n for n in new.notes if n not in old.notes):
+        yield Change("remark", new.label, "-", note, True)
+    for note in (n for n in old.notes if n not in new.notes):
+        yield Change("remark", new.label, note, "-", False, 0.5)
     if old.verdict != new.verdict:
         yield Change("verdict", new.label, old.verdict, new.verdict, _rank(new) > _rank(old))
     for name in sorted(old.terms.keys() - new.terms.keys()):

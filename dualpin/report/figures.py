@@ -156,7 +156,7 @@ def validation(report: Report, axes: Any = None) -> Any:
         axes.semilogx(ratios, [y] * len(ratios), "o", color="C0", alpha=0.6)
     axes.axvline(1.0, color="tab:red", linestyle="--")
     axes.set_yticks(range(len(terms)), terms, fontsize=8)
-    axes.set(xlabel="error / tolerance", title=f"{view.verdict}: {report.summary}")
+    axes.set(xlabel="error / tolerance", title=f"{view.verdict}: {report.headline}")
     axes.invert_yaxis()
     return axes
 

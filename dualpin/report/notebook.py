@@ -160,7 +160,7 @@ def report_html(report: Report) -> str:
     True
     """
     view = Matrix(report)
-    caption = f"{view.verdict}: {report.summary}; {'; '.join(view.settings)}, against Pinocchio"
+    caption = f"{view.verdict}: {report.headline}; {'; '.join(view.settings)}, against Pinocchio"
     notes = [f"refused: {f.name}: {f.reason}" for f in report.refused]
     if len(view.robots) == 1:
         notes += [report.robots[0].remark] * bool(report.robots[0].reason)

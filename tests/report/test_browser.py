@@ -122,7 +122,7 @@ def test_text_stands_out_from_what_is_behind_it(browser, whole, scheme):
 
 def test_figures_are_drawn(browser, whole):
     opened(browser, whole)
-    sizes = browser.execute_script("""return [...document.querySelectorAll('svg.plot')].map(s => {
+    sizes = browser.execute_script("""return [...document.querySelectorAll('svg.plot:not(.slim)')].map(s => {
         const r = s.getBoundingClientRect(); return [r.width, r.height, s.querySelectorAll('circle').length]; })""")
     assert len(sizes) > 5
     assert all(w > 300 and h > 100 and n > 0 for w, h, n in sizes)
@@ -133,6 +133,39 @@ def test_texts_of_a_figure_do_not_overlap(browser, whole, width):
     opened(browser, whole, width)
     overlaps = browser.execute_script(OVERLAPS)
     assert overlaps == []
+
+
+INSIDE = """
+const seen = e => {
+  const r = e.getBoundingClientRect();
+  return (r.width > 0 || r.height > 0) && r.left >= 0 && r.right <= innerWidth + 1;
+};
+return [...document.querySelectorAll(arguments[0])].filter(e => e.getClientRects().length).map(seen)"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_on_a_phone_the_verdict_the_tolerance_and_the_comparison_are_seen_without_scrolling(browser, whole, scheme):
+    opened(browser, whole, 390, 844, scheme)
+    browser.execute_script("document.querySelector('details.robot').open = true")
+    for what in ("p.verdict strong", "svg.slim .level", "details.robot[open] .terms th:nth-child(4)",
+                 "details.robot[open] .terms td:nth-child(4)", ".changes td:nth-child(2)"):  # fmt: skip
+        found = browser.execute_script(INSIDE, what)
+        assert found and all(found), what
+    assert browser.execute_script("return document.querySelectorAll('svg.wide')[0].getClientRects().length") == 0
+
+
+def test_a_refused_robots_page_says_why_at_the_top(browser, tmp_path):
+    from dualpin.crosscheck.results import Refusal, Report
+
+    path = tmp_path / "refused.html"
+    why = "arm.urdf, line 12: joint 'elbow': parent link 'uper' is not declared; did you mean 'upper'?"
+    path.write_text(page(Report(refused=[Refusal("arm.urdf", why, True)])))
+    opened(browser, path, 390, 844)
+    top = browser.find_element("css selector", ".verdict")
+    assert "Refused" in top.text and why in top.text
+    assert top.rect["y"] + top.rect["height"] < 844
+    words = browser.find_element("tag name", "body").text
+    assert "0 comparisons" not in words and "Settings: ." not in words
 
 
 def shown(browser):
