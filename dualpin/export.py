@@ -63,6 +63,7 @@ def export_c(
 
     Parameters
     ----------
+    robot : Robot
     term : str
         "rnea", "crba", "fk", "frame_pose", ...
     folder : path, optional
@@ -195,17 +196,17 @@ def symbolic(robot: Robot, term: str, *, simplify: bool = True, decimals: bool =
     sympy.Expr, sympy.Matrix or sympy.Array
         By the number of axes: none, one (a column) or two, more.
 
-    Notes
-    -----
-    All is computed with fractions, exactly; "link_terms" has the shape (links, nv, 2 nv + 1), the columns of
-    M_i, C_i and g_i side by side.
-
     Raises
     ------
     ArgumentError
         If there is no such term, or symbols of the wrong number are given.
     DualpinError
         If SymPy is not installed.
+
+    Notes
+    -----
+    All is computed with fractions, exactly; "link_terms" has the shape (links, nv, 2 nv + 1), the columns of
+    M_i, C_i and g_i side by side.
 
     Examples
     --------

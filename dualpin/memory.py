@@ -127,6 +127,20 @@ def _shrink(most: int) -> int:
 def limit(size: int | None = None) -> int:
     """How many bytes may lie idle; with an argument, from now on.  0 switches the pool off.
 
+    Parameters
+    ----------
+    size : int, optional
+        Bytes.
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ArgumentError
+        Where it is no number of bytes.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -167,6 +181,10 @@ def _machine() -> int:
 
 def clear() -> int:
     """Give back to the system what is idle; returns how many bytes.  Arrays in use are not touched.
+
+    Returns
+    -------
+    int
 
     Examples
     --------

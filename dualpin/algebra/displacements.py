@@ -21,6 +21,24 @@ def dual_matrix(T: ArrayLike) -> Dual:
 
     It carries motors from the child frame to the parent: composition is the product, inversion the transpose.
 
+    Parameters
+    ----------
+    T : array_like, shape (..., 4, 4)
+        Homogeneous matrices.
+
+    Returns
+    -------
+    Dual, shape (..., 3, 3)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where they are no homogeneous matrices.
+
+    References
+    ----------
+    Kotelnikov (1895); Study (1903).
+
     Examples
     --------
     >>> import numpy as np, dualpin as dp
@@ -36,7 +54,32 @@ def dual_matrix(T: ArrayLike) -> Dual:
 
 
 def homogeneous(A: Any) -> np.ndarray:
-    """The homogeneous matrix of a dual orthogonal one: [p] = A' R^T, shape (..., 4, 4)."""
+    """The homogeneous matrix of a dual orthogonal one: [p] = A' R^T, shape (..., 4, 4).
+
+    Parameters
+    ----------
+    A : Dual, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+
+    Raises
+    ------
+    ShapeError
+        For other shapes.
+
+    References
+    ----------
+    Study (1903).
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> T = np.eye(4); T[:3, 3] = 1, 2, 3
+    >>> bool((dp.algebra.homogeneous(dp.algebra.dual_matrix(T)) == T).all())
+    True
+    """
     R, D = matrices("homogeneous: A", A)
     S = D @ R.swapaxes(-1, -2)
     T = np.zeros((*R.shape[:-2], 4, 4))
@@ -60,6 +103,11 @@ def euler_parameters(A: Any) -> Dual:
     Returns
     -------
     Dual, shape (..., 4), with e_0 >= 0
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or matrices that are not dual orthogonal.
 
     References
     ----------
@@ -95,6 +143,26 @@ def screw_matrix(axis: Any, angle: Any) -> Dual:
 
         A = E E^T + cos(t) (1 - E E^T) + sin(t) [E]
 
+    Parameters
+    ----------
+    axis : LineVector, Motor, Dual (..., 3) or array_like (..., 6)
+        A unit line.
+    angle : Dual, number or array of them
+        t + eps d in rad and m.
+
+    Returns
+    -------
+    Dual, shape (..., 3, 3)
+
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
+    References
+    ----------
+    Rodrigues (1840); by transference, Study (1903).
+
     Examples
     --------
     >>> import dualpin as dp
@@ -123,7 +191,36 @@ def _angle(angle: Any) -> Dual:
 
 
 def rodrigues(axis: Any, angle: Any) -> Motor:
-    """The dual Rodrigues vector T = E tan(t / 2) of a finite screw with dual angle t about the line E."""
+    """The dual Rodrigues vector T = E tan(t / 2) of a finite screw with dual angle t about the line E.
+
+    Parameters
+    ----------
+    axis : LineVector, Motor, Dual (..., 3) or array_like (..., 6)
+        A unit line.
+    angle : Dual, number or array of them
+        t + eps d in rad and m; not an odd multiple of pi.
+
+    Returns
+    -------
+    Motor
+
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
+    References
+    ----------
+    Rodrigues (1840); Pennestri & Stefanelli (2007), eqs 49-50, their composition.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> T = dp.algebra.rodrigues(dp.algebra.line([1, 0, 0], [0, 0, 1]), dp.Dual(0.5, 2.0))
+    >>> t, axis = dp.algebra.screw_of(T)
+    >>> round(float(t.real), 12), round(float(t.dual), 12), (axis.point.round(12) + 0.0).tolist()
+    (0.5, 2.0, [1.0, 0.0, 0.0])
+    """
     return as_motor("rodrigues", axis).axis * tan(_angle(angle) / 2)
 
 
@@ -176,7 +273,35 @@ def compose_screws(first: Any, second: Any, *, body: bool = False) -> Motor:
 
 
 def screw_of(rodrigues_vector: Any) -> tuple[Dual, LineVector]:
-    """The dual angle t in (0, pi) and the axis of T = E tan(t / 2)."""
+    """The dual angle t in (0, pi) and the axis of T = E tan(t / 2).
+
+    Parameters
+    ----------
+    rodrigues_vector : Motor, Dual (..., 3) or array_like (..., 6)
+        As `rodrigues` returns it.
+
+    Returns
+    -------
+    t : Dual, shape (...,)
+        t + eps d in rad and m, t in (0, pi).
+    axis : LineVector
+
+    Raises
+    ------
+    DualDivisionError
+        Of a pure translation, which has no axis.
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), eqs 49-50, the composition of such vectors.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> t, axis = dp.algebra.screw_of([0, 0, 1, 0, -1, 0])
+    >>> round(float(t.real), 6), (axis.point.round(12) + 0.0).tolist()
+    (1.570796, [1.0, 0.0, 0.0])
+    """
     T = as_motor("screw_of", rodrigues_vector)
     size = T.magnitude
     return atan(size) * 2, T.axis
@@ -193,6 +318,22 @@ def twist_between(T0: ArrayLike, T1: ArrayLike, dt: float = 1.0) -> Motor:
     ----------
     T0, T1 : array_like
         Homogeneous matrices (..., 4, 4) or dual quaternions (..., 8).
+    dt : float
+        The time between them [s].
+
+    Returns
+    -------
+    Motor
+        In rad/s and m/s.
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        Where they are no poses.
+
+    References
+    ----------
+    Lynch & Park (2017), 3.3.3, the logarithm of a rigid motion.
 
     Examples
     --------

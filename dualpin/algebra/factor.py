@@ -250,7 +250,31 @@ def eig(A: Any, normalize: str = "transpose") -> tuple[Dual, Dual]:
 
 
 def eigvals(A: Any) -> Dual:
-    """The eigenvalues alone, in the order of `eig`, shape (..., n)."""
+    """The eigenvalues alone, in the order of `eig`, shape (..., n).
+
+    Parameters
+    ----------
+    A : Dual or array_like, shape (..., n, n)
+
+    Returns
+    -------
+    Dual, shape (..., n)
+
+    Raises
+    ------
+    AssumptionError
+        If eigenvalues of the real part are repeated.
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), as for `eig`.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> dp.algebra.eigvals(dp.Dual([[2, 0], [0, 3]], [[1, 5], [5, 4]])).dual.round(12).tolist()
+    [1.0, 4.0]
+    """
     a, da = matrices("eigvals: A", A, square=True)
     w, _, d = _spectrum("eigvals", a, da)
     return Dual(w, diagonals(d).copy())
@@ -288,6 +312,10 @@ def eigh(A: Any) -> tuple[Dual, Dual]:
 
     Both parts are taken from the lower triangle.
 
+    Parameters
+    ----------
+    A : Dual or array_like, shape (..., n, n)
+
     Returns
     -------
     w : Dual, shape (..., n);  V : Dual, shape (..., n, n), with V^H V = 1, signs as in `eig`
@@ -296,6 +324,10 @@ def eigh(A: Any) -> tuple[Dual, Dual]:
     ------
     AssumptionError
         If eigenvalues of the real part are repeated.
+
+    References
+    ----------
+    Magnus (1985), the differential of eigenvalues and eigenvectors.
 
     Examples
     --------

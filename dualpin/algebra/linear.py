@@ -109,6 +109,10 @@ def lstsq(A: Any, b: Any, rcond: float | None = None) -> Dual:
     SingularError
         If the rank of the real part does not allow a dual solution, see `pinv`.
 
+    References
+    ----------
+    Pennestri & Stefanelli (2007), for `pinv_simple`, whose solution is not of least squares.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -175,6 +179,33 @@ def pinv_simple(A: Any, rcond: float | None = None) -> Dual:
 
     A left inverse of tall matrices and a right inverse of wide ones, but A A^+ (A^+ A) is not
     symmetric: not the Moore-Penrose inverse, and not the one that solves least squares problems.
+
+    Parameters
+    ----------
+    A : Dual or array_like, shape (..., m, n)
+    rcond : float, optional
+        Singular values of the real part below this share of the largest count as zero.
+
+    Returns
+    -------
+    Dual, shape (..., n, m)
+
+    Raises
+    ------
+    ShapeError
+        If it is no matrix.
+
+    References
+    ----------
+    Pennestri & Stefanelli (2007), eq 33.
+
+    Examples
+    --------
+    >>> import numpy as np, dualpin as dp
+    >>> A = dp.Dual([[1, 3], [9, 22], [4, 4]], [[4, 0], [2, 4], [4, 1]])
+    >>> P = dp.algebra.pinv_simple(A) @ A
+    >>> bool(np.allclose(P.real, np.eye(2)) and np.allclose(P.dual, 0))
+    True
     """
     a, da = matrices("pinv_simple: A", A)
     p = _pseudo_inverse("pinv_simple", a, da, rcond)
@@ -216,6 +247,15 @@ def det(A: Any) -> Dual:
     -------
     Dual, shape (...)
 
+    Raises
+    ------
+    ShapeError
+        If the matrices are not square.
+
+    References
+    ----------
+    Jacobi (1841), the derivative of a determinant.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -235,10 +275,26 @@ def det(A: Any) -> Dual:
 def norm(x: Any, axis: int | tuple[int, ...] | None = None, keepdims: bool = False) -> Dual:
     """The Euclidean (Frobenius) norm sqrt(x . x), |x| + eps (x . x') / |x|; also of numbers whose squares overflow.
 
+    Parameters
+    ----------
+    x : Dual or array_like
+    axis : int or pair of int, optional
+        Over which it is taken; all by default.
+    keepdims : bool
+        Keep those axes, of length 1.
+
+    Returns
+    -------
+    Dual
+
     Raises
     ------
     DualDivisionError
         Of pure duals: sqrt has no derivative at 0.
+
+    References
+    ----------
+    Study (1903).
 
     Examples
     --------

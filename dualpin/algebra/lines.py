@@ -33,6 +33,11 @@ def dual_angle(a: Any, b: Any) -> Dual:
     -------
     Dual, shape (...), in rad and m
 
+    Raises
+    ------
+    AssumptionError, ShapeError
+        Where one has no axis (a couple, or zero); for other arrays than above.
+
     References
     ----------
     Pennestri & Stefanelli (2007), sec. 7.2.
@@ -136,6 +141,11 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
     a, b : Motor, Dual (3,) or array_like (6,)
         With axes that are not parallel.
 
+    Returns
+    -------
+    ScrewSum
+        ``.sum``, the angles ``.theta``, ``.alpha1`` and ``.alpha2`` between the three axes.
+
     Raises
     ------
     AssumptionError, DualDivisionError
@@ -168,6 +178,24 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
 
 def motor_sum(a: Any, b: Any) -> Motor:
     """The sum of two motors; `screw_sum` shows its construction from dual angles, where that is defined.
+
+    Parameters
+    ----------
+    a, b : Motor, Dual (..., 3) or array_like (..., 6)
+        Broadcast together.
+
+    Returns
+    -------
+    Motor
+
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
+    References
+    ----------
+    Ball (1900), ch. I; Pennestri & Stefanelli (2007), sec. 7.4.
 
     Examples
     --------
@@ -218,10 +246,19 @@ def cylindroid(a: Any, b: Any) -> Cylindroid:
     ----------
     a, b : Motor, Dual (3,) or array_like (6,)
 
+    Returns
+    -------
+    Cylindroid
+        ``.axes`` and ``.pitches`` of the two principal screws, ``.center`` where they meet.
+
     Raises
     ------
     AssumptionError
         If the directions are parallel (their screws fill a plane pencil) or one is a couple.
+
+    References
+    ----------
+    Ball (1900), ch. II.
 
     Examples
     --------

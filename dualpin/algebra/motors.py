@@ -213,6 +213,10 @@ def line(point: ArrayLike, direction: ArrayLike) -> LineVector:
     SingularError
         If a direction is zero.
 
+    References
+    ----------
+    Pluecker (1865); Study (1903).
+
     Examples
     --------
     >>> import dualpin as dp
@@ -257,6 +261,11 @@ def classify(motor: Any, tol: float = ROUNDING) -> np.ndarray:
     -------
     ndarray of str, shape (...)
 
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
     References
     ----------
     Pennestri & Stefanelli (2007), Table 1, where the couple's M' != 0 is missing.
@@ -278,6 +287,23 @@ def classify(motor: Any, tol: float = ROUNDING) -> np.ndarray:
 def pitch(motor: Any) -> np.ndarray:
     """M.M' / M.M in metres per radian; infinite of a couple, nan of zero.  Per turn: times 2 pi.
 
+    Parameters
+    ----------
+    motor : Motor, Dual (..., 3) or array_like (..., 6)
+
+    Returns
+    -------
+    ndarray, shape (...,), in m/rad
+
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
+    References
+    ----------
+    Ball (1900), ch. I.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -292,6 +318,24 @@ def reciprocal(a: Any, b: Any) -> np.ndarray:
 
     Of a twist w + eps v and a wrench f + eps n the virtual power; of two unit lines -s sin(theta), zero when
     they meet or are parallel.
+
+    Parameters
+    ----------
+    a, b : Motor, Dual (..., 3) or array_like (..., 6)
+        Broadcast together.
+
+    Returns
+    -------
+    ndarray, shape (...,)
+
+    Raises
+    ------
+    ShapeError
+        Where the last axis is not that of a motor.
+
+    References
+    ----------
+    Ball (1900), ch. II; Lynch & Park (2017), 3.4, of power.
 
     Examples
     --------

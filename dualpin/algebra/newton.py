@@ -56,6 +56,8 @@ def newton(
         Where to begin; a sequence or a dual array (n,) for a system.
     tol : float
         Stop when a step changes no part by more than tol max(1, |x|), or when steps below 1e-9 shrink no more.
+    max_iterations : int
+        After which it counts as not converging.
     real_only : sequence of int
         Unknowns that are real: their dual parts are no unknowns and stay as given.  Then the real and the
         dual equations are solved together.

@@ -31,6 +31,25 @@ STEPS = 600  # of the simultaneous iteration: simple roots need tens, double one
 def polyval(x: Any, c: Any) -> Dual:
     """c_0 + c_1 x + ... + c_n x^n by Horner's rule; coefficients ascending along the last axis of c.
 
+    Parameters
+    ----------
+    x : Dual, number or array of them
+    c : Dual or array_like, shape (..., n + 1)
+        Coefficients, that of x^0 first.
+
+    Returns
+    -------
+    Dual
+
+    Raises
+    ------
+    ShapeError
+        Where the shapes do not go together.
+
+    References
+    ----------
+    Horner (1819).
+
     Examples
     --------
     >>> import dualpin as dp

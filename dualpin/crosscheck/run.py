@@ -48,6 +48,8 @@ def validate(
         Some of `dualpin.crosscheck.CHECKS`; all by default.
     floating, mimic : bool
         As in `dualpin.load`, where a name or path is given.
+    engine : "auto", "compiled", "numpy" or "cuda"
+        What computes dualpin's side.
     arbitrate : bool
         Where a term differs, its definition in 50 digits always says who is nearer; with this also
         where it agrees and is off by more than 1e-13.  The errors of both are in
@@ -55,7 +57,6 @@ def validate(
     against : str, optional
         Name or path of a URDF that the robot is compared with, whatever it came from.  What differs
         in bodies, joints and gravity is in the notes of the result and in the reasons of its terms.
-
     oracle : str
         Who it is compared with, one of `dualpin.crosscheck.oracles.ORACLES`.
 
@@ -64,14 +65,14 @@ def validate(
     Report
         ``.passed``, ``.terms[name].max_scaled_error``, ``.write(folder)``.
 
+    Raises
+    ------
+    UrdfError, ArgumentError, OracleError
+
     Notes
     -----
     The scaled error of a term is max|x - ref| / max(1, max|ref|) over the entries of a sample.
     Each tolerance carries its reason; 1e-12 is the ceiling of terms without a linear solve.
-
-    Raises
-    ------
-    UrdfError, ArgumentError, OracleError
 
     Examples
     --------

@@ -54,6 +54,8 @@ def from_screws(
     Glist : array_like, shape (n, 6, 6), optional
         Spatial inertias of the links in the frames {i}, angular first, as Modern Robotics has them.
     gravity : (3,) in the base frame [m/s^2]
+    name : str
+        Of the robot.
     unit : bool
         Refuse screws that are not of unit length; otherwise they multiply their coordinates.
 

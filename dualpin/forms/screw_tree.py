@@ -100,6 +100,7 @@ def to_screws(
 
     Parameters
     ----------
+    robot : Robot
     tip, base : str or Frame, optional
         Links (or frames); base is the root by default.  Without a tip: the only leaf, or, of a
         robot that branches, all of them.

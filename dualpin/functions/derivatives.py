@@ -60,6 +60,7 @@ def rnea_derivatives(
     References
     ----------
     Singh, Russell & Wensing (2022), Efficient analytical derivatives of rigid-body dynamics.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -117,6 +118,7 @@ def aba_derivatives(
     References
     ----------
     Carpentier & Mansard (2018), Analytical derivatives of rigid body dynamics algorithms.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -174,6 +176,7 @@ def rnea_jvp(
     References
     ----------
     Griewank & Walther (2008), 3.1, the tangent mode, of the recursion of `rnea`.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -229,6 +232,7 @@ def rnea_vjp(
     References
     ----------
     Griewank & Walther (2008), 3.2, the adjoint mode, of the recursion of `rnea`.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

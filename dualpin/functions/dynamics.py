@@ -60,6 +60,7 @@ def rnea(
     References
     ----------
     Luh, Walker & Paul (1980); Featherstone (2008), 5.3.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -117,6 +118,7 @@ def joint_wrenches(
     References
     ----------
     Luh, Walker & Paul (1980); Featherstone (2008), 5.3, where it is f_i.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -233,6 +235,7 @@ def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     References
     ----------
     Walker & Orin (1982); Featherstone (2008), 6.2.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -275,6 +278,7 @@ def coriolis(
     References
     ----------
     Echeandia & Wensing (2021).
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -333,6 +337,7 @@ def aba(
     References
     ----------
     Featherstone (1983); Featherstone (2008), 7.3 and 6.5.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -372,6 +377,7 @@ def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: s
     References
     ----------
     Featherstone (2008), 6.5.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

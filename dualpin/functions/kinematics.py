@@ -61,6 +61,7 @@ def fk(
     References
     ----------
     Study (1903) for dual quaternions; Featherstone (2008), 4.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -113,6 +114,7 @@ def jacobian(
     References
     ----------
     Lynch & Park (2017), 5.1; Featherstone (2008), 4.4.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -164,6 +166,7 @@ def jacobian_dot(
     References
     ----------
     Featherstone (2008), 2.11 and 4.4; Lynch & Park (2017), 5.1.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -215,6 +218,7 @@ def frame_velocity(
     References
     ----------
     Lynch & Park (2017), 5.1; Featherstone (2008), 4.4.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -273,6 +277,7 @@ def frame_acceleration(
     References
     ----------
     Featherstone (2008), 2.11.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

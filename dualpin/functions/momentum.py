@@ -115,6 +115,7 @@ def centroidal_momentum_matrix(
     References
     ----------
     Orin & Goswami (2008).
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

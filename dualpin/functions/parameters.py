@@ -48,6 +48,7 @@ def joint_torque_regressor(
     References
     ----------
     Atkeson, An & Hollerbach (1986).
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -81,6 +82,7 @@ def inertial_parameters(robot: Robot) -> np.ndarray:
     References
     ----------
     Atkeson, An & Hollerbach (1986).
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -151,6 +153,7 @@ def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto"
     References
     ----------
     Laus, Simoni & Martins, progressive dynamics by screws; here for any tree.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

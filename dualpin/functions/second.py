@@ -61,6 +61,7 @@ def rnea_hvp(
     References
     ----------
     Griewank & Walther (2008), 5.1, second-order adjoints.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -124,6 +125,7 @@ def rnea_hessian(
     References
     ----------
     Nganga & Wensing (2021), Accelerating second-order differential dynamic programming for rigid-body systems.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------
@@ -189,6 +191,7 @@ def rnea_second_derivatives(
     References
     ----------
     Singh, Russell & Wensing (2022), On second-order derivatives of rigid-body dynamics: theory and implementation.
+    Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples
     --------

@@ -22,6 +22,26 @@ def amplification(method: str | Method, z: float, held: bool = False) -> float:
     The step is linear there: its matrix on (y, h f_{k-1}, h f_{k-2}, ...) is found by stepping unit
     vectors, and the factor is its spectral radius.
 
+    Parameters
+    ----------
+    method : str or Method
+    z : float
+        K dt.
+    held : bool
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ArgumentError
+        For a method that is not known.
+
+    References
+    ----------
+    Hairer & Wanner (1996), IV.2 and V.1.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -43,6 +63,28 @@ def stability_limit(method: str | Method, tolerance: float = 1e-12, held: bool =
     """The largest K dt for which the closed loop e' = -K e does not grow; `held`: with the error of the step's start.
 
     Scanned upwards from 0 in hundredths, then bisected.
+
+    Parameters
+    ----------
+    method : str or Method
+    tolerance : float
+        By how much the factor may exceed 1, for rounding.
+    held : bool
+        See `amplification`.
+
+    Returns
+    -------
+    float
+        K dt.
+
+    Raises
+    ------
+    ArgumentError
+        For a method that is not known.
+
+    References
+    ----------
+    Hairer & Wanner (1996), IV.2 and V.1.
 
     Examples
     --------

@@ -19,7 +19,45 @@ Past = tuple[Any, ...]
 
 
 def step(method: Method, f: Rate, y: Any, h: Any, past: Past = (), space: Space = Space()) -> tuple[Any, Past]:  # noqa: B008
-    """The value one step later, and the rates that the next step looks back on (latest first)."""
+    """The value one step later, and the rates that the next step looks back on (latest first).
+
+    Parameters
+    ----------
+    method : Method
+    f : callable
+        The rate of y.
+    y : value
+        Of the space.
+    h : scalar
+        The step [s].
+    past : tuple of rates
+        Those that came before, latest first; as many as a multistep method looks back on.
+    space : Space
+        How a value moves along a rate; vectors by default.
+
+    Returns
+    -------
+    y : value
+        One step later.
+    past : tuple of rates
+        For the next step.
+
+    Raises
+    ------
+    DualpinError
+        Whatever the rate raises.
+
+    References
+    ----------
+    Hairer, Norsett & Wanner (1993), II.1 and III.1; on groups, Munthe-Kaas (1998).
+
+    Examples
+    --------
+    >>> from dualpin.integrators import method_named, step
+    >>> y, past = step(method_named("rk4"), lambda i, y: -y, 1.0, 0.1)
+    >>> round(y, 7)
+    0.9048375
+    """
     if isinstance(method, RungeKutta):
         K = stages(method, f, y, h, space)
         return space.move(y, combination(method.b, K, h)), K[:1]

@@ -101,6 +101,20 @@ _ALIASES = {"trap": "trapezoidal", "dopri5": "rk45", "explicit_euler": "euler", 
 def method_named(name: str | Method) -> Method:
     """The method of that name, or an error that offers the nearest.
 
+    Parameters
+    ----------
+    name : str or Method
+        A name of `METHODS`, or a method, which comes back.
+
+    Returns
+    -------
+    Method
+
+    Raises
+    ------
+    ArgumentError
+        For a name that is not known.
+
     Examples
     --------
     >>> import dualpin as dp

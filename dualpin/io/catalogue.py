@@ -66,6 +66,16 @@ def catalogue() -> dict[str, Path]:
     """Every URDF file of example-robot-data: name -> path, sorted.
 
     The name is the file's stem, qualified by its robot's folder where two files share it.
+
+    Returns
+    -------
+    dict of str to Path
+
+    Examples
+    --------
+    >>> from dualpin.io import catalogue
+    >>> catalogue()["panda"].name
+    'panda.urdf'
     """
     folder = data_folder()
     if folder is None:
@@ -90,10 +100,26 @@ def find(
 ) -> Path:
     """The file of a robot's name, alias or path; of an xacro file the URDF that it expands to.
 
+    Parameters
+    ----------
+    name : str or path
+    xacro_args, packages : mapping, optional
+        As of `dualpin.load`.
+
+    Returns
+    -------
+    Path
+
     Raises
     ------
     UrdfError
         With the nearest names, or with what to install.
+
+    Examples
+    --------
+    >>> from dualpin.io import find
+    >>> find("panda").name
+    'panda.urdf'
     """
     text = os.fspath(name)
     robots = catalogue()

@@ -25,6 +25,29 @@ from ..spatial import UX, UZ, Inertia, Matrix3, Pose, Rotation, Vector3
 def body(mass: Any, com: ArrayLike, inertia: ArrayLike) -> Inertia:
     """A rigid body by its mass, centre of mass, and inertia (3, 3) about the centre of mass; numbers or symbols.
 
+    Parameters
+    ----------
+    mass : scalar
+        [kg]
+    com : array_like, shape (3,)
+        Centre of mass in the frame of the body [m].
+    inertia : array_like, shape (3, 3)
+        About the centre of mass, in the axes of that frame [kg m^2].
+
+    Returns
+    -------
+    Inertia
+        About the origin of the frame, as robots have it.
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is neither number nor symbol.
+
+    References
+    ----------
+    Featherstone (2008), 2.13.
+
     Examples
     --------
     >>> import dualpin as dp

@@ -52,6 +52,7 @@ def link_jacobian(robot: Robot, q: ArrayLike, link: str, route: str = "direct") 
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     link : str
         A link with mass.

@@ -19,6 +19,7 @@ def instantaneous_screw(robot: Robot, q: ArrayLike, v: ArrayLike, frame: str | i
 
     Parameters
     ----------
+    robot : Robot
     q : array_like (..., nq)
     v : array_like (..., nv)
     frame : str, int or Frame
@@ -27,6 +28,14 @@ def instantaneous_screw(robot: Robot, q: ArrayLike, v: ArrayLike, frame: str | i
     -------
     Motor
         ``.axis``, ``.point``, ``.pitch``, ``.kind``; a resting frame is of kind "zero".
+
+    Raises
+    ------
+    FrameNotFoundError, ShapeError, ArgumentError
+
+    References
+    ----------
+    Ball (1900), ch. I; Lynch & Park (2017), 3.3.2.
 
     Examples
     --------
@@ -91,6 +100,10 @@ def principal_screws(body: Inertia | Robot, link: str | None = None) -> Principa
     body : Inertia or Robot
     link : str, optional
         The link's name, for a robot.
+
+    Returns
+    -------
+    PrincipalScrews
 
     Raises
     ------

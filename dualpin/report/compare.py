@@ -27,10 +27,23 @@ def compare(
         A time that grew by more than this is worse: of the ratio to Pinocchio where both have
         one (measured side by side, so that another machine does not count), of the time else.
 
+    Returns
+    -------
+    Comparison
+        ``.changes``, and ``.worse`` of them.
+
     Raises
     ------
     ArgumentError
         If the results are of different kinds, or of a kind that cannot be compared.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.report import compare
+    >>> old, new = (dp.validate("ur5", samples=2, terms=["rnea"]) for _ in range(2))
+    >>> compare(old, new).worse
+    []
     """
     old, new = (Study("validation", "", s, header=dict(s.versions)) if isinstance(s, Report) else s for s in (old, new))
     if old.subject != new.subject:

@@ -114,6 +114,21 @@ def read(path: str | Path) -> Study:
 def study(data: Any, name: str = "result") -> Study:
     """As `read`, from what the JSON document holds.
 
+    Parameters
+    ----------
+    data : dict or list
+    name : str
+        What to call it.
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    ArgumentError
+        If it holds nothing that is known.
+
     Examples
     --------
     >>> from dualpin.report import study

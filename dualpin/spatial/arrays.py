@@ -76,10 +76,24 @@ def _motor(what: str, value: ArrayLike) -> Vector3:
 def from_matrix(T: ArrayLike) -> np.ndarray:
     """Dual quaternion of a homogeneous matrix, r + eps t r / 2 with w >= 0, shape (..., 8).
 
+    Parameters
+    ----------
+    T : array_like, shape (..., 4, 4)
+        Homogeneous matrices.
+
+    Returns
+    -------
+    ndarray, shape (..., 8)
+        w x y z of the real part, then of the dual part, w >= 0.
+
     Raises
     ------
     ArgumentError
         If the upper left block is not a rotation to 1e-6 or the last row is not 0 0 0 1.
+
+    References
+    ----------
+    Shepperd (1978); Pennestri & Stefanelli (2007), Table 4.
 
     Examples
     --------
@@ -105,6 +119,24 @@ def from_matrix(T: ArrayLike) -> np.ndarray:
 def to_matrix(x: ArrayLike) -> np.ndarray:
     """Homogeneous matrix of a unit dual quaternion, shape (..., 4, 4).
 
+    Parameters
+    ----------
+    x : array_like, shape (..., 8)
+        Unit dual quaternions.
+
+    Returns
+    -------
+    ndarray, shape (..., 4, 4)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
+    References
+    ----------
+    Study (1903).
+
     Examples
     --------
     >>> import dualpin as dp
@@ -125,6 +157,24 @@ def to_matrix(x: ArrayLike) -> np.ndarray:
 def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
     """The dual quaternion product a b: the motion b, then a, both about fixed axes, shape (..., 8).
 
+    Parameters
+    ----------
+    a, b : array_like, shape (..., 8)
+        Unit dual quaternions; b is applied first.
+
+    Returns
+    -------
+    ndarray, shape (..., 8)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
+    References
+    ----------
+    Study (1903); Lynch & Park (2017), 3.3.1, of the same product of matrices.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -138,7 +188,34 @@ def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
 
 
 def inverse(x: ArrayLike) -> np.ndarray:
-    """Of a unit dual quaternion: its conjugate, shape (..., 8)."""
+    """Of a unit dual quaternion: its conjugate, shape (..., 8).
+
+    Parameters
+    ----------
+    x : array_like, shape (..., 8)
+        Unit dual quaternions.
+
+    Returns
+    -------
+    ndarray, shape (..., 8)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
+    References
+    ----------
+    Study (1903): the conjugate.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dualpin.spatial import compose, exp, inverse
+    >>> x = exp([0.1, 0.2, 0.3, 1.0, 2.0, 3.0])
+    >>> bool(np.allclose(compose(x, inverse(x)), [1, 0, 0, 0, 0, 0, 0, 0]))
+    True
+    """
     return _stack(_motion("inverse: x", x).conjugate)
 
 
@@ -157,6 +234,15 @@ def exp(twist: ArrayLike) -> np.ndarray:
     -------
     ndarray, shape (..., 8)
 
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes.
+
+    References
+    ----------
+    Study (1903); Lynch & Park (2017), 3.3.3.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -173,6 +259,25 @@ def log(x: ArrayLike) -> np.ndarray:
     """The twist [w; v] with exp(twist) = +-x, |w| <= pi, shape (..., 6).
 
     x is a unit dual quaternion (..., 8), or a homogeneous matrix (..., 4, 4).
+
+    Parameters
+    ----------
+    x : array_like, shape (..., 8)
+        Unit dual quaternions.
+
+    Returns
+    -------
+    ndarray, shape (..., 6)
+        [w; v] in rad and m.
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
+    References
+    ----------
+    Lynch & Park (2017), 3.3.3.
 
     Examples
     --------
@@ -209,6 +314,15 @@ def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
     Returns
     -------
     ndarray, shape (..., 8)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
+    References
+    ----------
+    Kavan, Collins, Zara & O'Sullivan (2008), Geometric skinning with approximate dual quaternion blending.
 
     Examples
     --------
@@ -255,10 +369,19 @@ def screw_parameters(T: ArrayLike) -> ScrewParameters:
     -------
     ScrewParameters
 
+    Raises
+    ------
+    ShapeError, ArgumentError
+        For other shapes, or what is no rigid motion.
+
     Notes
     -----
     From the logarithm t n + eps (d n + t m), exact near 0 and near pi; angles below 8 eps count
     as pure translations.
+
+    References
+    ----------
+    Chasles (1830); Lynch & Park (2017), 3.3.2 and 3.3.3.
 
     Examples
     --------

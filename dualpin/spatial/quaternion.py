@@ -158,6 +158,29 @@ class Quaternion(Compound):
 
 
 def displaced(r: Quaternion, t: Vector3) -> Quaternion:
-    """The unit dual quaternion r + eps t r / 2 of the rotation r followed by the translation t."""
+    """The unit dual quaternion r + eps t r / 2 of the rotation r followed by the translation t.
+
+    Parameters
+    ----------
+    r : Quaternion
+        A unit one: the rotation.
+    t : Vector3
+        The translation [m].
+
+    Returns
+    -------
+    Quaternion
+        Over dual numbers.
+
+    References
+    ----------
+    Study (1903).
+
+    Examples
+    --------
+    >>> from dualpin.spatial import Quaternion, Vector3, displaced
+    >>> displaced(Quaternion(1.0, 0.0, 0.0, 0.0), Vector3(2.0, 0.0, 0.0)).dual
+    Quaternion(0.0, 1.0, 0.0, 0.0)
+    """
     moved = Quaternion(ZERO, *t) * r
     return Quaternion(*(Dual(a, b / 2) for a, b in zip(r, moved, strict=True)))

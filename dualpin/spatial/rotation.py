@@ -9,7 +9,22 @@ from .vector import AXES, UX, UY, UZ, Matrix3, Vector3
 
 
 def diagonal(s: Scalar) -> Matrix3:
-    """s times the identity."""
+    """s times the identity.
+
+    Parameters
+    ----------
+    s : scalar
+
+    Returns
+    -------
+    Matrix3
+
+    Examples
+    --------
+    >>> from dualpin.spatial import diagonal
+    >>> diagonal(2.0).array.tolist()
+    [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]
+    """
     return Matrix3(UX * s, UY * s, UZ * s)
 
 
@@ -40,7 +55,26 @@ ZEROS = diagonal(ZERO)
 
 
 def skew(p: Vector3) -> Matrix3:
-    """[p], with [p] b = p x b."""
+    """[p], with [p] b = p x b.
+
+    Parameters
+    ----------
+    p : Vector3
+
+    Returns
+    -------
+    Matrix3
+
+    References
+    ----------
+    Lynch & Park (2017), 3.2.2.
+
+    Examples
+    --------
+    >>> from dualpin.spatial import Vector3, skew
+    >>> skew(Vector3(1.0, 2.0, 3.0)) @ Vector3(0.0, 0.0, 1.0)
+    Vector3(2.0, -1.0, 0.0)
+    """
     return IDENTITY.skewed(p)
 
 
@@ -48,6 +82,32 @@ def dh_rotation(theta: Scalar, alpha: Scalar, convention: str = "standard") -> R
     """Denavit-Hartenberg step as a dual rotation, with theta + eps d and alpha + eps a.
 
     standard (distal):  Rz(theta) Rx(alpha);    modified (proximal, Craig):  Rx(alpha) Rz(theta)
+
+    Parameters
+    ----------
+    theta, alpha : scalar
+        Dual angles theta + eps d and alpha + eps a.
+    convention : "standard" or "modified"
+
+    Returns
+    -------
+    Rotation
+
+    Raises
+    ------
+    ArgumentError
+        For another convention.
+
+    References
+    ----------
+    Denavit & Hartenberg (1955); Craig (2005), 3.4.
+
+    Examples
+    --------
+    >>> from dualpin import Dual
+    >>> from dualpin.spatial import dh_rotation
+    >>> dh_rotation(Dual(0.0, 0.3), Dual(0.0, 0.0)).rows[0].y
+    Dual(0.0, -0.3)
     """
     check_convention(convention)
     Z, X = Rotation.about(UZ, theta), Rotation.about(UX, alpha)

@@ -70,6 +70,10 @@ def transform_lines(x: ArrayLike, lines: Any) -> Any:
     -------
     ndarray, shape (..., k, 6), or Dual, shape (..., k, 3), as given
 
+    Raises
+    ------
+    ShapeError, ArgumentError
+
     References
     ----------
     Study (1903); Daniilidis (1999); Gouasmi et al. (2020), eq A3 by transference.
@@ -105,6 +109,10 @@ def transform_planes(x: ArrayLike, planes: ArrayLike) -> np.ndarray:
     -------
     ndarray, shape (..., k, 4)
 
+    Raises
+    ------
+    ShapeError, ArgumentError
+
     References
     ----------
     Selig (2005), *Geometric Fundamentals of Robotics*, 9.3.
@@ -130,10 +138,18 @@ def quaternion_to_matrix(q: ArrayLike) -> np.ndarray:
     q : array_like, shape (..., 4)
         Scalar first; q and -q are the same rotation.
 
+    Returns
+    -------
+    ndarray, shape (..., 3, 3)
+
     Raises
     ------
     ArgumentError
         If a length is not 1 to 1e-6.
+
+    References
+    ----------
+    Euler (1771); Hamilton (1844).
 
     Examples
     --------
@@ -153,6 +169,10 @@ def matrix_to_quaternion(R: ArrayLike) -> np.ndarray:
     Parameters
     ----------
     R : array_like, shape (..., 3, 3)
+
+    Returns
+    -------
+    ndarray, shape (..., 4)
 
     Raises
     ------

@@ -158,7 +158,27 @@ AXES = UX, UY, UZ = Vector3(ONE, ZERO, ZERO), Vector3(ZERO, ONE, ZERO), Vector3(
 
 
 def motor(real: Vector3, dual: Vector3) -> Vector3:
-    """The dual vector real + eps dual."""
+    """The dual vector real + eps dual.
+
+    Parameters
+    ----------
+    real, dual : Vector3
+
+    Returns
+    -------
+    Vector3
+        Over dual numbers.
+
+    References
+    ----------
+    Clifford (1873); Study (1903).
+
+    Examples
+    --------
+    >>> from dualpin.spatial import Vector3, motor
+    >>> motor(Vector3(0.0, 0.0, 1.0), Vector3(0.0, -2.0, 0.0)).y
+    Dual(0.0, -2.0)
+    """
     return Vector3(Dual(real.x, dual.x), Dual(real.y, dual.y), Dual(real.z, dual.z))
 
 
@@ -170,6 +190,29 @@ def power(screw: Twist, wrench: Wrench) -> Scalar:
 
     The dual part of the dot product; Ball's reciprocal product (Ball 1900).  It stands for every
     product with a transposed motion subspace, whatever the kind of joint.
+
+    Parameters
+    ----------
+    screw : Twist
+        w + eps v.
+    wrench : Wrench
+        f + eps n.
+
+    Returns
+    -------
+    scalar
+        [W]
+
+    References
+    ----------
+    Ball (1900), ch. II.
+
+    Examples
+    --------
+    >>> from dualpin.spatial import Vector3, motor, power
+    >>> twist = motor(Vector3(0.0, 0.0, 2.0), Vector3(1.0, 0.0, 0.0))
+    >>> power(twist, motor(Vector3(3.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.5)))
+    4.0
     """
     return screw.dot(wrench).dual
 

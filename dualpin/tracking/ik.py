@@ -105,6 +105,7 @@ def ik(
 
     Parameters
     ----------
+    robot : Robot
     target : array_like, shape (..., 4, 4) or (..., 8)
         Homogeneous matrices or unit dual quaternions, frame -> world.
     frame : str, int or Frame, optional
@@ -132,6 +133,8 @@ def ik(
         is moved to the nearest limit, and a note says so.
     seed : int
         Of the random starts.
+    engine : "auto", "compiled" or "numpy"
+        What computes it.
 
     Returns
     -------

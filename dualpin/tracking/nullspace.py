@@ -39,6 +39,15 @@ def _checked(robot: Robot, z: Any, n: int) -> np.ndarray:
 def away_from_limits(robot: Robot, q: np.ndarray) -> np.ndarray:
     """The downhill direction of sum ((q - middle) / range)^2 / 2, shape (..., nv); 0 where there are no limits.
 
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like, shape (..., nq)
+
+    Returns
+    -------
+    ndarray, shape (..., nv)
+
     References
     ----------
     Liegeois (1977).
@@ -67,6 +76,24 @@ def manipulability_gradient(
     """w = sqrt(det J J^T), shape (...,), and its gradient w tr(J^+ dJ/dq_k), shape (..., nv).
 
     dJ/dq_k is the Jacobian's rate of change when joint k alone moves with unit speed.
+
+    Parameters
+    ----------
+    robot : Robot
+    frame : str, int or Frame
+        A link or joint name, its index, or the frame itself.
+    q : array_like, shape (..., nq)
+    engine : "auto", "compiled" or "numpy"
+        What computes it.
+
+    Returns
+    -------
+    w : ndarray, shape (...,)
+    slope : ndarray, shape (..., nv)
+
+    Raises
+    ------
+    ShapeError, ArgumentError
 
     References
     ----------

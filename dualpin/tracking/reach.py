@@ -65,6 +65,7 @@ def reach(robot: Robot, frame: Frame, task: Any = "pose") -> Reach | None:
 
     Parameters
     ----------
+    robot : Robot
     frame : Frame
     task : str or six booleans
         What is asked of the frame, see `dualpin.track`.  A turn that is left free is one more joint at the frame.
@@ -72,6 +73,11 @@ def reach(robot: Robot, frame: Frame, task: Any = "pose") -> Reach | None:
     Returns
     -------
     Reach or None
+
+    Raises
+    ------
+    ArgumentError
+        For a task that is not known.
 
     Examples
     --------

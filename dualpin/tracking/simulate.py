@@ -117,6 +117,7 @@ def simulate(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
         The start; leading axes are a batch.
@@ -141,6 +142,8 @@ def simulate(
         d v + f v / sqrt(v^2 + (1e-3/s)^2); the result's notes say of which joints.  None: no losses.
     rtol, atol : float
         Of adaptive methods and SciPy's.
+    engine : "auto", "compiled" or "numpy"
+        What computes it.
 
     Returns
     -------

@@ -103,6 +103,7 @@ def track(
 
     Parameters
     ----------
+    robot : Robot
     trajectory : Circle, Line, Screw, Waypoints or callable
         A callable takes a time t and returns (pose (4, 4), twist (6,) [w; v]), v the velocity of
         the frame's origin, world axes.  Members of a batch have trajectories of their own when

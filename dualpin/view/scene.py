@@ -38,6 +38,19 @@ def axes(robot: Robot) -> list[Axis]:
     Of a twist w + eps v:  direction w / |w|,  point w x v / |w|^2,  pitch w . v / |w|^2
     (Ball 1900); where w = 0 a translation along v.
 
+    Parameters
+    ----------
+    robot : Robot
+
+    Returns
+    -------
+    list of Axis
+        One for each screw of each joint, in the order of the velocities of the joints.
+
+    References
+    ----------
+    Ball (1900), ch. I.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -63,6 +76,22 @@ def helix(axis: Axis, length: float, radius: float, turns: float = 4.0, points: 
 
     A helix that would be longer than `length` is cut; one that would be shorter has its full `turns`.
 
+    Parameters
+    ----------
+    axis : Axis
+    length, radius : float
+        [m]
+    turns : float
+    points : int
+
+    Returns
+    -------
+    ndarray, shape (points, 3)
+
+    References
+    ----------
+    Ball (1900), ch. I.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -82,6 +111,15 @@ def helix(axis: Axis, length: float, radius: float, turns: float = 4.0, points: 
 
 def bones(robot: Robot) -> list[tuple[Joint | None, np.ndarray]]:
     """Lines from each body's frame to the places of what it carries: (the joint that moves it, (2, 3)).
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Returns
+    -------
+    list of (Joint or None, ndarray of shape (2, 3))
+        Both ends in the moving frame of the joint; None is the base.
 
     Examples
     --------

@@ -176,6 +176,23 @@ def view(robot: Robot, run: TrackingResult | ArrayLike | None = None, **options:
         What to play: the result of `dualpin.track`, or configurations 20 ms apart.
     **options
         Of `Viewer`: ``dh=``, ``tip=``, ``host=``, ``port=``.
+
+    Returns
+    -------
+    Viewer
+        ``.url`` is where the page is, ``.stop()`` ends it.
+
+    Raises
+    ------
+    DualpinError
+        If viser is not installed, with what to install.
+    ArgumentError
+        For configurations of another shape.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> shown = dp.view.view(dp.load("ur5"), port=0)  # doctest: +SKIP
     """
     return Viewer(robot, run, **options)
 

@@ -33,6 +33,15 @@ def available() -> int:
 def get_num_threads() -> int:
     """How many threads batched calls may use.
 
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    ArgumentError
+        Where ``DUALPIN_NUM_THREADS`` is no number.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -58,6 +67,15 @@ def set_num_threads(n: int | None) -> None:
     """Let batched calls use up to n threads; None returns to ``DUALPIN_NUM_THREADS``, or all cores.
 
     Results have the same bits for any number.
+
+    Parameters
+    ----------
+    n : int or None
+        1 or more; None for the default.
+
+    Returns
+    -------
+    None
 
     Raises
     ------
