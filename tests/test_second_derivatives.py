@@ -11,9 +11,9 @@ import dualpin as dp
 from dualpin.algorithms.derivatives import rnea_derivatives
 from dualpin.algorithms.second_derivatives import rnea_second_derivatives
 from dualpin.call import evaluate
+from dualpin.fuzz import complex_step
 from dualpin.scalars import Exact
 from dualpin.terms import TERMS
-from tests import complex_step
 
 KINDS = ["revolute", "prismatic", "cylindrical", "helical", "planar", "floating", "spherical"]
 TIGHT = 1e-12  # no linear solve

@@ -26,6 +26,7 @@ MODULES = (
     "integrate",
     "report",
     "view",
+    "fuzzing",
     "campaigns",
     "cache",
     "selftest",

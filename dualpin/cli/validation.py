@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from ..errors import ArgumentError
 from ..escape import line
 from .app import Floating, Json, Mimic, app, robot_names
+from .progress import Progress
 from .show import formats, show
 from .stdin import named
 
@@ -84,7 +84,7 @@ def validate(
     workers = 1 if engine == "cuda" else min(jobs or os.cpu_count() or 1, len(cases))  # processes share no device
     chosen = [t for t in terms.replace(",", " ").split() if t] or None
     executor = scheduled(scheduler) if scheduler else None
-    with _progress(len(cases)) as tick:
+    with Progress("validating", len(cases)) as tick:
         report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick, executor, store)
     written = report.write(out, formats()) if out else []
     if json:
@@ -98,50 +98,3 @@ def validate(
     if not report.robots and any(r.by_pinocchio for r in report.refused) and not all_:
         raise typer.Exit(2)  # nothing could be read at all
     raise typer.Exit(0 if report.passed and (report.complete or not strict) else EXIT_FAILED)
-
-
-class _progress:
-    """A bar on stderr with rate and remaining time; nothing where stderr is no terminal."""
-
-    def __init__(self, total: int) -> None:
-        self.total = total
-        self.bar: Any = None
-
-    def __enter__(self) -> Callable[[Any, int, int], None]:
-        if self.total > 1 and sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import (
-                BarColumn,
-                MofNCompleteColumn,
-                Progress,
-                ProgressColumn,
-                TextColumn,
-                TimeRemainingColumn,
-            )
-            from rich.text import Text
-
-            class Rate(ProgressColumn):
-                def render(self, task: Any) -> Text:
-                    return Text(f"{60 * task.speed:.3g}/min" if task.speed else "", style="progress.data.speed")
-
-            columns = (
-                TextColumn("{task.description}"),
-                BarColumn(),
-                MofNCompleteColumn(),
-                Rate(),
-                TimeRemainingColumn(),
-            )
-            self.bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            self.bar.start()
-            self.task = self.bar.add_task("validating", total=self.total)
-        return self.tick
-
-    def tick(self, result: Any, done: int, total: int) -> None:
-        if self.bar:
-            self.bar.update(
-                self.task, completed=done, total=total, description=getattr(result, "label", result.name)[:28].ljust(28)
-            )
-
-    def __exit__(self, *_: object) -> None:
-        if self.bar:
-            self.bar.stop()

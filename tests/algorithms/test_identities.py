@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.fuzz.complex_step import along, gradient
 from dualpin.model import Builder, Robot, revolute
 from dualpin.spatial import Inertia, Matrix3, Vector3
-from tests.complex_step import along, gradient
 from tests.random_robots import FIXED_BASE, SPECS, robot
 
 TIGHT = 1e-12

@@ -186,7 +186,7 @@ def test_a_store_computes_nothing_twice_but_what_changed(tmp_path, serial):
 def test_a_unit_that_is_entered_twice_counts_once(tmp_path):
     store = Store(tmp_path / "s.sqlite")
     (unit,) = slices(Case("ur5"), 3, 0)
-    name = store.campaign(json.dumps({}), [unit])
+    name = store.campaign(json.dumps({}), 1, [unit.key])
     first = compare(Case("ur5"), 3, 0, chosen(["fk"]), "numpy")
     store.add(name, unit, first)
     second = compare(Case("ur5"), 3, 1, chosen(["fk"]), "numpy")

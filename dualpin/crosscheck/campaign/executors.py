@@ -10,17 +10,15 @@ from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future,
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import partial
 from itertools import islice
-from typing import Any
 
 from ...engine.jit.threads import available, set_num_threads
 from ...errors import ArgumentError, DualpinError
 from ...extras import extra
-from ..checks import Check
 from ..results import NOT_COMPARED, RobotResult
-from ..run import attempt
-from ..units import Result, Settings, Unit, largest_first
+from ..units import Result, Unit
 
 Connect = Callable[[], AbstractContextManager[Executor]]
+Work = Callable[[Unit], Result]
 Found = Iterator[tuple[Unit, Result]]
 
 WINDOW = 4096
@@ -33,11 +31,13 @@ class LostError(DualpinError):
     """The executor went away; what was found before is kept."""
 
 
-def run(units: Sequence[Unit], settings: Settings, jobs: int = 1, executor: Executor | Connect | None = None) -> Found:
+def run(units: Sequence[Unit], work: Work, jobs: int = 1, executor: Executor | Connect | None = None) -> Found:
     """The units with their results, as they come.
 
     Parameters
     ----------
+    work : callable
+        What makes the result of a unit; it travels by pickle.
     jobs : int
         Processes of this machine, where no executor is given.
     executor : Executor, or function that returns one, optional
@@ -48,23 +48,21 @@ def run(units: Sequence[Unit], settings: Settings, jobs: int = 1, executor: Exec
     LostError
         If the executor was lost and no other is to be had.
     """
-    work = partial(_work, settings=settings, checks=settings.checks)
     if executor is not None:
-        yield from _elsewhere(largest_first(units), work, executor)
+        yield from _elsewhere(units, work, executor)
     elif jobs <= 1 or len(units) <= 1:
         for unit in units:
             yield unit, work(unit)
     else:
-        yield from _here(largest_first(units), work, min(jobs, len(units)))
+        yield from _here(units, work, min(jobs, len(units)))
 
 
-def _work(unit: Unit, settings: Settings, checks: list[Check], threads: int = 0) -> Result:
-    if threads:
-        set_num_threads(threads)
-    return attempt(unit.case, unit.samples, unit.seed, checks, settings.engine, settings.arbitrate)
+def _on_one_core(unit: Unit, work: Work) -> Result:
+    set_num_threads(1)
+    return work(unit)
 
 
-def _here(units: Sequence[Unit], work: Callable[[Unit], Result], jobs: int) -> Found:
+def _here(units: Sequence[Unit], work: Work, jobs: int) -> Found:
     """In processes of this machine.  One that crashes takes the pool with it, and the rest go to a new one."""
     left = list(units)
     while left:
@@ -94,7 +92,7 @@ def _one_of(jobs: int) -> None:
     set_num_threads(max(1, available() // jobs))
 
 
-def _alone(unit: Unit, work: Callable[[Unit], Result]) -> Result:
+def _alone(unit: Unit, work: Work) -> Result:
     """In a process of its own, whose crash is the result."""
     with _processes(1) as pool:
         try:
@@ -107,7 +105,7 @@ def _alone(unit: Unit, work: Callable[[Unit], Result]) -> Result:
             )  # fmt: skip
 
 
-def _elsewhere(units: Sequence[Unit], work: Any, executor: Executor | Connect) -> Found:
+def _elsewhere(units: Sequence[Unit], work: Work, executor: Executor | Connect) -> Found:
     """On somebody's executor; where a function makes it, a lost one is made again."""
     connect = (lambda: nullcontext(executor)) if isinstance(executor, Executor) else executor
     left, tries = {u.key: u for u in units}, 0
@@ -116,7 +114,7 @@ def _elsewhere(units: Sequence[Unit], work: Any, executor: Executor | Connect) -
         try:
             with connect() as pool:
                 one = (
-                    work if isinstance(pool, ThreadPoolExecutor) else partial(work, threads=1)
+                    work if isinstance(pool, ThreadPoolExecutor) else partial(_on_one_core, work=work)
                 )  # it has a core, not all
                 for unit, result in _through(pool, list(left.values()), one, WINDOW, lost):
                     del left[unit.key]
@@ -131,9 +129,7 @@ def _elsewhere(units: Sequence[Unit], work: Any, executor: Executor | Connect) -
                 raise
 
 
-def _through(
-    pool: Executor, units: Iterable[Unit], work: Callable[[Unit], Result], window: int, lost: list[Unit]
-) -> Found:
+def _through(pool: Executor, units: Iterable[Unit], work: Work, window: int, lost: list[Unit]) -> Found:
     """Units through an executor, `window` of them at a time; those under way in a process that died are `lost`."""
     waiting, finished = iter(units), queue.SimpleQueue[Future[Result]]()
     under_way: dict[Future[Result], Unit] = {}

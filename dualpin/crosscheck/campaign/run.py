@@ -5,14 +5,15 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 
 from ...errors import DualpinWarning
 from ..checks import Case, chosen
 from ..merge import merged
 from ..results import Refusal, Report, RobotResult
-from ..run import provenance
-from ..units import Result, Settings, Unit, slices
+from ..run import attempt, provenance
+from ..units import Result, Settings, Unit, largest_first, slices
 from .executors import Connect, LostError, run
 from .store import Store
 
@@ -78,11 +79,13 @@ def campaign(
     kept = Store(store if store is not None else folder / PARTIAL if folder else None)
     report = Report(versions=provenance(engine))
     try:
-        name = kept.campaign(settings.identity, units)
+        name = kept.campaign(settings.identity, len(units), (u.key for u in units))
         done = kept.done(name)
         waiting, finished = [u for u in units if u.key not in done], len(done)
+        if jobs > 1 or executor is not None:
+            waiting = largest_first(waiting)
         try:
-            for unit, result in run(waiting, settings, jobs, executor):
+            for unit, result in run(waiting, partial(_validated, settings=settings), jobs, executor):
                 kept.add(name, unit, result)
                 finished += 1
                 if progress:
@@ -98,6 +101,10 @@ def campaign(
     if folder and store is None and not report.partial:
         (folder / PARTIAL).unlink(missing_ok=True)
     return report
+
+
+def _validated(unit: Unit, settings: Settings) -> Result:
+    return attempt(unit.case, unit.samples, unit.seed, settings.checks, settings.engine, settings.arbitrate)
 
 
 def _assemble(report: Report, parts: Mapping[Case, list[Unit]], seed: int, kept: Store, name: str) -> None:

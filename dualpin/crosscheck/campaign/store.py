@@ -96,14 +96,12 @@ class Store:
         except OSError as e:
             raise ArgumentError(f"campaign: cannot write into {e.filename or self.path} ({e.strerror or e})") from None
 
-    def campaign(self, settings: str, units: Iterable[Unit]) -> str:
-        """The identity of a campaign by its settings and units; it is entered where it is new."""
-        keys = sorted(u.key for u in units)
-        name = hashlib.sha256("\n".join([settings, *keys]).encode()).hexdigest()[:16]
+    def campaign(self, settings: str, units: int, keys: Iterable[str] = ()) -> str:
+        """The identity of a campaign by its settings and keys; it is entered where it is new."""
+        name = hashlib.sha256("\n".join([settings, *sorted(keys)]).encode()).hexdigest()[:16]
+        entry = "INSERT INTO campaigns VALUES (?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET units = max(units, ?)"
         with self._spoken(), self._file:
-            self._file.execute(
-                "INSERT OR IGNORE INTO campaigns VALUES (?, ?, ?, ?)", (name, settings, len(keys), time.time())
-            )
+            self._file.execute(entry, (name, settings, units, time.time(), units))
         return name
 
     def add(self, campaign: str, unit: Unit, result: Result) -> None:

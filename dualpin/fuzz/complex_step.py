@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from dualpin.model import Robot
-from dualpin.scalars import Exact
-from dualpin.terms import TERMS, flat
+from ..model.robot import Robot
+from ..scalars import Exact
+from ..terms import TERMS, flat
 
 STEP = 1e-30
 
@@ -29,7 +29,8 @@ def evaluate(robot: Robot, name: str, *inputs: Any, **options: Any) -> np.ndarra
 def moved(robot: Robot, q: np.ndarray, v: np.ndarray) -> list[complex]:
     """q, moved on the group with the velocity v for the time i h."""
     step = [complex(0, STEP * x) for x in v]
-    return evaluate(robot, "integrate", q.tolist(), step).tolist()
+    found: list[complex] = evaluate(robot, "integrate", q.tolist(), step).tolist()
+    return found
 
 
 def along(
@@ -37,7 +38,8 @@ def along(
 ) -> np.ndarray:
     """d/dt of a term while q moves with v and each further input x with its rate dx/dt."""
     inputs = [[complex(x, STEP * d) for x, d in zip(*pair, strict=True)] for pair in rates]
-    return evaluate(robot, name, moved(robot, q, v), *inputs, **options).imag / STEP
+    rate: np.ndarray = evaluate(robot, name, moved(robot, q, v), *inputs, **options).imag / STEP
+    return rate
 
 
 def gradient(robot: Robot, name: str, q: np.ndarray, **options: Any) -> np.ndarray:

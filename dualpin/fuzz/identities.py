@@ -1,0 +1,173 @@
+"""What must hold of a robot's terms, whatever another library says.
+
+Each identity is one small function: two values that are to be the same, and how large the numbers are that
+add up in them (see `crosscheck.extent`).  Derivatives are by complex steps and carry rounding only.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..crosscheck.extent import ORDINARY, Extent
+from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, ORACLE, TermResult
+from ..crosscheck.sampling import states
+from ..crosscheck.tally import scaled_error
+from ..crosscheck.tolerance import MassMatrices, depth, rounding, solution
+from ..errors import DualpinError, DualpinWarning
+from ..forms import to_dh
+from ..functions import aba, bias, coriolis, crba, fk, gravity, jacobian, rnea
+from ..io.urdf import loads
+from ..model.robot import Robot
+from .complex_step import along, gradient
+
+Array = np.ndarray
+SAFETY = 4.0
+"""Both sides of an identity are ours, and one is a derivative or a sum of several terms: four errors instead of one."""
+
+
+class Skipped(Exception):  # noqa: N818 (it is no error)
+    """The identity says nothing of this robot."""
+
+
+@dataclass
+class State:
+    """A robot at one state."""
+
+    robot: Robot
+    q: Array
+    v: Array
+    a: Array
+
+    @cached_property
+    def extent(self) -> Extent:
+        poses = fk(self.robot, self.q[None], engine="numpy")
+        given = {"v": self.v[None], "a": self.a[None], "f_ext": np.zeros((1, len(self.robot), 6))}
+        return Extent(self.robot, poses[..., :3, 3], given)
+
+    def size(self, term: str) -> float:
+        return float(self.extent.of(term)[0])
+
+    @property
+    def tau(self) -> Array:
+        return rnea(self.robot, self.q, self.v, self.a, engine="numpy")
+
+    @property
+    def M(self) -> Array:
+        return crba(self.robot, self.q, engine="numpy")
+
+
+Sides = tuple[Array, Array, float]
+"""Two sides, and the size of what adds up in them."""
+
+
+def symmetry(s: State) -> Sides:
+    """M = M^T."""
+    return s.M, s.M.T, 0.0
+
+
+def rate_of_inertia(s: State) -> Sides:
+    """dM/dt = C + C^T."""
+    C = coriolis(s.robot, s.q, s.v, engine="numpy")
+    return C + C.T, along(s.robot, "crba", s.q, s.v), s.size("coriolis")
+
+
+def work(s: State) -> Sides:
+    """d/dt (T + V) = v . tau."""
+    rate = along(s.robot, "kinetic_energy", s.q, s.v, (s.v, s.a)) + along(s.robot, "potential_energy", s.q, s.v)
+    return np.array([rate]), np.array([s.v @ s.tau]), s.size("rnea") * float(s.extent.speed[0])
+
+
+def splitting(s: State) -> Sides:
+    """bias = C v + gravity."""
+    parts = coriolis(s.robot, s.q, s.v, engine="numpy") @ s.v + gravity(s.robot, s.q, engine="numpy")
+    return bias(s.robot, s.q, s.v, engine="numpy"), parts, s.size("bias")
+
+
+def motion(s: State) -> Sides:
+    """The columns of the world's Jacobian are dT/dq T^-1."""
+    tool = s.robot.frames[-1]
+    T, dT = fk(s.robot, s.q, tool, engine="numpy"), gradient(s.robot, "frame_pose", s.q, frame=tool)
+    moved = np.einsum("ijk,jl->ilk", dT, _inverse(T))
+    twists = np.stack([moved[2, 1], moved[0, 2], moved[1, 0], *moved[:3, 3]])
+    return jacobian(s.robot, s.q, tool, "world", engine="numpy"), twists, s.size("jacobian")
+
+
+def _inverse(T: Array) -> Array:
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = T[:3, :3].T, -T[:3, :3].T @ T[:3, 3]
+    return X
+
+
+def forward(s: State) -> Sides:
+    """aba(rnea(a)) = a, as well as M can be solved with."""
+    mass = MassMatrices(s.M[None])
+    if mass.hopeless[0]:
+        raise Skipped("M is singular to working precision")
+    forces = np.abs(s.tau) + np.abs(bias(s.robot, s.q, s.v, engine="numpy"))
+    bound = solution(s.robot, mass, forces[None], s.a[None], s.extent).value[0]
+    scale = float(max(1.0, np.abs(s.a).max(initial=0.0)))
+    return aba(s.robot, s.q, s.v, s.tau, engine="numpy"), s.a, float(bound / rounding(s.robot)) * scale
+
+
+def table(s: State) -> Sides:
+    """The DH table of the way to the tool has its forward kinematics."""
+    try:
+        dh = to_dh(s.robot, tip="tool")
+    except DualpinError as e:
+        raise Skipped(str(e).partition(";")[0]) from None
+    lengths = np.abs(dh.columns[:, 1:3]).max(initial=0.0)
+    size = (1.0 + lengths) * len(dh.rows) + float(s.extent.reach[0])
+    return dh.fk(s.q, engine="numpy"), fk(s.robot, s.q, "tool", engine="numpy"), size / ORDINARY
+
+
+def written(s: State) -> Sides:
+    """The URDF that is written of it, read again, has its inverse dynamics without gravity and rotors."""
+    plain = s.robot.with_gravity((0.0, 0.0, 0.0))
+    if any(float(x) for j in plain for x in j.armature):
+        raise Skipped("a URDF has no rotors")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DualpinWarning)
+            again = loads(plain.to_urdf(), plain.floating, plain.coupled).with_gravity((0.0, 0.0, 0.0))
+    except DualpinError as e:
+        raise Skipped(str(e).partition(";")[0]) from None
+    if again.nq != plain.nq:
+        raise Skipped("URDF splits a joint of it")
+    ours, theirs = (rnea(r, s.q, s.v, s.a, engine="numpy") for r in (plain, again))
+    return theirs, ours, s.size("rnea")
+
+
+IDENTITIES: dict[str, Callable[[State], Sides]] = {
+    f.__name__: f for f in (symmetry, rate_of_inertia, work, splitting, motion, forward, table, written)
+}
+
+
+def identities(robot: Robot, seed: int) -> dict[str, TermResult]:
+    """Each identity at one random state."""
+    given = states(robot, 1, seed)
+    s = State(robot, given["q"][0], given["v"][0], given["a"][0])
+    return {name: _checked(s, name, f) for name, f in IDENTITIES.items()}
+
+
+def _checked(s: State, name: str, identity: Callable[[State], Sides]) -> TermResult:
+    law = (identity.__doc__ or name).strip().rstrip(".")
+    try:
+        with np.errstate(all="ignore"):
+            x, y, size = identity(s)
+    except Skipped as e:
+        return TermResult(status=NOT_COMPARED, reason=str(e), oracle=law)
+    error = float(scaled_error(x.reshape(1, -1), y.reshape(1, -1))[0][0])
+    reference = float(max(1.0, np.abs(y).max(initial=0.0)))
+    bound = 0.0 if name == "symmetry" else SAFETY * rounding(s.robot) * max(1.0, size / reference)
+    found = TermResult(
+        error, bound, oracle=law, compared=1, status=AGREES,
+        tolerance_reason=f"{SAFETY:g} x the rounding of {depth(s.robot)} bodies x what adds up / the largest entry",
+    )  # fmt: skip
+    if not error <= bound:
+        found.settle(DIFFERS, ORACLE, f"{law} is off by {error:.1e}, {bound:.1e} expected")
+    return found

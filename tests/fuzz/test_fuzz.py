@@ -1,0 +1,204 @@
+"""Random robots: a wrong algorithm is found, decided and made small; a right one passes."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import dualpin as dp
+from dualpin.crosscheck.enclosure import enclosure, error
+from dualpin.fuzz import JointSpec, Spec, examine, fuzz, random_spec, shrink
+from dualpin.fuzz.identities import IDENTITIES, identities
+from dualpin.fuzz.small import small_case
+from dualpin.fuzz.spec import GROUND
+from dualpin.fuzz.write import to_markdown, write
+
+pytest.importorskip("pinocchio")
+SEED = 11
+
+
+@pytest.fixture(scope="module")
+def specs():
+    return [random_spec(SEED, n) for n in range(400)]
+
+
+def test_the_generator_draws_what_it_promises(specs):
+    kinds = {j.type for s in specs for j in s.joints}
+    assert kinds == {
+        "revolute", "continuous", "prismatic", "helical", "cylindrical", "spherical", "planar", "floating"
+    }  # fmt: skip
+    masses = np.array([j.mass for s in specs for j in s.joints if j.mass])
+    assert np.log10(masses.max() / masses.min()) > 8
+    lengths = np.array([np.linalg.norm(j.xyz) for s in specs for j in s.joints])
+    assert lengths.max() > 50
+    assert 0 < lengths[lengths > 0].min() < 1e-3
+    counts = [len(s.joints) for s in specs]
+    assert max(c for n, c in enumerate(counts) if n % 200 != 199) == 20
+    assert max(counts) > 20
+    children = [max(np.bincount([j.on for j in s.joints if j.on != GROUND] or [0])) for s in specs]
+    assert {1} < set(children)
+    assert max(children) > 5
+    assert any(j.leader != GROUND for s in specs for j in s.joints)
+    axes = [
+        np.linalg.norm(np.cross(a, b)) / np.linalg.norm(a) / np.linalg.norm(b)
+        for s in specs for j in s.joints if j.on != GROUND
+        for a, b in [(np.array(j.axis), np.array(s.joints[j.on].axis))]
+    ]  # fmt: skip
+    assert sum(0 < x < 1e-6 for x in axes) > 20
+
+
+def test_a_spec_survives_json(specs):
+    assert all(Spec.from_json(s.to_json()) == s for s in specs[:50])
+
+
+def test_bodies_are_ones_that_exist(specs):
+    for s in specs[:100]:
+        for j in s.joints:
+            xx, xy, xz, yy, yz, zz = j.tensor
+            w = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            assert w.min() >= -1e-15 * w.max()
+            assert w.max() <= (w.sum() - w.max()) * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("number", range(0, 24, 3))
+def test_random_robots_agree_or_dualpin_is_nearer(number):
+    found = examine(random_spec(SEED, number))
+    assert found.passed, found.remark
+    assert set(IDENTITIES) < set(found.terms)
+
+
+@pytest.mark.parametrize("name", list(IDENTITIES))
+def test_every_identity_says_something_and_can_fail(name, monkeypatch):
+    spec = next(s for s in (random_spec(SEED, n) for n in range(200)) if identities(s.robot(), 0)[name].compared)
+    sides = IDENTITIES[name]
+
+    def wrong(state):
+        x, y, size = sides(state)
+        x = np.array(x)
+        x.flat[0] += 1e-6 * max(1.0, np.abs(y).max())
+        return x, y, size
+
+    wrong.__doc__ = sides.__doc__
+    monkeypatch.setitem(IDENTITIES, name, wrong)
+    found = identities(spec.robot(), 0)[name]
+    assert (found.status, found.nearer, found.passed) == ("differs", "oracle", False)
+
+
+def test_shrinking_keeps_what_it_is_about_and_little_else(specs):
+    spec = next(s for s in specs if len(s.joints) > 10 and sum(j.type == "prismatic" for j in s.joints) > 2)
+    small = shrink(spec, lambda s: sum(j.type == "prismatic" and j.mass > 0 for j in s.joints) >= 2)
+    assert [j.type for j in small.joints] == ["prismatic"] * 2
+    assert all(j.xyz == j.turn == (0.0, 0.0, 0.0) and j.armature == 0 for j in small.joints)
+    small.robot()
+
+
+def test_what_carries_others_can_go_alone():
+    chain = Spec("c", tuple(JointSpec(k, i - 1) for i, k in enumerate(["revolute", "prismatic", "continuous"])))
+    assert [(j.type, j.on) for j in chain.without({1}).joints] == [("revolute", GROUND)]
+    small = shrink(chain, lambda s: any(j.type == "continuous" for j in s.joints))
+    assert [j.type for j in small.joints] == ["continuous"]
+
+
+def test_pinocchios_kinetic_energy_without_rotors_is_found_and_decided():
+    """Pinocchio's computeKineticEnergy leaves out the armature of joints with an axis of their own."""
+    spec = Spec("r", (JointSpec("revolute", mass=1.0, com=(0.1, 0.0, 0.0), axis=(0.6, 0.0, 0.8), armature=0.5),))
+    found = examine(replace(spec, joints=(*spec.joints, JointSpec("prismatic", 0, mass=2.0))))
+    assert (found.status, found.passed, found.terms["kinetic_energy"].nearer) == ("differs", True, "dualpin")
+    case = small_case(spec, "kinetic_energy", "dualpin")
+    assert len(case.spec.joints) == 1
+    assert case.against_50_digits["dualpin"] < 1e-15 < 1e-3 < case.against_50_digits["oracle"]
+    assert case.enclosed["dualpin"][1] < 1e-14
+    assert case.enclosed["oracle"][0] > 1e-3
+    assert dp.loads(case.urdf).nv == 1
+
+
+def test_a_mistake_of_dualpin_is_named_as_one(monkeypatch, tmp_path):
+    from dualpin.crosscheck import compare
+
+    right = compare.evaluate
+
+    def wrong(robot, term, *inputs, **options):
+        x = right(robot, term, *inputs, **options)
+        return x * (1 + 1e-6) if term == "rnea" and any(j.model.kind == "prismatic" for j in robot) else x
+
+    monkeypatch.setattr(compare, "evaluate", wrong)
+    outcome = fuzz(6, seed=SEED)
+    assert not outcome.passed
+    assert ("rnea", "oracle") in outcome.kinds
+    case = next(c for c in outcome.cases if (c.term, c.nearer) == ("rnea", "oracle"))
+    assert [j.type for j in case.spec.joints] == ["prismatic"]
+    assert {p.name for p in write(outcome, tmp_path)} >= {
+        "README.md",
+        "fuzz.json",
+        f"rnea-oracle-{case.spec.name}.urdf",
+    }
+    assert "| rnea | oracle |" in to_markdown(outcome)
+
+
+def test_more_robots_take_up_what_the_store_has(tmp_path):
+    path, seen = tmp_path / "f.sqlite", []
+    few = fuzz(2, seed=SEED, store=path, small=0)
+    more = fuzz(4, seed=SEED, store=path, small=0, progress=lambda r, *_: seen.append(r.name))
+    assert few.robots == 2
+    assert more.robots == 4
+    assert len(seen) == 2
+    assert more.verdicts == fuzz(4, seed=SEED, small=0).verdicts
+
+
+def test_arguments():
+    for wrong in {"robots": 0}, {"robots": 2.5}, {"seed": -1}, {"small": "x"}:
+        with pytest.raises(dp.ArgumentError, match=next(iter(wrong))):
+            fuzz(**{"robots": 1, **wrong})
+
+
+@pytest.mark.parametrize("term", ["fk", "rnea", "crba", "coriolis", "aba"])
+def test_balls_hold_what_is_computed(term):
+    robot = random_spec(SEED, 3).robot()
+    q, v, a = robot.sample(seed=0)
+    inputs = {"q": q, "v": v, "a": a, "tau": a}
+    state = {key: inputs[key] for key in dp.terms.TERMS[term].inputs}
+    ours = np.ravel(getattr(dp, term)(robot, *state.values()))
+    balls = enclosure(robot, term, state)
+    errors = [error(ball, float(x)) for ball, x in zip(balls, ours, strict=True)]
+    assert max(most for _, most in errors) < 1e-9 * max(1.0, np.abs(ours).max())
+    assert all(least <= most for least, most in errors)
+    off = error(balls[-1], float(ours[-1]) + 1.0)
+    assert abs(off[0] - 1) < 1e-9
+
+
+def test_the_command(tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "dualpin",
+        "fuzz",
+        "--robots",
+        "3",
+        "--seed",
+        "7",
+        "-j",
+        "1",
+        "--out",
+        str(tmp_path),
+    ]
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=300, check=False)
+    found = json.loads(done.stdout)
+    assert done.returncode == (0 if found["passed"] else 1)
+    assert found["robots"] == 3
+    spec = tmp_path / "one.json"
+    spec.write_text(random_spec(7, 0).to_json())
+    again = subprocess.run(
+        [sys.executable, "-m", "dualpin", "fuzz", "--replay", str(spec)], capture_output=True, text=True, timeout=300,
+        check=False,
+    )  # fmt: skip
+    assert again.returncode == 0, again.stderr
+    spec.write_text("{}")
+    bad = subprocess.run(
+        [sys.executable, "-m", "dualpin", "fuzz", "--replay", str(spec)], capture_output=True, text=True, timeout=300,
+        check=False,
+    )  # fmt: skip
+    assert bad.returncode == 2
+    assert "is no robot" in bad.stderr
