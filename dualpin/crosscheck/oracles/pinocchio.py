@@ -187,6 +187,8 @@ class Pinocchio(Oracle):
                     answers = [np.empty((n, *np.shape(x))) for x in values]
                 for answer, x in zip(answers, values, strict=True):
                     answer[k] = x  # copied: what the binding returns may live in its data
+            if m.nv == 1:  # the binding leaves out the axis of a single column
+                answers = [a.reshape(n, *shape) for a, shape in zip(answers, shapes, strict=True)]
             found = [layout.read(question.form, question.whole(a, layout), {}) for a in answers]
             return [x.reshape(n, *shape) for x, shape in zip(found, shapes, strict=True)]
 
