@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
     "dualpin.analysis.identification": ("base_parameters", "excite", "identify", "identify_payload"),
+    "dualpin.analysis.workspace": ("manipulability", "payload_capacity", "reach_map", "singularity"),
     "dualpin.dual": ("Dual",),
     "dualpin.engine.jit.threads": ("get_num_threads", "set_num_threads"),
     "dualpin.errors": (
