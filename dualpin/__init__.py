@@ -15,6 +15,8 @@ __version__ = "0.1.0"
 
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
+    "dualpin.analysis.check": ("check",),
+    "dualpin.analysis.diff": ("diff",),
     "dualpin.analysis.identification": ("base_parameters", "excite", "identify", "identify_payload"),
     "dualpin.analysis.workspace": ("manipulability", "payload_capacity", "reach_map", "singularity"),
     "dualpin.dual": ("Dual",),

@@ -19,28 +19,28 @@ def junit(report: Report) -> str:
         failed = [t for t, x in r.terms.items() if not x.passed]
         skipped = [t for t, x in r.terms.items() if x.status == NOT_COMPARED]
         suite = ElementTree.SubElement(
-            root, "testsuite", name=_clean(r.label), tests=str(len(r.terms)), failures=str(len(failed)),
+            root, "testsuite", name=clean(r.label), tests=str(len(r.terms)), failures=str(len(failed)),
             skipped=str(len(skipped)), errors="1" if r.error else "0", time=f"{r.seconds:g}",
         )  # fmt: skip
         for term, t in r.terms.items():
-            case = ElementTree.SubElement(suite, "testcase", classname=_clean(r.label), name=term)
+            case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name=term)
             if t.status == NOT_COMPARED:
-                ElementTree.SubElement(case, "skipped", message=_clean(t.reason or NOT_COMPARED))
+                ElementTree.SubElement(case, "skipped", message=clean(t.reason or NOT_COMPARED))
             elif not t.passed:
-                failure = ElementTree.SubElement(case, "failure", type=_clean(t.verdict), message=_message(t))
-                failure.text = _clean(t.worst.get("reproduce", "") or t.remark)
+                failure = ElementTree.SubElement(case, "failure", type=clean(t.verdict), message=_message(t))
+                failure.text = clean(t.worst.get("reproduce", "") or t.remark)
         if r.error:
-            case = ElementTree.SubElement(suite, "testcase", classname=_clean(r.label), name="robot")
-            ElementTree.SubElement(case, "error", message=_clean(r.error))
+            case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name="robot")
+            ElementTree.SubElement(case, "error", message=clean(r.error))
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
 def _message(t: TermResult) -> str:
-    return _clean(f"scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed; {t.remark}")
+    return clean(f"scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed; {t.remark}")
 
 
-def _clean(text: str) -> str:
+def clean(text: str) -> str:
     """Without what XML cannot hold."""
     return "".join(c for c in str(text) if c in "\t\n" or ord(c) >= 32)
 
@@ -49,13 +49,14 @@ def sarif(report: Report) -> str:
     """One result for each finding, and for each term that differs without one."""
     results = [x for r in report.robots for x in _results(r)]
     rules: dict[str, Any] = {x["ruleId"]: {"id": x["ruleId"]} for x in results}
-    tool = {"name": "dualpin", "version": __version__, "rules": list(rules.values())}
-    return (
-        json.dumps(
-            {"$schema": SARIF, "version": "2.1.0", "runs": [{"tool": {"driver": tool}, "results": results}]}, indent=1
-        )
-        + "\n"
-    )
+    return sarif_log(results, list(rules.values()))
+
+
+def sarif_log(results: list[dict[str, Any]], rules: list[dict[str, Any]]) -> str:
+    """Results and the rules that they name, as one run of this tool."""
+    tool = {"name": "dualpin", "version": __version__, "rules": rules}
+    run = {"tool": {"driver": tool}, "results": results}
+    return json.dumps({"$schema": SARIF, "version": "2.1.0", "runs": [run]}, indent=1) + "\n"
 
 
 def _results(r: RobotResult) -> list[dict[str, Any]]:

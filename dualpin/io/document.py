@@ -43,6 +43,10 @@ class Document:
     """The root link."""
     reductions: dict[str, float] = field(default_factory=dict)
     """Joint -> ratio of its transmission."""
+    whole: etree._Element | None = None
+    """The root element with all that is not mechanics, meshes for instance."""
+    mended: bool = False
+    """Whether the text had faults of markup, so that its elements are not those of the file."""
 
     @property
     def stem(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 LISTED = 40  # names in one note; a chain of 20,000 joints has one note, not one of 400 kB
@@ -11,17 +12,26 @@ LISTED = 40  # names in one note; a chain of 20,000 joints has one note, not one
 class Notes:
     """What was assumed or looks odd: kind -> the elements concerned, in the order of the file."""
 
-    _found: dict[tuple[str, str], list[str]] = field(default_factory=dict)
+    _found: dict[tuple[str, str], list[tuple[str | int, str]]] = field(default_factory=dict)
 
     def add(self, kind: str, tag: str = "", name: str | int = "", detail: str = "") -> None:
         """Say `kind` of an element ("link", "base"), of a line ("line", 3), or of the file."""
         said = self._found.setdefault((kind, tag), [])
         if tag:
-            said.append(f"{name!r} ({detail})" if detail else repr(name))
+            said.append((name, detail))
 
     def texts(self) -> list[str]:
         """The notes as sentences."""
-        return [_sentence(kind, tag, said) for (kind, tag), said in self._found.items()]
+        return [_sentence(kind, tag, [_said(*x) for x in said]) for (kind, tag), said in self._found.items()]
+
+    def each(self) -> Iterator[tuple[str, str, str | int, str]]:
+        """(kind, tag, name, detail) of every element, and of what is said of the whole file."""
+        for (kind, tag), said in self._found.items():
+            yield from ((kind, tag, name, detail) for name, detail in said or [("", "")])
+
+
+def _said(name: str | int, detail: str) -> str:
+    return f"{name!r} ({detail})" if detail else repr(name)
 
 
 def _sentence(kind: str, tag: str, said: list[str]) -> str:

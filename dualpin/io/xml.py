@@ -70,24 +70,26 @@ def parse(data: bytes | str, source: str = "<bytes>") -> Document:
     text = text.removeprefix("\ufeff")
     if not text.strip():
         raise UrdfError(f"{source}: the file is empty")
-    root = _tree(without_declaration(text, notes), source, notes)
+    root, mended = _tree(without_declaration(text, notes), source, notes)
     _check_root(root, source, notes)
     hint = check_xacro(root, KEPT, text, source, notes)
-    document = Document(_kept(root, notes), source, notes, reductions=reductions(root, notes))
+    document = Document(
+        _kept(root, notes), source, notes, reductions=reductions(root, notes), whole=root, mended=mended
+    )
     _check_words(document, clean, hint)
     read_links(document)
     read_joints(document)
     return document
 
 
-def _tree(text: str, source: str, notes: Notes) -> etree._Element:
-    """The root element, of the text as it is or else with its small faults mended."""
+def _tree(text: str, source: str, notes: Notes) -> tuple[etree._Element, bool]:
+    """The root element, of the text as it is or else with its small faults mended, and whether it had some."""
     try:
-        return _parsed(text, source)
+        return _parsed(text, source), False
     except etree.XMLSyntaxError:
         text = mended(text, source, notes)
     try:
-        return _parsed(text, source)
+        return _parsed(text, source), True
     except etree.XMLSyntaxError as e:
         line = f":{e.lineno}" if e.lineno else ""
         raise UrdfError(f"{source}{line}: not well-formed XML: {str(e.msg).split(', line')[0]}") from None

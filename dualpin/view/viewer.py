@@ -13,9 +13,9 @@ from .. import escape
 from ..errors import ArgumentError, nearest
 from ..forms import to_dh
 from ..functions import fk
+from ..io.meshes import shapes
 from ..model.robot import Robot
 from ..spatial.arrays import from_matrix
-from .meshes import shapes
 from .scene import axes, bones, helix, matrix, size
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.io.meshes import find, shapes
 from dualpin.view import axes, bones, helix
-from dualpin.view.meshes import find, shapes
 from dualpin.view.scene import size
 
 

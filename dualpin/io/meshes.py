@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,8 @@ from typing import Any
 
 import numpy as np
 from lxml import etree
+
+from ..extras import extra
 
 
 @dataclass(frozen=True)
@@ -21,11 +24,14 @@ class Shape:
     placement : ndarray, shape (4, 4)
         Of the shape in the link's frame.
     mesh : trimesh.Trimesh
+    solid : bool
+        Whether it is a box, a sphere or a cylinder, and not a mesh of a file.
     """
 
     link: str
     placement: np.ndarray
     mesh: Any
+    solid: bool = False
 
 
 def shapes(path: str | Path) -> Iterator[Shape]:
@@ -34,19 +40,27 @@ def shapes(path: str | Path) -> Iterator[Shape]:
     Examples
     --------
     >>> import dualpin as dp
-    >>> from dualpin.view.meshes import shapes
+    >>> from dualpin.io.meshes import shapes
     >>> {s.link for s in shapes(dp.load("double_pendulum").source)} <= set(dp.load("double_pendulum").link_names)
     True
     """
-    import trimesh
-
     path = Path(path)
     parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
     for link in etree.parse(str(path), parser).getroot().iter("link"):
         for visual in link.iter("visual"):
-            mesh = _mesh(trimesh, path, visual.find("geometry"))
-            if mesh is not None:
-                yield Shape(link.get("name", ""), _placement(trimesh, visual.find("origin")), mesh)
+            shape = shape_of(link.get("name", ""), visual, path)
+            if shape is not None:
+                yield shape
+
+
+def shape_of(link: str, element: Any, urdf: Path) -> Shape | None:
+    """The shape of a <visual> or <collision>, or None where it has none that can be read."""
+    trimesh = extra("trimesh", "view", "reading meshes")
+    geometry = element.find("geometry")
+    found = _mesh(trimesh, urdf, geometry)
+    if found is None:
+        return None
+    return Shape(link, _placement(trimesh, element.find("origin")), found, geometry.find("mesh") is None)
 
 
 def _mesh(trimesh: Any, urdf: Path, geometry: Any) -> Any:
@@ -73,14 +87,18 @@ def _mesh(trimesh: Any, urdf: Path, geometry: Any) -> Any:
 
 
 def find(urdf: Path, name: str) -> Path | None:
-    """The file a mesh's name means: "package://..." is looked for in the folders above the URDF."""
+    """The file a mesh's name means.
+
+    "package://..." is looked for in the folders above the URDF and in those of ROS_PACKAGE_PATH.
+    """
     inside = name.removeprefix("file://")
     if not inside.startswith("package://"):
         file = Path(inside) if Path(inside).is_absolute() else urdf.parent / inside
         return file if file.is_file() else None
     inside = inside.removeprefix("package://")
     package, _, rest = inside.partition("/")
-    for folder in urdf.resolve().parents:
+    told = [Path(x) for x in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep) if x]
+    for folder in (*urdf.resolve().parents, *told):
         for file in (folder / inside, folder / rest if folder.name == package else folder / "share" / inside):
             if file.is_file():
                 return file

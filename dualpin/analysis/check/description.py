@@ -1,0 +1,315 @@
+"""A robot as the rules look at it: its links and joints with their numbers, lines and shapes, whatever it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import inf, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...errors import UrdfError
+from ...io.catalogue import find
+from ...io.document import Document
+from ...io.expand import is_xacro
+from ...io.meshes import Shape, shape_of
+from ...io.mjcf import is_mjcf
+from ...io.urdf import build, load
+from ...io.xml import parse
+from ...model.robot import Joint, Robot
+from ...spatial.pose import Pose
+from .findings import Edit
+
+TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+
+@dataclass
+class Body:
+    """A link: mass [kg], centre of mass and tensor about it in the link's axes.
+
+    Attributes
+    ----------
+    written : ndarray (3, 3)
+        The tensor as the file states it, in the axes of the inertial frame.
+    rotation : ndarray (3, 3)
+        Of the inertial frame in the link's.
+    printed : float
+        Half a unit of the last digit of the tensor's entries, added up: what rounding in the file may do.
+    carrier : Joint or None
+        The joint that moves it; `placement` is its frame in the joint's.
+    """
+
+    name: str
+    mass: float
+    com: np.ndarray
+    tensor: np.ndarray
+    written: np.ndarray
+    rotation: np.ndarray
+    carrier: Joint | None
+    placement: np.ndarray
+    given: bool = True
+    printed: float = 0.0
+    line: int | None = None
+    element: Any = field(default=None, repr=False)
+
+    @cached_property
+    def moments(self) -> np.ndarray:
+        """Principal moments, ascending."""
+        return np.linalg.eigvalsh(self.tensor)
+
+    @property
+    def item(self) -> str:
+        return f"link {self.name!r}"
+
+
+@dataclass
+class Hinge:
+    """A joint of any kind, fixed ones too, with the numbers of the file."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    xyz: np.ndarray
+    rpy: np.ndarray
+    lower: float = -inf
+    upper: float = inf
+    velocity: float = inf
+    effort: float = inf
+    damping: float = 0.0
+    friction: float = 0.0
+    mimic: str | None = None
+    multiplier: float = 1.0
+    offset: float = 0.0
+    joint: Joint | None = None
+    line: int | None = None
+    element: Any = field(default=None, repr=False)
+
+    @property
+    def item(self) -> str:
+        return f"joint {self.name!r}"
+
+
+class Description:
+    """What is checked.
+
+    Attributes
+    ----------
+    robot : Robot
+        On a fixed base, nothing following (mimic).
+    """
+
+    def __init__(self, name: str, robot: Robot, document: Document | None = None, path: Path | None = None) -> None:
+        self.name, self.robot, self.document, self.path = name, robot, document, path
+        self.file = str(path) if path else name
+        self.text: str | None = None
+        """The file as it is, where its elements can be changed one by one."""
+        whole = document.whole if document else None
+        self._order: dict[Any, int] = {} if whole is None else {e: i for i, e in enumerate(whole.iter())}
+        self.bodies = list(_bodies(robot, document))
+        self.hinges = list(_hinges(robot, document))
+
+    @property
+    def editable(self) -> bool:
+        """Whether the file's elements are those that were read."""
+        return self.document is not None and self.document.whole is not None and not self.document.mended
+
+    def edit(self, element: Any, attribute: str, value: str) -> tuple[Edit, ...]:
+        """The change of an attribute of the file, if there is a file."""
+        return (Edit(self._order[element], attribute, value),) if self.editable and element in self._order else ()
+
+    def floating(self) -> Robot | None:
+        """The robot on a floating base, where a file says what that is."""
+        if self.document is None:
+            return None
+        try:
+            return build(self.document, True, False, None)
+        except UrdfError:
+            return None
+
+    @cached_property
+    def shapes(self) -> dict[str, list[Shape]]:
+        """Of each link, its collision shapes, or else its visual ones; only where all of its meshes are found."""
+        found: dict[str, list[Shape]] = {}
+        for b in self.bodies:
+            for tag in ("collision", "visual"):
+                elements = [] if b.element is None else b.element.findall(tag)
+                read = [shape_of(b.name, e, self.path or Path()) for e in elements]
+                kept = [s for s in read if s is not None]
+                if elements and len(kept) == len(elements):
+                    found[b.name] = kept
+                    break
+        return found
+
+    @cached_property
+    def children(self) -> dict[str, list[Hinge]]:
+        """Link -> joints on it."""
+        found: dict[str, list[Hinge]] = {}
+        for h in self.hinges:
+            found.setdefault(h.parent, []).append(h)
+        return found
+
+
+def described(target: str | Path | Robot) -> Description:
+    """What is checked: of a file with its lines, of a robot in memory without.
+
+    Raises
+    ------
+    UrdfError
+        If the file cannot be read.
+    """
+    if isinstance(target, Robot):
+        return Description(target.name, target)
+    path = find(target)
+    if is_mjcf(path):
+        return Description(str(target), load(path), path=path)
+    data = path.read_bytes()
+    document = parse(data, path.name)
+    about = Description(str(target), build(document, False, False, str(path)), document, path)
+    about.file = str(target) if is_xacro(Path(str(target))) else str(path)
+    if about.editable:
+        try:
+            about.text = data.decode("utf-8")
+        except UnicodeDecodeError:
+            about.text = None
+    return about
+
+
+def _bodies(robot: Robot, document: Document | None) -> Iterator[Body]:
+    elements = {} if document is None or document.whole is None else _named(document, "link")
+    for link in robot.links:
+        ten = [float(x) for x in link.inertia.parameters]
+        com, J = link.inertia.central
+        tensor = np.array([[float(x) for x in row] for row in J.rows])
+        checked = None if document is None else document.links.get(link.name)
+        inertial = None if checked is None else checked.find("inertial")
+        written, R, printed = tensor, np.eye(3), 0.0
+        if inertial is not None:
+            written, R = _tensor(inertial), _rotation(_numbers(inertial.find("origin"), "rpy"))
+            tensor = R @ written @ R.T
+            printed = _printed(elements.get(link.name))
+        at = None if checked is None else (inertial if inertial is not None else checked).sourceline
+        yield Body(
+            link.name,
+            ten[0],
+            np.array([float(x) for x in com]),
+            tensor,
+            written,
+            R,
+            link.joint,
+            link.placement.array,
+            any(ten) if document is None else inertial is not None,
+            printed,
+            at,
+            elements.get(link.name),
+        )
+
+
+def _hinges(robot: Robot, document: Document | None) -> Iterator[Hinge]:
+    if document is None:
+        for j in robot:
+            lower, upper = (
+                x[0] if x and j.model.nq == 1 else d for x, d in ((j.limits.lower, -inf), (j.limits.upper, inf))
+            )
+            yield Hinge(
+                j.name,
+                j.kind,
+                "",
+                next((k.name for k in robot.links if k.joint is j), ""),
+                np.array([float(x) for x in j.placement.position]),
+                np.zeros(3),
+                lower,
+                upper,
+                j.limits.velocity,
+                j.limits.effort,
+                j.limits.damping,
+                j.limits.friction,
+                joint=j,
+            )
+        return
+    moving = {j.name: j for j in robot}
+    elements = _named(document, "joint")
+    for name, e in document.joints.items():
+        limit, dynamics, mimic, kind = e.find("limit"), e.find("dynamics"), e.find("mimic"), e.get("type")
+        bounded = kind in ("revolute", "prismatic") and limit is not None
+        lower, upper = (float(limit.get(k) or 0) if bounded else d for k, d in (("lower", -inf), ("upper", inf)))
+        velocity, effort = (inf if limit is None else float(limit.get(k, "inf")) for k in ("velocity", "effort"))
+        damping, friction = (0.0 if dynamics is None else float(dynamics.get(k) or 0) for k in ("damping", "friction"))
+        target = None if mimic is None else mimic.get("joint")
+        multiplier = 1.0 if mimic is None else float(mimic.get("multiplier", 1))
+        offset = 0.0 if mimic is None else float(mimic.get("offset", 0))
+        origin = e.find("origin")
+        yield Hinge(
+            name,
+            kind,
+            e.find("parent").get("link"),
+            e.find("child").get("link"),
+            _numbers(origin, "xyz"),
+            _numbers(origin, "rpy"),
+            lower,
+            upper,
+            velocity,
+            effort,
+            damping,
+            friction,
+            target,
+            multiplier,
+            offset,
+            moving.get(name),
+            e.sourceline,
+            elements.get(name),
+        )
+
+
+def _named(document: Document, tag: str) -> dict[str, Any]:
+    """The elements of the whole file by name."""
+    assert document.whole is not None
+    children = [e for e in document.whole if isinstance(e.tag, str) and e.prefix is None and e.tag.endswith(tag)]
+    return {e.get("name", ""): e for e in children}
+
+
+def _numbers(e: Any, attribute: str) -> np.ndarray:
+    text = None if e is None else e.get(attribute)
+    return np.zeros(3) if text is None else np.array([float(x) for x in text.split()])
+
+
+def _rotation(rpy: np.ndarray) -> np.ndarray:
+    """Rz(yaw) Ry(pitch) Rx(roll)"""
+    (a, b, c), (x, y, z) = np.cos(rpy), np.sin(rpy)
+    Rx = np.array([[1, 0, 0], [0, a, -x], [0, x, a]])
+    Ry = np.array([[b, 0, y], [0, 1, 0], [-y, 0, b]])
+    Rz = np.array([[c, -z, 0], [z, c, 0], [0, 0, 1]])
+    return np.asarray(Rz @ Ry @ Rx)
+
+
+def _tensor(inertial: Any) -> np.ndarray:
+    e = inertial.find("inertia")
+    xx, xy, xz, yy, yz, zz = (0.0 if e is None else float(e.get(k, 0)) for k in TENSOR)
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _printed(link: Any) -> float:
+    """Half a unit of the last digit of the entries ixx, iyy, izz, added up."""
+    e = None if link is None else link.find("inertial/inertia")
+    return 0.0 if e is None else sum(half_digit(e.get(k, "")) for k in ("ixx", "iyy", "izz"))
+
+
+def half_digit(text: str) -> float:
+    """Half a unit of the last digit that a number is written with: 0.12 -> 0.005."""
+    mantissa, _, exponent = text.strip().lower().partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    try:
+        return 0.5 * 10.0 ** (int(exponent or 0) - decimals)
+    except (ValueError, OverflowError):
+        return 0.0
+
+
+def placed(X: np.ndarray) -> Pose:
+    return Pose.from_matrix(X)
+
+
+def finite(*values: float) -> bool:
+    return all(map(isfinite, values))

@@ -1,0 +1,260 @@
+"""Rules about joints: axes that are almost square, limits, friction, joints that follow others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf, isfinite, pi
+
+import numpy as np
+
+from ...io.remarks import MOST_DEGREES, TURNS
+from ...model.limits import HUGE
+from .description import Hinge, half_digit
+from .findings import ERROR, NOTE, WARNING, Effect, Finding
+from .rules import Case, Rule, finding, rules
+
+QUARTER = pi / 2
+EXACT = 1e-9  # rad; closer to a quarter turn is one: a nanometre in a metre
+FEWEST = 2  # decimals: 1.6 is a number of its own
+
+
+@rules(Rule("near-right-angle", NOTE, "An angle is a quarter turn printed with few digits: axes are not quite square."))
+def almost_square(case: Case) -> Iterator[Finding]:
+    for h in case.about.hinges:
+        origin = None if h.element is None else h.element.find("origin")
+        text = None if origin is None else origin.get("rpy")
+        words = [] if text is None else text.split()
+        if len(words) != 3:
+            continue
+        whole = [_quarters(w) for w in words]
+        off = max((abs(float(w) - n * QUARTER) for w, n in zip(words, whole, strict=True) if n), default=0.0)
+        if off <= EXACT:
+            continue
+        value = " ".join(repr(n * QUARTER) if n else w for w, n in zip(words, whole, strict=True))
+        effect = _swing(case, h, off)
+        dh = "" if h.kind == "fixed" else "; a DH table gets a row more, or parameters that are almost singular"
+        yield finding(
+            case,
+            "near-right-angle",
+            h,
+            f'rpy="{text}" is off a quarter turn by {off:.2g} rad',
+            effect=effect,
+            why=f"{effect.says}{dh}",
+            fix=f'rpy="{value}"',
+            edits=case.about.edit(origin, "rpy", value),
+        )
+
+
+def _quarters(word: str) -> int:
+    """How many quarter turns a number is that was printed with few digits; 0 if it is none, or is exact."""
+    x, n = float(word), round(float(word) / QUARTER)
+    decimals = len(word.lower().partition("e")[0].partition(".")[2])
+    if not n or decimals < FEWEST or abs(n) > 4 or abs(x - n * QUARTER) <= EXACT:
+        return 0
+    # rounded, or cut: 1.57 and 1.571 are, 1.5701 is a number of its own
+    return n if abs(x - n * QUARTER) <= 2 * half_digit(word) * (1 + 1e-9) else 0
+
+
+def _swing(case: Case, h: Hinge, angle: float) -> Effect:
+    """How far a small turn at a joint moves what it carries."""
+    moving = h.joint
+    if moving is None:
+        link = next((k for k in case.about.robot.links if k.name == h.child), None)
+        carried = [] if link is None else [j for j in case.about.robot if _is_below(case, j.name, h.child)]
+        if not carried:
+            return Effect("fk", 0.0, "m", f"it turns the frame of link {h.child!r} by {angle:.2g} rad")
+        moving = carried[0]
+    reach, frame = case.effects.reach_below(moving.name)
+    return Effect("fk", angle * reach, "m", f"it moves {frame!r} by up to {1e3 * angle * reach:.2g} mm")
+
+
+def _is_below(case: Case, joint: str, link: str) -> bool:
+    """Whether a joint hangs on a link, or on what is fixed to it."""
+    waiting = [link]
+    while waiting:
+        for h in case.about.children.get(waiting.pop(), ()):
+            if h.name == joint:
+                return True
+            if h.kind == "fixed":
+                waiting.append(h.child)
+    return False
+
+
+@rules(
+    Rule("limits-crossed", ERROR, "The lower limit is above the upper one."),
+    Rule("limits-empty", NOTE, "Both limits are the same: the joint cannot move."),
+    Rule("limits-huge", NOTE, "A limit is a placeholder: farther than any joint goes."),
+    Rule("degrees", ERROR, "Angles are in degrees, radians are expected."),
+    Rule("no-effort", NOTE, "The effort or velocity limit is 0: controllers will not move the joint."),
+    Rule("negative-limit", ERROR, "An effort or velocity limit is negative."),
+)
+def limits(case: Case) -> Iterator[Finding]:
+    for h in case.about.hinges:
+        if h.kind in ("fixed", "floating", "planar"):
+            continue
+        slides = h.kind == "prismatic"
+        unit, force = ("m", "N") if slides else ("rad", "N m")
+        low, high = h.lower, h.upper
+        if low > high:
+            yield finding(
+                case,
+                "limits-crossed",
+                h,
+                f"lower {low:g} above upper {high:g} {unit}",
+                why=f"no q is allowed: samplers, planners and IK have an empty range of {high - low:.3g} {unit}",
+                fix="exchange them, or correct a sign",
+            )
+        elif low == high and isfinite(low):
+            yield finding(
+                case,
+                "limits-empty",
+                h,
+                f"both limits are {low:g} {unit}",
+                why=f"q has a range of 0 {unit}: samplers, planners and IK keep it there",
+                fix="give its range, or make the joint fixed",
+            )
+        largest = max((abs(x) for x in (low, high) if isfinite(x)), default=0.0)
+        tenths = all(float(x) % 5 == 0 for x in (low, high) if isfinite(x))
+        if h.kind == "revolute" and TURNS < largest <= MOST_DEGREES and largest % 100 and tenths:
+            yield finding(
+                case,
+                "degrees",
+                h,
+                f"limits {low:g} to {high:g}",
+                why=f"read as radians the joint turns {largest / 2 / pi:.3g} times; {largest:g} degrees are "
+                f"{np.radians(largest):.3g} rad",
+                fix="convert the limits to radians",
+            )
+        elif isfinite(largest) and largest > HUGE["length" if slides else "angle"]:
+            yield finding(
+                case,
+                "limits-huge",
+                h,
+                f"limits {low:g} to {high:g} {unit}",
+                why=f"states drawn between them have no meaning: poses lose {largest * 2.2e-16:.2g} "
+                f"{unit} to "
+                "rounding alone",
+                fix="give the true range, or make it continuous",
+            )
+        for what, value, of in (("effort", h.effort, force), ("velocity", h.velocity, f"{unit}/s")):
+            if value < 0:
+                yield finding(
+                    case,
+                    "negative-limit",
+                    h,
+                    f"{what} limit {value:g} {of}",
+                    why=f"Pinocchio refuses the file; others allow no {what}, or any",
+                    fix=f"write {-value:g}",
+                )
+            elif value == 0 and low < high:
+                yield finding(
+                    case,
+                    "no-effort",
+                    h,
+                    f"{what} limit 0 {of}",
+                    why=f"a controller that respects it gives at most 0 {of}; 0 is also what exporters "
+                    "write for "
+                    "unknown",
+                    fix=f"give the true {what} limit",
+                )
+
+
+@rules(
+    Rule("negative-friction", ERROR, "Damping or friction is negative: the joint gains energy."),
+    Rule("damping-above-effort", WARNING, "Damping at the velocity limit takes more than the effort limit gives."),
+)
+def friction(case: Case) -> Iterator[Finding]:
+    for h in case.about.hinges:
+        if h.kind == "fixed":
+            continue
+        force, speed = ("N", "m/s") if h.kind == "prismatic" else ("N m", "rad/s")
+        for what, value in (("damping", h.damping), ("friction", h.friction)):
+            if value < 0:
+                yield finding(
+                    case,
+                    "negative-friction",
+                    h,
+                    f"{what} {value:g}",
+                    why=f"at 1 {speed} it adds {-value:g} W: simulations gain energy",
+                    fix=f"write {-value:g}",
+                )
+        lost = h.damping * h.velocity if h.damping > 0 and 0 < h.velocity < inf else 0.0
+        if 0 < h.effort < lost < inf:
+            effect = Effect("rnea", lost, force, f"damping takes {lost:.3g} {force} at {h.velocity:g} {speed}")
+            yield finding(
+                case,
+                "damping-above-effort",
+                h,
+                f"damping {h.damping:g}, effort {h.effort:g} {force}",
+                effect=effect,
+                why=f"{effect.says}, the motor gives {h.effort:g}: it reaches {h.effort / h.damping:.3g} {speed}",
+                fix="one of damping, effort and velocity is wrong, or a placeholder",
+            )
+
+
+@rules(
+    Rule("mimic-undefined", ERROR, "A joint follows one that does not exist."),
+    Rule("mimic-fixed", ERROR, "A joint follows one that does not move, or itself."),
+    Rule("mimic-chain", NOTE, "A joint follows one that follows another."),
+    Rule("mimic-limits", WARNING, "A follower's limits and its leader's do not fit."),
+)
+def mimics(case: Case) -> Iterator[Finding]:
+    hinges = {h.name: h for h in case.about.hinges}
+    for h in case.about.hinges:
+        if h.mimic is None or h.kind == "fixed":
+            continue
+        leader = hinges.get(h.mimic)
+        says = f"follows {h.mimic!r}"
+        if leader is None:
+            yield finding(
+                case,
+                "mimic-undefined",
+                h,
+                says,
+                why="readers refuse it, or leave the joint free: nv is one more",
+                fix="name the joint that leads",
+            )
+        elif leader.kind == "fixed" or _leads_back(hinges, h):
+            yield finding(
+                case,
+                "mimic-fixed",
+                h,
+                says,
+                why="its coordinate is a constant or undefined: nv is one less or more",
+                fix="make it fixed, or name the joint that leads",
+            )
+        elif leader.mimic is not None:
+            product = h.multiplier * leader.multiplier
+            yield finding(
+                case,
+                "mimic-chain",
+                h,
+                f"{says}, which follows {leader.mimic!r}",
+                why=f"Pinocchio refuses it, others follow one step only and miss the factor {product:g}",
+                fix=f'follow {leader.mimic!r} with multiplier="{product:g}"',
+            )
+        elif all(map(isfinite, (h.lower, h.upper, leader.lower, leader.upper))) and h.lower < h.upper:
+            ends = sorted(h.multiplier * x + h.offset for x in (leader.lower, leader.upper))
+            over = max(h.lower - ends[0], ends[1] - h.upper)
+            if over > 0.01 * (ends[1] - ends[0]) and ends[0] < ends[1]:
+                unit = "m" if h.kind == "prismatic" else "rad"
+                yield finding(
+                    case,
+                    "mimic-limits",
+                    h,
+                    f"led from {ends[0]:.4g} to {ends[1]:.4g}, its limits are {h.lower:.4g} and {h.upper:.4g} {unit}",
+                    why=f"the leader stops {over:.3g} {unit} early, or the follower passes its limit",
+                    fix="make multiplier, offset and both limits fit",
+                )
+
+
+def _leads_back(hinges: dict[str, Hinge], h: Hinge) -> bool:
+    """Whether it follows itself in the end."""
+    seen, at = {h.name}, h
+    while at.mimic in hinges:
+        assert at.mimic is not None
+        if at.mimic in seen:
+            return True
+        seen.add(at.mimic)
+        at = hinges[at.mimic]
+    return False

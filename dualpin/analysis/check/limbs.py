@@ -1,0 +1,161 @@
+"""Rules about several links at once: limbs that do not mirror, inertials that were copied."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+
+import numpy as np
+
+from .description import Body
+from .findings import NOTE, WARNING, Finding
+from .rules import Case, Rule, finding, rules
+from .tensors import LIGHT
+
+SIDES = (("left", "right"), ("l", "r"), ("lf", "rf"), ("lh", "rh"), ("fl", "fr"), ("rl", "rr"), ("bl", "br"))
+PLANE = 2e-3  # m: how well origins of mirrored links must mirror for their limbs to count as mirrored
+SAME = 0.02  # relative: masses and moments of mirrored links
+
+
+@rules(Rule("not-mirrored", WARNING, "A link's mass or tensor is not the mirror image of that of the other side."))
+def mirrored(case: Case) -> Iterator[Finding]:
+    """Compared in the world at zero, so that frames of both sides may be turned as they like."""
+    pairs = list(_pairs(case.about.bodies))
+    if not pairs:
+        return
+    poses = _poses(case)
+    plane = _plane([(poses[a.name], poses[b.name]) for a, b in pairs])
+    if plane is None:
+        return
+    for left, right in pairs:
+        X, Y = poses[left.name], poses[right.name]
+        if not _mirror(X[:3, 3], Y[:3, 3], plane, PLANE) or left.mass <= LIGHT or right.mass <= LIGHT:
+            continue
+        S = np.eye(3)
+        S[plane, plane] = -1
+        c = S @ (X[:3, :3] @ left.com + X[:3, 3])
+        J = S @ X[:3, :3] @ left.tensor @ X[:3, :3].T @ S
+        R = Y[:3, :3]
+        size = np.linalg.norm(right.com) + np.linalg.norm(left.com)
+        off = float(np.linalg.norm(R @ right.com + Y[:3, 3] - c))
+        mass, tensor = abs(left.mass / right.mass - 1), _relative(R @ right.tensor @ R.T, J)
+        if mass <= SAME and off <= 2 * PLANE + SAME * size and tensor <= 5 * SAME:
+            continue
+        wanted = R.T @ (c - Y[:3, 3]), R.T @ J @ R
+        effect = case.effects.of_body(right, left.mass, *wanted)
+        what = (
+            f"mass {right.mass:g} kg beside {left.mass:g}"
+            if mass > SAME
+            else f"centre of mass {1e3 * off:.3g} mm off"
+            if off > 2 * PLANE + SAME * size
+            else f"tensor {tensor:.0%} off"
+        )
+        yield finding(
+            case,
+            "not-mirrored",
+            right,
+            f"{what}: not the mirror image of link {left.name!r} (plane {'xyz'[plane]} = const)",
+            effect=effect,
+            why=f"mirrored from there, {effect.says}",
+            fix="a sign of xyz, ixy, ixz or iyz was kept in copying, or one side is wrong",
+        )
+
+
+def _pairs(bodies: list[Body]) -> Iterator[tuple[Body, Body]]:
+    """Links whose names differ only in their side."""
+    names = {b.name: b for b in bodies}
+    done: set[str] = set()
+    for b in bodies:
+        for other in _other_sides(b.name):
+            if other in names and b.name not in done and other not in done:
+                done |= {b.name, other}
+                yield b, names[other]
+
+
+def _other_sides(name: str) -> Iterator[str]:
+    words = re.split(r"([_\-.]|(?<=[a-z])(?=[A-Z]))", name)
+    for i, word in enumerate(words):
+        for one, other in SIDES:
+            if word and word.lower() == one:
+                new = other.upper() if word.isupper() else other.capitalize() if word[0].isupper() else other
+                yield "".join([*words[:i], new, *words[i + 1 :]])
+    if name.lower().startswith(("left", "right")):
+        for one, other in (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT")):
+            if name.startswith(one):
+                yield other + name.removeprefix(one)
+
+
+def _poses(case: Case) -> dict[str, np.ndarray]:
+    from ...functions import fk
+
+    robot = case.about.robot
+    return {b.name: fk(robot, robot.neutral, frame=b.name, engine="numpy") for b in case.about.bodies}
+
+
+def _mirror(x: np.ndarray, y: np.ndarray, plane: int, within: float) -> bool:
+    sign = np.ones(3)
+    sign[plane] = -1
+    return bool(np.abs(sign * x - y).max() <= within) and abs(x[plane]) > within
+
+
+def _plane(pairs: list[tuple[np.ndarray, np.ndarray]]) -> int | None:
+    """The plane through the world's origin in which most of the pairs mirror; None where few do."""
+    votes = [sum(_mirror(X[:3, 3], Y[:3, 3], k, PLANE) for X, Y in pairs) for k in range(3)]
+    best = int(np.argmax(votes))
+    return best if votes[best] > 0 and votes[best] >= 0.5 * len(pairs) else None
+
+
+def _relative(x: np.ndarray, y: np.ndarray) -> float:
+    size = float(np.linalg.norm(y))
+    return float(np.linalg.norm(x - y)) / size if size else float(np.linalg.norm(x) > 0)
+
+
+@rules(
+    Rule("duplicate-inertial", NOTE, "Links of different shape have the same mass, centre and tensor, to the digit.")
+)
+def duplicated(case: Case) -> Iterator[Finding]:
+    same: dict[tuple[float, ...], list[Body]] = defaultdict(list)
+    for b in case.about.bodies:
+        if b.given and b.mass > LIGHT and b.written.any() and not _round(b):
+            same[(b.mass, *b.com, *b.tensor.ravel())].append(b)
+    for group in same.values():
+        shapes = {_shape(b) for b in group} - {""}
+        if len(group) > 1 and len(shapes) == len(group) and len({_plain(s) for s in shapes}) == len(group):
+            names = [b for b in group if not any(o in {g.name for g in group} for o in _other_sides(b.name))]
+            if len(names) < 2:
+                continue
+            first, others = names[0], names[1:]
+            effect = case.effects.of_body(others[0], 0.0, np.zeros(3), np.zeros((3, 3)))
+            yield finding(
+                case,
+                "duplicate-inertial",
+                others[0],
+                f"the same {first.mass:g} kg and tensor as link {first.name!r}"
+                + (f" and {len(others) - 1} more" if len(others) > 1 else ""),
+                effect=effect,
+                why=f"their shapes differ, so one is a copy; all of it counts: without it, {effect.says}",
+                fix="export the inertial of each link",
+            )
+
+
+def _round(b: Body) -> bool:
+    """Whether its tensor is a multiple of the identity: a placeholder, which has a rule of its own."""
+    return bool(np.array_equal(b.written, b.written[0, 0] * np.eye(3)))
+
+
+def _shape(b: Body) -> str:
+    """The file or the size of its shape."""
+    e = None if b.element is None else b.element.find("visual/geometry")
+    for shape in () if e is None else e:
+        if isinstance(shape.tag, str):
+            return str(shape.get("filename") or f"{shape.tag} {sorted(shape.attrib.items())}")
+    return ""
+
+
+def _plain(name: str) -> str:
+    """A shape's name without its side and number."""
+    stem = name.rpartition("/")[2].partition(".")[0].lower()
+    return re.sub(
+        r"(?<![a-z])(left|right|l|r|lf|rf|lh|rh|fl|fr|rl|rr|front|rear|back|upper|lower)(?![a-z])|[\d_\-]", "", stem
+    )

@@ -1,0 +1,231 @@
+"""The differences of two matched robots: joints, bodies, links, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from .home import Home, carried
+from .matching import Match, Matching
+from .results import Change
+
+SMALL = 1e-9
+"""Relative to a length of 1 m, an angle of 1 rad, or a body's own size: rounding, also of files with ten digits."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two robots and which of their parts are the same."""
+
+    a: Home
+    b: Home
+    matching: Matching
+
+
+def changes(pair: Pair) -> Iterator[Change]:
+    """Every difference, in the order of a's tree."""
+    yield from _base(pair)
+    yield from _gravity(pair)
+    for m in pair.matching.joints:
+        yield from _names(pair, m)
+        yield from _motion(m)
+        yield from _limits(m)
+    yield from _unmatched(pair)
+    for node, other in pair.matching.bodies.items():
+        yield from _body(pair, node, other)
+    yield from _links(pair)
+    yield from _order(pair)
+
+
+def _base(pair: Pair) -> Iterator[Change]:
+    m, ground = pair.matching, next(iter(pair.a.links), "")
+    if m.rerooted:
+        yield Change(
+            "base", "other link", m.rerooted, f"b stands on link {m.rerooted!r}, a on {ground!r}: what is fixed to the "
+            "ground is not the same, and joints between them count backwards", ground, m.rerooted,
+        )  # fmt: skip
+    turn, shift = _pose(m.base)
+    if not m.rerooted and turn + shift > SMALL:
+        yield Change(
+            "base", "moved", ground, f"b's base stands {shift:.6g} m from a's, turned by {turn:.6g} rad",
+            amount=shift + turn, counts=turn > SMALL,
+        )  # fmt: skip
+
+
+def _gravity(pair: Pair) -> Iterator[Change]:
+    g, h = (np.array([float(x) for x in home.robot.gravity]) for home in (pair.a, pair.b))
+    if np.abs(g - h).max() > SMALL:
+        yield Change("gravity", "other", "", f"{_row(g)} in a, {_row(h)} m/s^2 in b", _row(g), _row(h),
+                     float(np.linalg.norm(g - h)))  # fmt: skip
+
+
+def _names(pair: Pair, m: Match) -> Iterator[Change]:
+    j, k = m.a.joint, m.b.joint
+    if m.renamed:
+        yield Change("joint", "renamed", j.name, f"called {k.name!r} in b", j.name, k.name, counts=False)
+    if m.sign < 0 and not m.reversed:
+        yield Change("joint", "turned round", j.name, "q counts the other way round in b", "+", "-", 2.0)
+    if m.sign > 0 and m.reversed:
+        yield Change("joint", "turned round", j.name, "its axis is turned round in b as well as its parent and child",
+                     counts=False)  # fmt: skip
+    if abs(m.offset) > SMALL:
+        yield Change("joint", "other zero", j.name, f"q is {m.offset:.6g} here where it is 0 in b", "0", f"{m.offset:.6g}",
+                     abs(m.offset))  # fmt: skip
+    if (j.mimic and j.mimic.joint) != (k.mimic and k.mimic.joint) and not (j.mimic and k.mimic):
+        yield Change("joint", "follows", j.name, f"{_leader(j)} in a, {_leader(k)} in b", _leader(j), _leader(k), 1.0)
+
+
+def _leader(j: object) -> str:
+    mimic = getattr(j, "mimic", None)
+    return f"follows {mimic.joint!r}" if mimic else "free"
+
+
+def _motion(m: Match) -> Iterator[Change]:
+    j, k = m.a.joint, m.b.joint
+    if m.a.screws.shape != m.screws.shape or j.model.coordinates != k.model.coordinates:
+        yield Change("joint", "other kind", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, 1.0)
+        return
+    if len(m.screws) != 1:
+        off = float(np.abs(m.a.screws - m.screws).max(initial=0.0))
+        if off > SMALL:
+            yield Change("joint", "moved", j.name, f"its motions differ by {off:.3g}", amount=off)
+        return
+    s, t = m.a.screws[0], m.screws[0]
+    turn = lambda x: x[:3].any()  # noqa: E731
+    if turn(s) != turn(t):
+        yield Change("joint", "other kind", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, 1.0)
+        return
+    u, w = (s[:3], t[:3]) if turn(s) else (s[3:], t[3:])
+    angle = float(np.arctan2(np.linalg.norm(np.cross(u, w)), u @ w))
+    if angle > SMALL:
+        yield Change("joint", "turned", j.name, f"its axis points {angle:.6g} rad elsewhere in b", amount=angle)
+    if turn(s):
+        distance = _between(s, t)
+        if distance > SMALL:
+            yield Change("joint", "moved", j.name, f"its axis lies {1e3 * distance:.6g} mm elsewhere in b", amount=distance)
+    if k.kind != j.kind:
+        yield Change("joint", "other word", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, counts=False)
+
+
+def _between(s: np.ndarray, t: np.ndarray) -> float:
+    """How far b's line is from a's, where a's is nearest to the world's origin."""
+    p = np.cross(s[:3], s[3:])
+    r = np.cross(t[:3], t[3:])
+    d = r - p
+    return float(np.linalg.norm(d - t[:3] * (d @ t[:3])))
+
+
+def _limits(m: Match) -> Iterator[Change]:
+    j, k = m.a.joint, m.b.joint
+    x, y = j.limits, k.limits
+    low, high = ((v[0] if v and j.model.nq == 1 else d) for v, d in ((x.lower, -inf), (x.upper, inf)))
+    ends = [(v[0] if v and k.model.nq == 1 else d) for v, d in ((y.lower, -inf), (y.upper, inf))]
+    sign = -m.sign if m.reversed else m.sign
+    ends = sorted(sign * e + m.offset for e in ends)
+    pairs = [("lower", low, ends[0]), ("upper", high, ends[1])]
+    pairs += [(n, getattr(x, n), getattr(y, n)) for n in ("velocity", "effort", "damping", "friction")]
+    for name, one, other in pairs:
+        if one != other and not abs(one - other) <= SMALL * max(1.0, abs(one)):
+            yield Change("limit", name, j.name, f"{name} {one:g} in a, {other:g} in b", f"{one:g}", f"{other:g}",
+                         abs(one - other) if abs(one - other) < inf else 1.0)  # fmt: skip
+    one, other = (np.array([float(v) for v in z.armature]) for z in (j, k))
+    if one.shape == other.shape and one.size and np.abs(one - other).max() > SMALL * max(1.0, np.abs(one).max()):
+        yield Change("body", "armature", j.name, f"armature {_row(one)} in a, {_row(other)} in b", _row(one), _row(other),
+                     float(np.abs(one - other).max()))  # fmt: skip
+
+
+def _unmatched(pair: Pair) -> Iterator[Change]:
+    mine = {m.a.joint.name for m in pair.matching.joints}
+    theirs = {m.b.joint.name for m in pair.matching.joints}
+    fixed = [{f.name for f in h.robot.frames if f.role == "fixed_joint"} for h in (pair.a, pair.b)]
+    for home, known, others, here, there in ((pair.a, mine, fixed[1], "a", "b"), (pair.b, theirs, fixed[0], "b", "a")):
+        for j in home.robot:
+            if j.name not in known:
+                what = f"{j.kind} in {here}, fixed in {there}" if j.name in others else f"only in {here} ({j.kind})"
+                yield Change("joint", f"only in {here}", j.name, what, amount=1.0)
+
+
+def _body(pair: Pair, node: int, other: int) -> Iterator[Change]:
+    """Mass, centre and tensor of all that moves together, in a's world: frames and merged links do not matter."""
+    one = pair.a.bodies[node]
+    two = carried(pair.b.bodies[other], pair.matching.motions[other])
+    item = "the ground" if node == 0 else next((e.joint.name for e in pair.a.edges if e.outer == node), "")
+    if node == 0 and not (one.any() or two.any()):
+        return
+    counts = node != 0  # what stands on the ground moves nothing
+    m, n = float(one[0]), float(two[0])
+    if abs(m - n) > SMALL * max(abs(m), abs(n), 1e-3):
+        yield Change("body", "mass", item, f"{m:.6g} kg in a, {n:.6g} kg in b", f"{m:.6g}", f"{n:.6g}", abs(m - n), counts)
+    c, d = (x[1:4] / x[0] if x[0] else np.zeros(3) for x in (one, two))
+    shift = float(np.linalg.norm(c - d))
+    if m and n and shift > SMALL:
+        yield Change("body", "centre of mass", item, f"{1e3 * shift:.6g} mm elsewhere in b", _row(c), _row(d), shift, counts)
+    J, K = (_central(x) for x in (one, two))
+    size = max(float(np.abs(J).max()), float(np.abs(K).max()))
+    off = float(np.abs(J - K).max())
+    reach = m * float(c @ c)  # Steiner's terms cancel
+    if off > SMALL * size + 1e-14 * reach and off > 1e-15:
+        yield Change("body", "tensor", item, f"an entry differs by {off:.3g} kg m^2, of at most {size:.3g}", amount=off,
+                     counts=counts)  # fmt: skip
+
+
+def _central(ten: np.ndarray) -> np.ndarray:
+    """The tensor about the centre of mass."""
+    m, h = ten[0], ten[1:4]
+    xx, xy, yy, xz, yz, zz = ten[4:]
+    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return J if not m else J - (h @ h * np.eye(3) - np.outer(h, h)) / m
+
+
+def _links(pair: Pair) -> Iterator[Change]:
+    m, bodies = pair.matching, pair.matching.bodies
+    for name, (node, X) in pair.a.links.items():
+        if name not in pair.b.links:
+            continue
+        other, Y = pair.b.links[name]
+        if bodies.get(node) != other:
+            yield Change("link", "elsewhere", name, "it is part of another body in b", amount=1.0, counts=False)
+            continue
+        turn, shift = _pose(np.linalg.inv(X) @ m.motions[other] @ Y)
+        if turn > SMALL or shift > SMALL:
+            yield Change("link", "re-framed", name, f"its frame is {1e3 * shift:.6g} mm and {turn:.6g} rad elsewhere in b",
+                         amount=shift + turn, counts=False)  # fmt: skip
+    lost = [k for k in pair.a.links if k not in pair.b.links]
+    new = [k for k in pair.b.links if k not in pair.a.links]
+    for name in list(lost):
+        node, X = pair.a.links[name]
+        same = [k for k in new if bodies.get(node) == pair.b.links[k][0]
+                and sum(_pose(np.linalg.inv(X) @ m.motions[pair.b.links[k][0]] @ pair.b.links[k][1])) < SMALL]  # fmt: skip
+        if same:
+            yield Change("link", "renamed", name, f"called {same[0]!r} in b", name, same[0], counts=False)
+            lost.remove(name)
+            new.remove(same[0])
+    for names, home, here, there in ((lost, pair.a, "a", "b"), (new, pair.b, "b", "a")):
+        for name in names:
+            massive = any(k.name == name and not k.inertia.massless for k in home.robot.links)
+            what = "merged into its body" if massive else "a frame without mass"
+            yield Change("link", f"only in {here}", name, f"only in {here}; in {there} {what} or left out", counts=False)
+
+
+def _order(pair: Pair) -> Iterator[Change]:
+    order = [m.b.joint.index for m in sorted(pair.matching.joints, key=lambda m: m.a.joint.index)]
+    if order != sorted(order):
+        names = [pair.b.robot.joint_names[i] for i in order]
+        yield Change("joint", "reordered", "", f"q of b comes in another order: a's is {', '.join(names)}", counts=False)
+
+
+def _pose(X: np.ndarray) -> tuple[float, float]:
+    """The angle [rad] and the distance [m] of a displacement."""
+    R = X[:3, :3]
+    skew = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    return float(np.arctan2(np.linalg.norm(skew) / 2, (np.trace(R) - 1) / 2)), float(np.linalg.norm(X[:3, 3]))
+
+
+def _row(x: np.ndarray) -> str:
+    return "(" + ", ".join(f"{float(v):.6g}" for v in x) + ")"
+
+
+

@@ -1,0 +1,105 @@
+"""A robot where all coordinates are zero, in the world: screws, bodies and links, whatever frames it was described in.
+
+At zero a motion is the screw of its joint, and a body its ten parameters; frames of links and joints no longer
+matter (Brockett 1984).  Bodies are nodes, joints are edges: which of the bodies stands on the ground is not part of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...functions import fk
+from ...model.robot import Joint, Robot
+from ...spatial.inertia import Inertia
+from ...spatial.pose import Pose
+from ...spatial.vector import Matrix3, Vector3
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A joint between two bodies, with the screws (nv, 6), [w; v], of its velocities in the world."""
+
+    joint: Joint
+    inner: int
+    outer: int
+    screws: np.ndarray
+
+
+class Home:
+    """The bodies and joints of a robot at zero; body 0 is the ground, body i + 1 what joint i moves."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        q = robot.neutral
+        poses = fk(robot, q, engine="numpy") if len(robot) else np.zeros((0, 4, 4))
+        self.poses = [np.eye(4), *poses]
+        self.edges = [
+            Edge(j, 0 if j.parent is None else j.parent.index + 1, j.index + 1, self._screws(j)) for j in robot
+        ]
+
+    def _screws(self, j: Joint) -> np.ndarray:
+        X = Pose.from_matrix(self.poses[j.index + 1])
+        # a follower moves as its leader's coordinate says
+        moved = [X @ s for s in j.model.screws]
+        return np.array([[*map(float, m.real), *map(float, m.dual)] for m in moved]).reshape(-1, 6)
+
+    @cached_property
+    def links(self) -> dict[str, tuple[int, np.ndarray]]:
+        """Link -> its body and its pose (4, 4) in the world."""
+        found = {}
+        for k in self.robot.links:
+            node = 0 if k.joint is None else k.joint.index + 1
+            found[k.name] = node, self.poses[node] @ k.placement.array
+        return found
+
+    @cached_property
+    def bodies(self) -> list[np.ndarray]:
+        """The ten parameters of each body in the world (10,)."""
+        found = [np.zeros(10) for _ in self.poses]
+        for k in self.robot.links:
+            node, X = self.links[k.name]
+            found[node] = found[node] + parameters(k.inertia, X)
+        return found
+
+    def at(self, node: int) -> list[Edge]:
+        """The joints of a body, those that it is carried by and those that it carries."""
+        return [e for e in self.edges if node in (e.inner, e.outer)]
+
+    def below(self, node: int, edge: Edge) -> int:
+        """How many joints lie beyond an edge, seen from a body."""
+        seen, waiting, count = {node}, [edge.outer if node == edge.inner else edge.inner], 0
+        while waiting:
+            here = waiting.pop()
+            seen.add(here)
+            for e in self.at(here):
+                other = e.outer if e.inner == here else e.inner
+                if other not in seen:
+                    count += 1
+                    waiting.append(other)
+        return count
+
+
+def parameters(inertia: Inertia, X: np.ndarray) -> np.ndarray:
+    """The ten parameters of a body in the frame in which its own has the pose X."""
+    return np.array([float(x) for x in (Pose.from_matrix(X) @ inertia).parameters])
+
+
+def body(ten: np.ndarray) -> Inertia:
+    """The body of ten parameters; differences of bodies have one too."""
+    m, x, y, z, xx, xy, yy, xz, yz, zz = ten.tolist()
+    return Inertia(m, Vector3(x, y, z), Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz)))
+
+
+def carried(ten: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Ten parameters described in a frame, in the one in which that has the pose X."""
+    return np.array([float(x) for x in (Pose.from_matrix(X) @ body(ten)).parameters])
+
+
+def moved(screws: np.ndarray, X: np.ndarray) -> np.ndarray:
+    """Screws (n, 6) of a frame, in the one in which it has the pose X:  w' = R w,  v' = R v + p x R w"""
+    R, p = X[:3, :3], X[:3, 3]
+    w, v = screws[:, :3] @ R.T, screws[:, 3:] @ R.T
+    return np.concatenate([w, v + np.cross(p, w)], axis=1)

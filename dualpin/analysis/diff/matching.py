@@ -1,0 +1,273 @@
+"""Which joint and which body of one robot is which of another: by name, and by place in the tree where names differ.
+
+Both trees are walked from the same body outwards.  Names come first; joints without a namesake are matched by what
+frames do not change: the line of their screw, the kind, and how much hangs on them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+
+from ...spatial.arrays import exp, to_matrix
+from .home import Edge, Home, carried, moved
+
+NEAR = 1e-6
+"""Screws nearer than this are the same in another file: decimals were cut."""
+SHAPE = 4.0  # of another kind, or with other numbers of joints below: matched only where nothing else is left
+
+
+@dataclass
+class Match:
+    """A joint of a, and the one of b that stands for it.
+
+    Attributes
+    ----------
+    sign : int
+        -1 where q counts the other way round.
+    offset : float
+        q_a where q_b is zero:  q_a = sign q_b + offset.
+    reversed : bool
+        Whether parent and child are exchanged: b's tree stands on another body.
+    screws : ndarray (nv, 6)
+        b's, in a's world, where a is at zero, counted as a's are.
+    """
+
+    a: Edge
+    b: Edge
+    sign: int = 1
+    offset: float = 0.0
+    reversed: bool = False
+    screws: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))
+
+    @property
+    def renamed(self) -> bool:
+        return self.a.joint.name != self.b.joint.name
+
+
+@dataclass
+class Matching:
+    """Two robots side by side.
+
+    Attributes
+    ----------
+    joints : list of Match
+    bodies : dict
+        Body of a -> body of b.
+    motions : dict
+        Body of b -> the pose (4, 4) in a's world of what its own world is at zero.
+    base : ndarray (4, 4)
+        Where b's world is in a's.
+    rerooted : str
+        The link of b that stands on the ground, where that is another body than in a.
+    """
+
+    joints: list[Match]
+    bodies: dict[int, int]
+    motions: dict[int, np.ndarray]
+    base: np.ndarray
+    rerooted: str = ""
+
+    def in_b(self, name: str) -> Match | None:
+        return next((m for m in self.joints if m.a.joint.name == name), None)
+
+
+def matched(a: Home, b: Home) -> Matching:
+    """The matching with the least left over, of the places that b's base may have."""
+    start = _start(a, b)
+    found = [_walk(a, b, start, T) for T in _bases(a, b, start)]
+    best = max(found, key=lambda m: (len(m.joints), -_rest(m)))
+    best.rerooted = _ground(b) if start != 0 else ""
+    return best
+
+
+def _ground(home: Home) -> str:
+    return next((name for name, (node, _) in home.links.items() if node == 0), "")
+
+
+def _start(a: Home, b: Home) -> int:
+    """The body of b that holds a's ground link."""
+    name = _ground(a)
+    return b.links[name][0] if name in b.links else 0
+
+
+def _bases(a: Home, b: Home, start: int) -> list[np.ndarray]:
+    """Where b's world may be in a's: where links of one name agree, where the first two axes do, or at the same place."""
+    found = []
+    name = _ground(a)
+    if name in b.links and b.links[name][0] == start:
+        return [a.links[name][1] @ np.linalg.inv(b.links[name][1])]
+    found.append(np.eye(4))
+    for node, other in ((0, start), *((e.outer, f.outer) for e, f in zip(a.edges[:1], b.edges[:1], strict=False))):
+        shared = [k for k, (n, _) in a.links.items() if n == node and k in b.links and b.links[k][0] == other]
+        found += [a.links[k][1] @ np.linalg.inv(b.links[k][1]) for k in shared[:1]]
+    lines = [_frames(h) for h in (a, b)]
+    found += [X @ np.linalg.inv(Y) for X, Y in product(*lines)]
+    return found
+
+
+def _frames(home: Home) -> list[np.ndarray]:
+    """Frames made of the first axis that turns and the next one that is not the same line, either way round."""
+    axes = [e.screws[0] for e in home.edges if len(e.screws) == 1 and e.screws[0, :3].any()]
+    if not axes:
+        return []
+    first = axes[0]
+    for other in axes[1:]:
+        frame = _common(first, other)
+        if frame is not None:
+            turn = np.diag([1.0, -1.0, -1.0, 1.0])  # about the frame's x: z the other way round
+            return [frame, frame @ turn]
+    return []
+
+
+def _common(s: np.ndarray, t: np.ndarray) -> np.ndarray | None:
+    """z along the first line, x along the common perpendicular; None for one line."""
+    z, u = s[:3], t[:3]
+    p, r = np.cross(z, s[3:]), np.cross(u, t[3:]) / (u @ u)
+    n = np.cross(z, u)
+    if np.linalg.norm(n) > NEAR:
+        x = n / np.linalg.norm(n)
+        foot = p + z * (np.cross(r - p, u) @ n) / (n @ n)
+    else:
+        d = (r - p) - z * ((r - p) @ z)
+        if np.linalg.norm(d) < NEAR:
+            return None
+        x, foot = d / np.linalg.norm(d), p
+    X = np.eye(4)
+    X[:3, 0], X[:3, 1], X[:3, 2], X[:3, 3] = x, np.cross(z, x), z, foot
+    return X
+
+
+def _rest(m: Matching) -> float:
+    return sum(apart(x.a.screws, x.screws) for x in m.joints if x.screws.shape == x.a.screws.shape)
+
+
+def _walk(a: Home, b: Home, start: int, base: np.ndarray) -> Matching:
+    """From the ground outwards, each joint of a with one of b's at the same body."""
+    found = Matching([], {0: start}, {start: base}, base)
+    used: set[int] = set()
+    waiting = [0]
+    while waiting:
+        node = waiting.pop(0)
+        mine = [e for e in a.at(node) if e.inner == node]
+        motion = found.motions[found.bodies[node]]
+        theirs = [e for e in b.at(found.bodies[node]) if e.joint.index not in used]
+        for match in _paired(a, b, found.bodies[node], mine, theirs, motion):
+            beyond = match.b.inner if match.reversed else match.b.outer
+            match = _shifted(a, b, match, motion, beyond, used)
+            used.add(match.b.joint.index)
+            found.joints.append(match)
+            found.bodies[match.a.outer] = beyond
+            found.motions[beyond] = _turned(match, motion)
+            waiting.append(match.a.outer)
+    return found
+
+
+def _paired(
+    a: Home, b: Home, at: int, mine: list[Edge], theirs: list[Edge], motion: np.ndarray
+) -> list[Match]:
+    """Namesakes first, then the cheapest pairs."""
+    names = {e.joint.name: e for e in theirs}
+    found = [_match(e, names[e.joint.name], at, motion) for e in mine if e.joint.name in names]
+    taken = {(m.a.joint.name, m.b.joint.name) for m in found}
+    rest = [e for e in mine if e.joint.name not in names]
+    # a joint of b that has a namesake elsewhere in a is kept for it
+    others = [e for e in theirs if e.joint.name not in {x for _, x in taken} and e.joint.name not in a.robot.joint_names]
+    costs = []
+    for e, f in product(rest, others):
+        m = _match(e, f, at, motion)
+        same = e.screws.shape == f.screws.shape
+        cost = apart(e.screws, m.screws) if same else SHAPE
+        size = abs(a.below(e.inner, e) - b.below(at, f))
+        costs.append((cost + SHAPE * size, e.joint.index, f.joint.index, m))
+    gone: set[tuple[str, int]] = set()
+    for _, i, k, m in sorted(costs, key=lambda x: x[:3]):
+        if ("a", i) not in gone and ("b", k) not in gone:
+            gone |= {("a", i), ("b", k)}
+            found.append(m)
+    return found
+
+
+def _match(e: Edge, f: Edge, at: int, motion: np.ndarray) -> Match:
+    """The pair, with b's screws counted as a's."""
+    screws, back = moved(f.screws, motion), f.outer == at and f.inner != at
+    if len(screws) == 1:
+        sign = -1 if apart(e.screws, -screws) < apart(e.screws, screws) else 1
+        # a reversed joint moves the other body: the same q moves this one backwards
+        return Match(e, f, sign, 0.0, back, sign * screws)
+    return Match(e, f, 1, 0.0, back, -screws if back else screws)
+
+
+def apart(s: np.ndarray, t: np.ndarray) -> float:
+    """How far two sets of screws are from each other: angles, and distances of lines in metres."""
+    if s.shape != t.shape:
+        return float("inf")
+    return float(np.linalg.norm(s - t))
+
+
+def _turned(m: Match, motion: np.ndarray) -> np.ndarray:
+    """Where b's world is in a's beyond the joint: turned by the offset about it."""
+    if not m.offset:
+        return motion
+    return np.asarray(to_matrix(exp(m.a.screws[0] * m.offset)) @ motion)
+
+
+def _shifted(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, used: set[int]) -> Match:
+    """With another zero, where that brings what lies beyond into place: the next axes, or the body."""
+    s = m.a.screws
+    if s.shape != (1, 6) or apart(s, m.screws) > NEAR:
+        return m
+    seen = {*used, m.b.joint.index}
+    mine = [e for e in a.at(m.a.outer) if e.inner == m.a.outer]
+    names = {e.joint.name: e for e in b.at(beyond) if e.joint.index not in seen}
+    pairs = [(e, names[e.joint.name]) for e in mine if e.joint.name in names] or (
+        list(zip(mine, names.values(), strict=False)) if len(mine) == len(names) == 1 else []
+    )
+    best, least = m, _misfit(a, b, m, motion, beyond, pairs)
+    if least <= NEAR:
+        return m
+    for offset in _offsets(s[0], a, b, m, motion, beyond, pairs):
+        other = replace(m, offset=offset)
+        misfit = _misfit(a, b, other, motion, beyond, pairs)
+        if misfit < 1e-3 * least:
+            best, least = other, misfit
+    return best
+
+
+def _misfit(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: list[tuple[Edge, Edge]]) -> float:
+    """How far what lies beyond a joint is from its place."""
+    X = _turned(m, motion)
+    if pairs:
+        return sum(min(apart(e.screws, k * moved(f.screws, X)) for k in (1, -1)) for e, f in pairs)
+    ours, theirs = a.bodies[m.a.outer], carried(b.bodies[beyond], X)
+    return float(np.linalg.norm(ours - theirs) / max(np.linalg.norm(ours), 1e-300))
+
+
+def _offsets(
+    s: np.ndarray, a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: list[tuple[Edge, Edge]]
+) -> list[float]:
+    """Turns about (or slides along) the axis of s that bring points or directions of b to those of a."""
+    ours, theirs = [], []
+    for e, f in pairs:
+        t = moved(f.screws, motion)
+        for k in (1, -1):
+            for x, y in zip(e.screws, k * t, strict=False):
+                ours += [x[:3], np.cross(x[:3], x[3:])]
+                theirs += [y[:3], np.cross(y[:3], y[3:])]
+    ten, other = a.bodies[m.a.outer], carried(b.bodies[beyond], motion)
+    if ten[0] and other[0]:
+        ours.append(ten[1:4] / ten[0])
+        theirs.append(other[1:4] / other[0])
+    z = s[:3]
+    if not z.any():
+        return [float((x - y) @ s[3:]) for x, y in zip(ours, theirs, strict=True)]
+    p = np.cross(z, s[3:])
+    found = []
+    for at in (np.zeros(3), p):
+        for x, y in zip(ours, theirs, strict=True):
+            u, w = ((c - at) - z * ((c - at) @ z) for c in (x, y))
+            if min(np.linalg.norm(u), np.linalg.norm(w)) > NEAR:
+                found.append(float(np.arctan2(z @ np.cross(w, u), u @ w)))
+    return found
