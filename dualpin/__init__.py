@@ -16,6 +16,7 @@ __version__ = "0.1.0"
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {
     "dualpin.analysis.check": ("check",),
+    "dualpin.analysis.convert": ("convert",),
     "dualpin.analysis.diff": ("diff",),
     "dualpin.analysis.identification": ("base_parameters", "excite", "identify", "identify_payload"),
     "dualpin.analysis.workspace": ("manipulability", "payload_capacity", "reach_map", "singularity"),

@@ -16,6 +16,7 @@ HOMES = {
     "DHTable.export": "dualpin.forms.export.dh_text",
     "DHTable.plot": "dualpin.report.figures.dh_table",
     "DHTable.robot": "dualpin.forms.build.assembled",
+    "Diff.to_html": "dualpin.report.page.page",
     "Evaluator.__reduce__": "dualpin.call.making.restored",
     "IKResult._repr_html_": "dualpin.report.notebook.ik_html",
     "IKResult.plot": "dualpin.report.figures.solved",

@@ -32,7 +32,10 @@ def check(
     files: Annotated[
         list[str],
         typer.Argument(
-            metavar="FILE...", help="URDF, xacro or MJCF files, names, or -.", autocompletion=robot_names, callback=named
+            metavar="FILE...",
+            help="URDF, xacro or MJCF files, names, or -.",
+            autocompletion=robot_names,
+            callback=named,
         ),
     ],
     only: Rules = "",
@@ -54,7 +57,7 @@ def check(
     Each finding says where, why it matters (what it does to which term) and what to change.  Exit code 0 if nothing
     was found, 1 if something was, 2 if a file cannot be read.
 
-    Examples:  dualpin check arm.urdf  |  dualpin check urdf/*.urdf --level warning --out out  |  dualpin check a.urdf --fix
+    Examples:  dualpin check arm.urdf  |  dualpin check *.urdf --level warning --out out  |  dualpin check a.urdf --fix
     """
     from ..analysis.check import Checked
     from ..analysis.check import check as checked
@@ -139,8 +142,10 @@ def _written(out: Path, found: list[Any], data: dict[str, Any]) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
         for name, text in (
-            ("check.json", dumps(data, indent=1) + "\n"), ("check.junit.xml", junit(found)), ("check.sarif", sarif(found)),
-        ):  # fmt: skip
+            ("check.json", dumps(data, indent=1) + "\n"),
+            ("check.junit.xml", junit(found)),
+            ("check.sarif", sarif(found)),
+        ):
             write_text(out / name, text)
             print(f"wrote {line(str(out / name))}", file=sys.stderr)
     except OSError as e:

@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from .. import __version__
+from ..analysis.diff import Diff
 from ..crosscheck.results import Report
 from ..errors import ArgumentError
 from .changes import Comparison
@@ -15,16 +16,16 @@ from .methods import Methods
 from .read import Study
 from .speed import Speed
 
-ORDER = ("Comparison", "Validation", "Speed", "Integrators", "Records")
+ORDER = ("Difference", "Comparison", "Validation", "Speed", "Integrators", "Records")
 HINT = "HTML needs Jinja: pip install 'dualpin[report]'"
 
 
-def page(*of: Report | Study | Comparison, title: str = "") -> str:
+def page(*of: Report | Study | Comparison | Diff, title: str = "") -> str:
     """One self-contained HTML page of results: no network, readable without JavaScript.
 
     Parameters
     ----------
-    *of : Report, Study or Comparison
+    *of : Report, Study, Comparison or Diff
         What to show; validations come first, then speed, integrators and other records.
     title : str
         The heading; "dualpin: validation", say, by default.
@@ -65,8 +66,10 @@ def available() -> bool:
     return find_spec("jinja2") is not None
 
 
-def _section(of: Report | Study | Comparison) -> dict[str, Any]:
+def _section(of: Report | Study | Comparison | Diff) -> dict[str, Any]:
     """What a section's template is given."""
+    if isinstance(of, Diff):
+        return {"template": "diff.html.j2", "title": "Difference", "header": {}, "view": of, "source": ""}
     if isinstance(of, Comparison):
         return {"template": "compare.html.j2", "title": "Comparison", "header": {}, "view": of, "source": ""}
     if isinstance(of, Report):

@@ -84,6 +84,8 @@ class Effects:
 
     def _torque(self, term: str, words: str, k: int, amount: float, largest: float) -> Effect:
         j = next(j for j in self.robot if j.v.start <= k < j.v.stop)
+        if not amount:
+            return Effect(term, 0.0, "N m", "no torque of a joint changes while the base stands still")
         names = j.model.velocity_names
         unit = "N" if _slides(j.model.screws[k - j.v.start]) else "N m"
         of = f" {names[k - j.v.start]}" if len(names) > 1 else ""

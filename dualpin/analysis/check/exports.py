@@ -46,6 +46,8 @@ def _result(f: Finding) -> dict[str, Any]:
     place: dict[str, Any] = {"artifactLocation": {"uri": f.file}}
     if f.line:
         place["region"] = {"startLine": f.line}
-    text = "; ".join(x for x in (f"{f.item}: {f.says}" if f.item else f.says, f.why, f"fix: {f.fix}" if f.fix else "") if x)
+    text = "; ".join(
+        x for x in (f"{f.item}: {f.says}" if f.item else f.says, f.why, f"fix: {f.fix}" if f.fix else "") if x
+    )
     location = {"physicalLocation": place, "logicalLocations": [{"name": f.item or "robot"}]}
     return {"ruleId": f.rule, "level": f.severity, "message": {"text": text}, "locations": [location]}

@@ -211,7 +211,7 @@ def mimics(case: Case) -> Iterator[Finding]:
                 "mimic-undefined",
                 h,
                 says,
-                why="readers refuse it, or leave the joint free: nv is one more",
+                why="readers refuse it, or leave the joint free: nv is 1 more",
                 fix="name the joint that leads",
             )
         elif leader.kind == "fixed" or _leads_back(hinges, h):
@@ -220,7 +220,7 @@ def mimics(case: Case) -> Iterator[Finding]:
                 "mimic-fixed",
                 h,
                 says,
-                why="its coordinate is a constant or undefined: nv is one less or more",
+                why="its coordinate is a constant or undefined: nv is 1 less or more",
                 fix="make it fixed, or name the joint that leads",
             )
         elif leader.mimic is not None:

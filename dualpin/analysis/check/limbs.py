@@ -118,7 +118,8 @@ def duplicated(case: Case) -> Iterator[Finding]:
     same: dict[tuple[float, ...], list[Body]] = defaultdict(list)
     for b in case.about.bodies:
         if b.given and b.mass > LIGHT and b.written.any() and not _round(b):
-            same[(b.mass, *b.com, *b.tensor.ravel())].append(b)
+            key = (b.mass, *b.com.tolist(), *b.tensor.ravel().tolist())
+            same[key].append(b)
     for group in same.values():
         shapes = {_shape(b) for b in group} - {""}
         if len(group) > 1 and len(shapes) == len(group) and len({_plain(s) for s in shapes}) == len(group):

@@ -87,7 +87,7 @@ def names(case: Case) -> Iterator[Finding]:
                     case,
                     "name-characters",
                     x,
-                    f"the name {name!r}",  # type: ignore[arg-type]
+                    f"the name {name!r}",
                     why="ROS topics and parameters, USD and MATLAB take letters, digits and _: no term changes",
                     fix=f"{re.sub(r'[^a-zA-Z0-9_.-]+', '_', name)!r}, where it is referred to as well",
                 )
@@ -97,11 +97,12 @@ def names(case: Case) -> Iterator[Finding]:
                     case,
                     "name-case",
                     of[same[1]],
-                    f"{' and '.join(map(repr, same))}",  # type: ignore[arg-type]
+                    f"{' and '.join(map(repr, same))}",
                     why="files and topics named after them are one on some systems: no term changes",
                     fix="name them apart",
                 )
-    for name in links.keys() & joints.keys():
+    described = case.about.document is not None  # links of robots built in code are named after their joints
+    for name in sorted(links.keys() & joints.keys()) if described else ():
         yield finding(
             case,
             "name-shared",

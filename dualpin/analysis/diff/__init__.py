@@ -15,10 +15,11 @@ from ..identification import base_parameters
 from .compare import Pair, changes
 from .home import Home, carried
 from .matching import matched
-from .results import DIFFERENT, DYNAMICS, FRAMES, IDENTICAL, RENAMED, Change, Diff, TermChange
+from .results import COORDINATES, DIFFERENT, DYNAMICS, FRAMES, IDENTICAL, RENAMED, Change, Diff, TermChange
 from .terms import LARGE, comparable, terms
 
 __all__ = ["Change", "Diff", "TermChange", "diff"]
+ORDER = ("base", "gravity", "joint", "body", "limit", "link")
 MOST = 60
 """Degrees of freedom up to which base parameters are found: the time grows with their cube."""
 
@@ -74,7 +75,9 @@ def diff(
         robots.append(x if isinstance(x, Robot) else _loaded(x, floating))
     one, other = (Home(r) for r in robots)
     pair = Pair(one, other, matched(one, other))
-    found = Diff(*names, changes=sorted(changes(pair), key=lambda c: (not c.counts, -c.amount)))
+    found = Diff(
+        names[0], names[1], changes=sorted(changes(pair), key=lambda c: (not c.counts, ORDER.index(c.about), -c.amount))
+    )
     found.reason = comparable(pair)
     if not found.reason:
         found.terms = {t.term: t for t in terms(pair, int(samples), int(seed))}
@@ -106,6 +109,8 @@ def _verdict(found: Diff) -> str:
         torques = [found.terms[t] for t in ("gravity", "rnea", "crba") if t in found.terms]
         if torques and all(t.scaled < LARGE for t in torques):
             return DYNAMICS
+    if {c.kind for c in real} <= {"other zero", "turned round"}:
+        return COORDINATES
     return DIFFERENT
 
 

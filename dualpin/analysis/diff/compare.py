@@ -44,22 +44,38 @@ def _base(pair: Pair) -> Iterator[Change]:
     m, ground = pair.matching, next(iter(pair.a.links), "")
     if m.rerooted:
         yield Change(
-            "base", "other link", m.rerooted, f"b stands on link {m.rerooted!r}, a on {ground!r}: what is fixed to the "
-            "ground is not the same, and joints between them count backwards", ground, m.rerooted,
-        )  # fmt: skip
+            "base",
+            "other link",
+            m.rerooted,
+            f"b stands on link {m.rerooted!r}, a on {ground!r}: what is fixed to the "
+            "ground is not the same, and joints between them count backwards",
+            ground,
+            m.rerooted,
+        )
     turn, shift = _pose(m.base)
     if not m.rerooted and turn + shift > SMALL:
         yield Change(
-            "base", "moved", ground, f"b's base stands {shift:.6g} m from a's, turned by {turn:.6g} rad",
-            amount=shift + turn, counts=turn > SMALL,
-        )  # fmt: skip
+            "base",
+            "moved",
+            ground,
+            f"b's base stands {shift:.6g} m from a's, turned by {turn:.6g} rad",
+            amount=shift + turn,
+            counts=turn > SMALL,
+        )
 
 
 def _gravity(pair: Pair) -> Iterator[Change]:
     g, h = (np.array([float(x) for x in home.robot.gravity]) for home in (pair.a, pair.b))
     if np.abs(g - h).max() > SMALL:
-        yield Change("gravity", "other", "", f"{_row(g)} in a, {_row(h)} m/s^2 in b", _row(g), _row(h),
-                     float(np.linalg.norm(g - h)))  # fmt: skip
+        yield Change(
+            "gravity",
+            "other",
+            "",
+            f"{_row(g)} in a, {_row(h)} m/s^2 in b",
+            _row(g),
+            _row(h),
+            float(np.linalg.norm(g - h)),
+        )
 
 
 def _names(pair: Pair, m: Match) -> Iterator[Change]:
@@ -69,11 +85,23 @@ def _names(pair: Pair, m: Match) -> Iterator[Change]:
     if m.sign < 0 and not m.reversed:
         yield Change("joint", "turned round", j.name, "q counts the other way round in b", "+", "-", 2.0)
     if m.sign > 0 and m.reversed:
-        yield Change("joint", "turned round", j.name, "its axis is turned round in b as well as its parent and child",
-                     counts=False)  # fmt: skip
+        yield Change(
+            "joint",
+            "turned round",
+            j.name,
+            "its axis is turned round in b as well as its parent and child",
+            counts=False,
+        )
     if abs(m.offset) > SMALL:
-        yield Change("joint", "other zero", j.name, f"q is {m.offset:.6g} here where it is 0 in b", "0", f"{m.offset:.6g}",
-                     abs(m.offset))  # fmt: skip
+        yield Change(
+            "joint",
+            "other zero",
+            j.name,
+            f"q is {m.offset:.6g} here where it is 0 in b",
+            "0",
+            f"{m.offset:.6g}",
+            abs(m.offset),
+        )
     if (j.mimic and j.mimic.joint) != (k.mimic and k.mimic.joint) and not (j.mimic and k.mimic):
         yield Change("joint", "follows", j.name, f"{_leader(j)} in a, {_leader(k)} in b", _leader(j), _leader(k), 1.0)
 
@@ -105,7 +133,9 @@ def _motion(m: Match) -> Iterator[Change]:
     if turn(s):
         distance = _between(s, t)
         if distance > SMALL:
-            yield Change("joint", "moved", j.name, f"its axis lies {1e3 * distance:.6g} mm elsewhere in b", amount=distance)
+            yield Change(
+                "joint", "moved", j.name, f"its axis lies {1e3 * distance:.6g} mm elsewhere in b", amount=distance
+            )
     if k.kind != j.kind:
         yield Change("joint", "other word", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, counts=False)
 
@@ -129,12 +159,21 @@ def _limits(m: Match) -> Iterator[Change]:
     pairs += [(n, getattr(x, n), getattr(y, n)) for n in ("velocity", "effort", "damping", "friction")]
     for name, one, other in pairs:
         if one != other and not abs(one - other) <= SMALL * max(1.0, abs(one)):
-            yield Change("limit", name, j.name, f"{name} {one:g} in a, {other:g} in b", f"{one:g}", f"{other:g}",
-                         abs(one - other) if abs(one - other) < inf else 1.0)  # fmt: skip
-    one, other = (np.array([float(v) for v in z.armature]) for z in (j, k))
-    if one.shape == other.shape and one.size and np.abs(one - other).max() > SMALL * max(1.0, np.abs(one).max()):
-        yield Change("body", "armature", j.name, f"armature {_row(one)} in a, {_row(other)} in b", _row(one), _row(other),
-                     float(np.abs(one - other).max()))  # fmt: skip
+            yield Change(
+                "limit",
+                name,
+                j.name,
+                f"{name} {one:g} in a, {other:g} in b",
+                f"{one:g}",
+                f"{other:g}",
+                abs(one - other) if abs(one - other) < inf else 1.0,
+            )
+    mine, theirs = (np.array([float(v) for v in z.armature]) for z in (j, k))
+    if mine.shape == theirs.shape:
+        off = float(np.abs(mine - theirs).max(initial=0.0))
+        if off > SMALL * max(1.0, float(mine.max(initial=0.0))):
+            rows = _row(mine), _row(theirs)
+            yield Change("body", "armature", j.name, f"armature {rows[0]} in a, {rows[1]} in b", *rows, off)
 
 
 def _unmatched(pair: Pair) -> Iterator[Change]:
@@ -158,18 +197,35 @@ def _body(pair: Pair, node: int, other: int) -> Iterator[Change]:
     counts = node != 0  # what stands on the ground moves nothing
     m, n = float(one[0]), float(two[0])
     if abs(m - n) > SMALL * max(abs(m), abs(n), 1e-3):
-        yield Change("body", "mass", item, f"{m:.6g} kg in a, {n:.6g} kg in b", f"{m:.6g}", f"{n:.6g}", abs(m - n), counts)
+        yield Change(
+            "body", "mass", item, f"mass {m:.6g} kg in a, {n:.6g} kg in b", f"{m:.6g}", f"{n:.6g}", abs(m - n), counts
+        )
     c, d = (x[1:4] / x[0] if x[0] else np.zeros(3) for x in (one, two))
     shift = float(np.linalg.norm(c - d))
     if m and n and shift > SMALL:
-        yield Change("body", "centre of mass", item, f"{1e3 * shift:.6g} mm elsewhere in b", _row(c), _row(d), shift, counts)
+        yield Change(
+            "body",
+            "centre of mass",
+            item,
+            f"centre of mass {1e3 * shift:.6g} mm elsewhere in b",
+            _row(c),
+            _row(d),
+            shift,
+            counts,
+        )
     J, K = (_central(x) for x in (one, two))
     size = max(float(np.abs(J).max()), float(np.abs(K).max()))
     off = float(np.abs(J - K).max())
     reach = m * float(c @ c)  # Steiner's terms cancel
     if off > SMALL * size + 1e-14 * reach and off > 1e-15:
-        yield Change("body", "tensor", item, f"an entry differs by {off:.3g} kg m^2, of at most {size:.3g}", amount=off,
-                     counts=counts)  # fmt: skip
+        yield Change(
+            "body",
+            "tensor",
+            item,
+            f"tensor differs by {off:.3g} kg m^2, of at most {size:.3g}",
+            amount=off,
+            counts=counts,
+        )
 
 
 def _central(ten: np.ndarray) -> np.ndarray:
@@ -182,6 +238,7 @@ def _central(ten: np.ndarray) -> np.ndarray:
 
 def _links(pair: Pair) -> Iterator[Change]:
     m, bodies = pair.matching, pair.matching.bodies
+    displaced, seen = _displaced(pair), dict[int, tuple[np.ndarray, np.ndarray]]()
     for name, (node, X) in pair.a.links.items():
         if name not in pair.b.links:
             continue
@@ -189,16 +246,30 @@ def _links(pair: Pair) -> Iterator[Change]:
         if bodies.get(node) != other:
             yield Change("link", "elsewhere", name, "it is part of another body in b", amount=1.0, counts=False)
             continue
-        turn, shift = _pose(np.linalg.inv(X) @ m.motions[other] @ Y)
+        Z = m.motions[other] @ Y
+        if node in displaced:  # its body is elsewhere: what is left is where it lies beside the others of the body
+            P, Q = seen.setdefault(node, (X, Z))
+            X, Z = np.linalg.inv(P) @ X, np.linalg.inv(Q) @ Z
+        turn, shift = _pose(np.linalg.inv(X) @ Z)
         if turn > SMALL or shift > SMALL:
-            yield Change("link", "re-framed", name, f"its frame is {1e3 * shift:.6g} mm and {turn:.6g} rad elsewhere in b",
-                         amount=shift + turn, counts=False)  # fmt: skip
+            yield Change(
+                "link",
+                "re-framed",
+                name,
+                f"its frame is {1e3 * shift:.6g} mm and {turn:.6g} rad elsewhere in b",
+                amount=shift + turn,
+                counts=False,
+            )
     lost = [k for k in pair.a.links if k not in pair.b.links]
     new = [k for k in pair.b.links if k not in pair.a.links]
     for name in list(lost):
         node, X = pair.a.links[name]
-        same = [k for k in new if bodies.get(node) == pair.b.links[k][0]
-                and sum(_pose(np.linalg.inv(X) @ m.motions[pair.b.links[k][0]] @ pair.b.links[k][1])) < SMALL]  # fmt: skip
+        same = [
+            k
+            for k in new
+            if bodies.get(node) == pair.b.links[k][0]
+            and sum(_pose(np.linalg.inv(X) @ m.motions[pair.b.links[k][0]] @ pair.b.links[k][1])) < SMALL
+        ]
         if same:
             yield Change("link", "renamed", name, f"called {same[0]!r} in b", name, same[0], counts=False)
             lost.remove(name)
@@ -207,14 +278,27 @@ def _links(pair: Pair) -> Iterator[Change]:
         for name in names:
             massive = any(k.name == name and not k.inertia.massless for k in home.robot.links)
             what = "merged into its body" if massive else "a frame without mass"
-            yield Change("link", f"only in {here}", name, f"only in {here}; in {there} {what} or left out", counts=False)
+            yield Change(
+                "link", f"only in {here}", name, f"only in {here}; in {there} {what} or left out", counts=False
+            )
+
+
+def _displaced(pair: Pair) -> set[int]:
+    """Bodies of a that are carried by a joint which lies elsewhere in b."""
+    found: set[int] = set()
+    for x in pair.matching.joints:  # parents come first
+        if x.a.inner in found or any(True for c in _motion(x) if c.counts):
+            found.add(x.a.outer)
+    return found
 
 
 def _order(pair: Pair) -> Iterator[Change]:
     order = [m.b.joint.index for m in sorted(pair.matching.joints, key=lambda m: m.a.joint.index)]
     if order != sorted(order):
         names = [pair.b.robot.joint_names[i] for i in order]
-        yield Change("joint", "reordered", "", f"q of b comes in another order: a's is {', '.join(names)}", counts=False)
+        yield Change(
+            "joint", "reordered", "", f"q of b comes in another order: a's is {', '.join(names)}", counts=False
+        )
 
 
 def _pose(X: np.ndarray) -> tuple[float, float]:
@@ -226,6 +310,3 @@ def _pose(X: np.ndarray) -> tuple[float, float]:
 
 def _row(x: np.ndarray) -> str:
     return "(" + ", ".join(f"{float(v):.6g}" for v in x) + ")"
-
-
-

@@ -68,18 +68,21 @@ class Home:
         """The joints of a body, those that it is carried by and those that it carries."""
         return [e for e in self.edges if node in (e.inner, e.outer)]
 
-    def below(self, node: int, edge: Edge) -> int:
-        """How many joints lie beyond an edge, seen from a body."""
-        seen, waiting, count = {node}, [edge.outer if node == edge.inner else edge.inner], 0
+    def below(self, node: int, edge: Edge) -> list[int]:
+        """The bodies beyond an edge, seen from a body."""
+        seen, waiting = {node}, [edge.outer if node == edge.inner else edge.inner]
+        found = []
         while waiting:
             here = waiting.pop()
             seen.add(here)
-            for e in self.at(here):
-                other = e.outer if e.inner == here else e.inner
-                if other not in seen:
-                    count += 1
-                    waiting.append(other)
-        return count
+            found.append(here)
+            around = (e.outer if e.inner == here else e.inner for e in self.at(here))
+            waiting += [x for x in around if x not in seen]
+        return found
+
+    def beyond(self, node: int, edge: Edge) -> np.ndarray:
+        """The ten parameters of all bodies beyond an edge, in the world."""
+        return np.asarray(sum((self.bodies[k] for k in self.below(node, edge)), np.zeros(10)))
 
 
 def parameters(inertia: Inertia, X: np.ndarray) -> np.ndarray:

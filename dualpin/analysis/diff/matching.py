@@ -16,6 +16,7 @@ from .home import Edge, Home, carried, moved
 
 NEAR = 1e-6
 """Screws nearer than this are the same in another file: decimals were cut."""
+LOOKED = 8  # links of one name whose frames may tell where b's base is
 SHAPE = 4.0  # of another kind, or with other numbers of joints below: matched only where nothing else is left
 
 
@@ -78,7 +79,11 @@ def matched(a: Home, b: Home) -> Matching:
     """The matching with the least left over, of the places that b's base may have."""
     start = _start(a, b)
     found = [_walk(a, b, start, T) for T in _bases(a, b, start)]
-    best = max(found, key=lambda m: (len(m.joints), -_rest(m)))
+    most = max(len(m.joints) for m in found)
+    rests = [_rest(m) if len(m.joints) == most else float("inf") for m in found]
+    # the first, which nobody moved, unless another fits without a rest; robots with symmetric limbs have several
+    first = next(i for i, rest in enumerate(rests) if rest < float("inf"))
+    best = found[next((i for i, rest in enumerate(rests) if rest <= NEAR), first)]
     best.rerooted = _ground(b) if start != 0 else ""
     return best
 
@@ -94,28 +99,28 @@ def _start(a: Home, b: Home) -> int:
 
 
 def _bases(a: Home, b: Home, start: int) -> list[np.ndarray]:
-    """Where b's world may be in a's: where links of one name agree, where the first two axes do, or at the same place."""
+    """Where b's world may be in a's: where links of one name agree, where the first two axes do, or at the same "
+    "place."""
     found = []
     name = _ground(a)
     if name in b.links and b.links[name][0] == start:
-        return [a.links[name][1] @ np.linalg.inv(b.links[name][1])]
+        found.append(a.links[name][1] @ np.linalg.inv(b.links[name][1]))
     found.append(np.eye(4))
-    for node, other in ((0, start), *((e.outer, f.outer) for e, f in zip(a.edges[:1], b.edges[:1], strict=False))):
-        shared = [k for k, (n, _) in a.links.items() if n == node and k in b.links and b.links[k][0] == other]
-        found += [a.links[k][1] @ np.linalg.inv(b.links[k][1]) for k in shared[:1]]
-    lines = [_frames(h) for h in (a, b)]
-    found += [X @ np.linalg.inv(Y) for X, Y in product(*lines)]
+    shared = [k for k in a.links if k in b.links][:LOOKED]
+    found += [a.links[k][1] @ np.linalg.inv(b.links[k][1]) for k in shared]
+    names = [j.name for j in a.robot if j.name in b.robot.joint_names]
+    for order in ((names, names), (a.robot.joint_names, b.robot.joint_names)):
+        mine, theirs = (_frames(home, these) for home, these in zip((a, b), order, strict=True))
+        found += [X @ np.linalg.inv(Y) for X, Y in product(mine, theirs)]
     return found
 
 
-def _frames(home: Home) -> list[np.ndarray]:
-    """Frames made of the first axis that turns and the next one that is not the same line, either way round."""
-    axes = [e.screws[0] for e in home.edges if len(e.screws) == 1 and e.screws[0, :3].any()]
-    if not axes:
-        return []
-    first = axes[0]
+def _frames(home: Home, names: list[str]) -> list[np.ndarray]:
+    """Frames made of the first of some axes that turn and the next one that is not the same line, either way round."""
+    edges = [home.edges[home.robot.joint(n).index] for n in names]
+    axes = [e.screws[0] for e in edges if len(e.screws) == 1 and e.screws[0, :3].any()]
     for other in axes[1:]:
-        frame = _common(first, other)
+        frame = _common(axes[0], other)
         if frame is not None:
             turn = np.diag([1.0, -1.0, -1.0, 1.0])  # about the frame's x: z the other way round
             return [frame, frame @ turn]
@@ -165,29 +170,37 @@ def _walk(a: Home, b: Home, start: int, base: np.ndarray) -> Matching:
     return found
 
 
-def _paired(
-    a: Home, b: Home, at: int, mine: list[Edge], theirs: list[Edge], motion: np.ndarray
-) -> list[Match]:
+def _paired(a: Home, b: Home, at: int, mine: list[Edge], theirs: list[Edge], motion: np.ndarray) -> list[Match]:
     """Namesakes first, then the cheapest pairs."""
     names = {e.joint.name: e for e in theirs}
     found = [_match(e, names[e.joint.name], at, motion) for e in mine if e.joint.name in names]
     taken = {(m.a.joint.name, m.b.joint.name) for m in found}
     rest = [e for e in mine if e.joint.name not in names]
     # a joint of b that has a namesake elsewhere in a is kept for it
-    others = [e for e in theirs if e.joint.name not in {x for _, x in taken} and e.joint.name not in a.robot.joint_names]
+    others = [
+        e for e in theirs if e.joint.name not in {x for _, x in taken} and e.joint.name not in a.robot.joint_names
+    ]
     costs = []
     for e, f in product(rest, others):
         m = _match(e, f, at, motion)
         same = e.screws.shape == f.screws.shape
         cost = apart(e.screws, m.screws) if same else SHAPE
-        size = abs(a.below(e.inner, e) - b.below(at, f))
-        costs.append((cost + SHAPE * size, e.joint.index, f.joint.index, m))
+        size = abs(len(a.below(e.inner, e)) - len(b.below(at, f)))
+        # joints of one line, as front and hind hips, are told apart by where their bodies are
+        mass = _apart_below(a, b, e, f, at, motion)
+        costs.append((round((cost + SHAPE * size) / NEAR), mass, e.joint.index, f.joint.index, m))
     gone: set[tuple[str, int]] = set()
-    for _, i, k, m in sorted(costs, key=lambda x: x[:3]):
+    for _, _, i, k, m in sorted(costs, key=lambda x: x[:4]):
         if ("a", i) not in gone and ("b", k) not in gone:
             gone |= {("a", i), ("b", k)}
             found.append(m)
     return found
+
+
+def _apart_below(a: Home, b: Home, e: Edge, f: Edge, at: int, motion: np.ndarray) -> float:
+    """How far apart the masses beyond two joints are: mass and first moment."""
+    mine, theirs = a.beyond(e.inner, e), carried(b.beyond(at, f), motion)
+    return float(np.linalg.norm((mine - theirs)[:4]))
 
 
 def _match(e: Edge, f: Edge, at: int, motion: np.ndarray) -> Match:
@@ -208,10 +221,10 @@ def apart(s: np.ndarray, t: np.ndarray) -> float:
 
 
 def _turned(m: Match, motion: np.ndarray) -> np.ndarray:
-    """Where b's world is in a's beyond the joint: turned by the offset about it."""
+    """Where b's world is in a's beyond the joint, where a is at zero: b is at -offset then."""
     if not m.offset:
         return motion
-    return np.asarray(to_matrix(exp(m.a.screws[0] * m.offset)) @ motion)
+    return np.asarray(to_matrix(exp(m.a.screws[0] * -m.offset)) @ motion)
 
 
 def _shifted(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, used: set[int]) -> Match:
@@ -248,7 +261,7 @@ def _misfit(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: 
 def _offsets(
     s: np.ndarray, a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: list[tuple[Edge, Edge]]
 ) -> list[float]:
-    """Turns about (or slides along) the axis of s that bring points or directions of b to those of a."""
+    """q of a where b is at zero: turns about (or slides along) the axis of s that bring what is a's to what is b's."""
     ours, theirs = [], []
     for e, f in pairs:
         t = moved(f.screws, motion)
@@ -262,12 +275,12 @@ def _offsets(
         theirs.append(other[1:4] / other[0])
     z = s[:3]
     if not z.any():
-        return [float((x - y) @ s[3:]) for x, y in zip(ours, theirs, strict=True)]
+        return [float((y - x) @ s[3:]) for x, y in zip(ours, theirs, strict=True)]
     p = np.cross(z, s[3:])
     found = []
     for at in (np.zeros(3), p):
         for x, y in zip(ours, theirs, strict=True):
             u, w = ((c - at) - z * ((c - at) @ z) for c in (x, y))
             if min(np.linalg.norm(u), np.linalg.norm(w)) > NEAR:
-                found.append(float(np.arctan2(z @ np.cross(w, u), u @ w)))
+                found.append(float(np.arctan2(z @ np.cross(u, w), u @ w)))
     return found

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-IDENTICAL, RENAMED, FRAMES, DYNAMICS, DIFFERENT = (
+IDENTICAL, RENAMED, FRAMES, DYNAMICS, COORDINATES, DIFFERENT = (
     "identical", "same robot, other names or order", "same robot, other frames",
-    "same dynamics, other parameters", "different",
+    "same dynamics, other parameters", "same robot, other coordinates", "different",
 )  # fmt: skip
 
 
@@ -82,7 +82,7 @@ class Diff:
     ----------
     verdict : str
         "identical", "same robot, other names or order", "same robot, other frames", "same dynamics, other
-        parameters" or "different".
+        parameters", "same robot, other coordinates" (a zero was moved, a joint counts the other way) or "different".
     changes : list of Change
         Those that count first, the largest first.
     terms : dict of TermChange
@@ -105,8 +105,8 @@ class Diff:
 
     @property
     def same(self) -> bool:
-        """Whether both move alike under the same torques: whatever names, frames and bookkeeping are."""
-        return self.verdict != DIFFERENT
+        """Whether both move alike under the same torques at the same q: whatever names, frames and bookkeeping are."""
+        return self.verdict not in (DIFFERENT, COORDINATES)
 
     @property
     def identical(self) -> bool:
@@ -132,7 +132,9 @@ class Diff:
         if self.terms:
             lines.append("largest changes: " + "; ".join(map(str, self.terms.values())))
         if self.base_parameters:
-            lines.append(f"{len(self.base_parameters)} base parameters differ: {', '.join(list(self.base_parameters)[:4])}")
+            lines.append(
+                f"{len(self.base_parameters)} base parameters differ: {', '.join(list(self.base_parameters)[:4])}"
+            )
         if self.reason:
             lines.append(f"terms not compared: {self.reason}")
         return "\n".join([*lines, f"{self.a} and {self.b}: {self.verdict}"])

@@ -92,8 +92,10 @@ def _poses(pair: Pair, s: States) -> Iterator[TermChange]:
     rerooted = bool(pair.matching.rerooted) and ground in pair.b.links
     base = pair.matching.base
     if rerooted:
-        base = fk(pair.b.robot, s.q_b, frame=ground, engine="numpy")
-        base = pair.a.links[ground][1] @ np.linalg.inv(base)  # type: ignore[index]
+        assert ground is not None
+        (_, X), (other, Y) = pair.a.links[ground], pair.b.links[ground]
+        same = np.linalg.inv(pair.matching.motions[other] @ Y) @ X
+        base = X @ np.linalg.inv(fk(pair.b.robot, s.q_b, frame=ground, engine="numpy") @ same)
     worst: TermChange | None = None
     for name, (node, X) in pair.a.links.items():
         if name not in pair.b.links or bodies.get(node) != pair.b.links[name][0]:
