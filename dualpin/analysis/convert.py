@@ -161,7 +161,7 @@ def _judge(done: Conversion, robot: Robot, path: Path, samples: int, seed: int) 
     asking = Asking(
         done.source, asked, text, {k: given[k] for k in ("q", "v", "a", "tau")}, tuple(QUESTIONS), seed, mjcf
     )
-    answers = resolve(subject, python=sys.executable).ask(asking, lambda what: None)
+    answers = resolve(subject, python=sys.executable)(asking, lambda what: None)
     result: RobotResult = judged(answers, asking, diagnosing=False)
     done.library, done.reason = f"{answers.name} {answers.version}".strip(), result.reason
     for term, t in result.terms.items():
