@@ -94,7 +94,7 @@ def test_a_file_against_itself_in_other_frames_is_the_same_robot(name):
     name = {"solo": "solo12"}.get(name, name)
     found = dp.diff(name, loads(reframed(tree(name), seed=1)))
     assert found.verdict == "same robot, other frames", found
-    assert {c.kind for c in found.changes} == {"re-framed"}
+    assert {c.what for c in found.changes} == {"re-framed"}
     assert max(t.scaled for t in found.terms.values()) < 1e-12
 
 
@@ -129,7 +129,7 @@ def test_merged_fixed_links_are_the_same_body():
         b.joint(j.name, j.model, on or "panda_link0", j.placement, j.inertia, link=link, limits=j.limits)
     found = dp.diff(robot, b.robot())
     assert found.verdict == "same robot, other frames", found
-    assert {c.item for c in found.changes if c.kind == "only in a"} >= {"panda_hand", "panda_link8"}
+    assert {c.item for c in found.changes if c.what == "only in a"} >= {"panda_hand", "panda_link8"}
 
 
 def test_another_place_of_the_base_is_found_and_does_not_hide_the_rest():
@@ -157,7 +157,7 @@ def test_a_tree_that_stands_on_another_link_is_recognised():
     other = chain(["d", "c", "b", "a"], back=True)
     found = dp.diff(dp.loads(one), dp.loads(other))
     base = next(c for c in found.changes if c.about == "base")
-    assert base.kind == "other link" and "'d'" in base.says
+    assert base.what == "other link" and "'d'" in base.says
     assert found.terms["fk"].amount < 1e-12 and "rnea" not in found.terms
     assert not [c for c in found.changes if c.about == "joint" and c.counts]
     assert not [c for c in found.changes if c.about == "body" and c.counts]
@@ -200,9 +200,9 @@ def test_a_zero_that_was_moved_and_an_axis_turned_round_are_named():
             j.find("limit").set("lower", f"-{high}".replace("--", ""))
             j.find("limit").set("upper", f"-{low}".replace("--", ""))
     found = dp.diff(ARM, loads(root))
-    kinds = {(c.item, c.kind) for c in found.changes if c.about == "joint"}
+    kinds = {(c.item, c.what) for c in found.changes if c.about == "joint"}
     assert kinds == {("elbow_joint", "other zero"), ("wrist_1_joint", "turned round")}
-    assert abs(next(c for c in found.changes if c.kind == "other zero").amount - 0.3) < 1e-9
+    assert abs(next(c for c in found.changes if c.what == "other zero").amount - 0.3) < 1e-9
     # in the coordinates of the first both are the same
     assert max(t.scaled for t in found.terms.values()) < 1e-9
 
@@ -217,7 +217,7 @@ def test_masses_that_no_torque_shows_are_the_same_dynamics():
     mass.set("value", repr(float(mass.get("value")) + 1.0))
     found = dp.diff(ARM, loads(root))
     assert found.verdict == "same dynamics, other parameters", found
-    assert found.same and {c.kind for c in found.changes if c.counts} == {"mass", "centre of mass"}
+    assert found.same and {c.what for c in found.changes if c.counts} == {"mass", "centre of mass"}
 
 
 def test_a_changed_mass_is_found_with_the_torque_it_changes_and_the_base_parameters():
@@ -228,7 +228,7 @@ def test_a_changed_mass_is_found_with_the_torque_it_changes_and_the_base_paramet
     other = loads(root)
     found = dp.diff(ARM, other, samples=16, seed=4)
     assert found.verdict == "different" and not found.same
-    assert [(c.item, c.kind) for c in found.changes if c.counts] == [("elbow_joint", "mass")]
+    assert [(c.item, c.what) for c in found.changes if c.counts] == [("elbow_joint", "mass")]
     t = found.terms["gravity"]
     q = np.array(t.state["q"])
     change = np.abs(dp.gravity(dp.load(ARM), q) - dp.gravity(other, q)).max()
@@ -245,7 +245,7 @@ def test_limits_and_kinds_of_joints_are_compared():
         if j.get("name") == "wrist_3_joint":
             j.set("type", "fixed")
     found = dp.diff(ARM, loads(root))
-    assert {(c.kind, c.item) for c in found.changes if c.about == "limit"} == {
+    assert {(c.what, c.item) for c in found.changes if c.about == "limit"} == {
         ("upper", "elbow_joint"),
         ("damping", "elbow_joint"),
     }
@@ -259,7 +259,7 @@ def test_robots_of_other_formats_are_compared(tmp_path):
     file = tmp_path / "ur5.xml"
     dp.load(ARM).to_mjcf(file)
     found = dp.diff(ARM, file)
-    assert {c.kind for c in found.changes if c.counts} <= {"velocity"}, found
+    assert {c.what for c in found.changes if c.counts} <= {"velocity"}, found
     assert max(t.scaled for t in found.terms.values()) < 1e-12
 
 

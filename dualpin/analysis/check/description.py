@@ -70,7 +70,7 @@ class Hinge:
     """A joint of any kind, fixed ones too, with the numbers of the file."""
 
     name: str
-    kind: str
+    type: str
     parent: str
     child: str
     xyz: np.ndarray

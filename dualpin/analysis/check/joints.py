@@ -32,7 +32,7 @@ def almost_square(case: Case) -> Iterator[Finding]:
             continue
         value = " ".join(repr(n * QUARTER) if n else w for w, n in zip(words, whole, strict=True))
         effect = _swing(case, h, off)
-        dh = "" if h.kind == "fixed" else "; a DH table gets a row more, or parameters that are almost singular"
+        dh = "" if h.type == "fixed" else "; a DH table gets a row more, or parameters that are almost singular"
         yield finding(
             case,
             "near-right-angle",
@@ -75,7 +75,7 @@ def _is_below(case: Case, joint: str, link: str) -> bool:
         for h in case.about.children.get(waiting.pop(), ()):
             if h.name == joint:
                 return True
-            if h.kind == "fixed":
+            if h.type == "fixed":
                 waiting.append(h.child)
     return False
 
@@ -90,9 +90,9 @@ def _is_below(case: Case, joint: str, link: str) -> bool:
 )
 def limits(case: Case) -> Iterator[Finding]:
     for h in case.about.hinges:
-        if h.kind in ("fixed", "floating", "planar"):
+        if h.type in ("fixed", "floating", "planar"):
             continue
-        slides = h.kind == "prismatic"
+        slides = h.type == "prismatic"
         unit, force = ("m", "N") if slides else ("rad", "N m")
         low, high = h.lower, h.upper
         if low > high:
@@ -115,7 +115,7 @@ def limits(case: Case) -> Iterator[Finding]:
             )
         largest = max((abs(x) for x in (low, high) if isfinite(x)), default=0.0)
         tenths = all(float(x) % 5 == 0 for x in (low, high) if isfinite(x))
-        if h.kind == "revolute" and TURNS < largest <= MOST_DEGREES and largest % 100 and tenths:
+        if h.type == "revolute" and TURNS < largest <= MOST_DEGREES and largest % 100 and tenths:
             yield finding(
                 case,
                 "degrees",
@@ -165,9 +165,9 @@ def limits(case: Case) -> Iterator[Finding]:
 )
 def friction(case: Case) -> Iterator[Finding]:
     for h in case.about.hinges:
-        if h.kind == "fixed":
+        if h.type == "fixed":
             continue
-        force, speed = ("N", "m/s") if h.kind == "prismatic" else ("N m", "rad/s")
+        force, speed = ("N", "m/s") if h.type == "prismatic" else ("N m", "rad/s")
         for what, value in (("damping", h.damping), ("friction", h.friction)):
             if value < 0:
                 yield finding(
@@ -201,7 +201,7 @@ def friction(case: Case) -> Iterator[Finding]:
 def mimics(case: Case) -> Iterator[Finding]:
     hinges = {h.name: h for h in case.about.hinges}
     for h in case.about.hinges:
-        if h.mimic is None or h.kind == "fixed":
+        if h.mimic is None or h.type == "fixed":
             continue
         leader = hinges.get(h.mimic)
         says = f"follows {h.mimic!r}"
@@ -214,7 +214,7 @@ def mimics(case: Case) -> Iterator[Finding]:
                 why="readers refuse it, or leave the joint free: nv is 1 more",
                 fix="name the joint that leads",
             )
-        elif leader.kind == "fixed" or _leads_back(hinges, h):
+        elif leader.type == "fixed" or _leads_back(hinges, h):
             yield finding(
                 case,
                 "mimic-fixed",
@@ -237,7 +237,7 @@ def mimics(case: Case) -> Iterator[Finding]:
             ends = sorted(h.multiplier * x + h.offset for x in (leader.lower, leader.upper))
             over = max(h.lower - ends[0], ends[1] - h.upper)
             if over > 0.01 * (ends[1] - ends[0]) and ends[0] < ends[1]:
-                unit = "m" if h.kind == "prismatic" else "rad"
+                unit = "m" if h.type == "prismatic" else "rad"
                 yield finding(
                     case,
                     "mimic-limits",

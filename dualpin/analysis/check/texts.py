@@ -22,7 +22,7 @@ RIGHT = {45.0, 90.0, 135.0, 180.0, 270.0, 360.0}
 def lengths(case: Case) -> Iterator[Finding]:
     for h in case.about.hinges:
         far = float(np.linalg.norm(h.xyz))
-        if far > FAR and h.kind != "fixed":
+        if far > FAR and h.type != "fixed":
             effect = Effect(
                 "fk", far * (1 - 1e-3), "m", f"in millimetres the joint is {far / 1e3:.3g} m away, not {far:.3g} m"
             )
@@ -112,7 +112,7 @@ def names(case: Case) -> Iterator[Finding]:
             fix="name them apart, for instance with _link and _joint",
         )
     for name in ("universe", "root_joint"):
-        if name in joints and joints[name].kind != "fixed":
+        if name in joints and joints[name].type != "fixed":
             yield finding(
                 case,
                 "name-reserved",

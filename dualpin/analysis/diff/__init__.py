@@ -83,7 +83,7 @@ def diff(
         found.terms = {t.term: t for t in terms(pair, int(samples), int(seed))}
     found.joints = {m.a.joint.name: m.b.joint.name for m in pair.matching.joints}
     found.joints |= {j.name: None for j in robots[0] if j.name not in found.joints}
-    renamed = {c.a: c.b for c in found.changes if c.about == "link" and c.kind == "renamed"}
+    renamed = {c.a: c.b for c in found.changes if c.about == "link" and c.what == "renamed"}
     found.links = {k: k if k in other.links else renamed.get(k) for k in one.links}
     found.verdict = _verdict(found)
     if found.verdict == DIFFERENT and not found.reason and not pair.matching.rerooted:
@@ -103,13 +103,13 @@ def _verdict(found: Diff) -> str:
     if not found.changes:
         return IDENTICAL
     if not real:
-        frames = any(c.kind in ("re-framed", "moved") or c.kind.startswith("only in") for c in found.changes)
+        frames = any(c.what in ("re-framed", "moved") or c.what.startswith("only in") for c in found.changes)
         return FRAMES if frames else RENAMED
-    if {(c.about, c.kind) for c in real} <= {("body", "mass"), ("body", "centre of mass"), ("body", "tensor")}:
+    if {(c.about, c.what) for c in real} <= {("body", "mass"), ("body", "centre of mass"), ("body", "tensor")}:
         torques = [found.terms[t] for t in ("gravity", "rnea", "crba") if t in found.terms]
         if torques and all(t.scaled < LARGE for t in torques):
             return DYNAMICS
-    if {c.kind for c in real} <= {"other zero", "turned round"}:
+    if {c.what for c in real} <= {"other zero", "turned round"}:
         return COORDINATES
     return DIFFERENT
 

@@ -136,8 +136,9 @@ def _motion(m: Match) -> Iterator[Change]:
             yield Change(
                 "joint", "moved", j.name, f"its axis lies {1e3 * distance:.6g} mm elsewhere in b", amount=distance
             )
-    if k.kind != j.kind:
-        yield Change("joint", "other word", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, counts=False)
+    one, other = j.kind, k.kind  # as the files call them: continuous or revolute
+    if one != other:
+        yield Change("joint", "other word", j.name, f"{one} in a, {other} in b", one, other, counts=False)
 
 
 def _between(s: np.ndarray, t: np.ndarray) -> float:

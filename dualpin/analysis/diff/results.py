@@ -19,7 +19,7 @@ class Change:
     ----------
     about : str
         "joint", "link", "limit", "body", "gravity" or "base".
-    kind : str
+    what : str
         In words: "renamed", "moved", "turned", "mass", "lower", "only in a", ...
     item : str
         The joint or link, by its name in a (or in b where it is only there).
@@ -34,7 +34,7 @@ class Change:
     """
 
     about: str
-    kind: str
+    what: str
     item: str
     says: str
     a: str = ""
@@ -43,7 +43,7 @@ class Change:
     counts: bool = True
 
     def to_dict(self) -> dict[str, Any]:
-        return {k: getattr(self, k) for k in ("about", "kind", "item", "says", "a", "b", "amount", "counts")}
+        return {k: getattr(self, k) for k in ("about", "what", "item", "says", "a", "b", "amount", "counts")}
 
 
 @dataclass(frozen=True)
