@@ -28,6 +28,7 @@ from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import ZERO_VECTOR, Matrix3, Vector3
 from .axes import unit_axis
 from .catalogue import find
+from .description import yourdfpy
 from .document import Document
 from .mjcf import is_mjcf, read_mjcf
 from .remarks import remark
@@ -172,13 +173,11 @@ def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:
 
 
 def _described(document: Document) -> Any:
-    import yourdfpy  # its own import takes most of a second
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         stream = BytesIO(etree.tostring(document.root))
         try:
-            return yourdfpy.URDF.load(stream, build_scene_graph=False, load_meshes=False).robot
+            return yourdfpy().URDF.load(stream, build_scene_graph=False, load_meshes=False).robot
         except (ValueError, TypeError, LookupError, AttributeError) as e:  # of another release than was tested
             raise UrdfError(f"{document.source}: yourdfpy cannot read what was checked ({e})") from e
 
