@@ -15,9 +15,10 @@ import numpy as np
 
 from ..engine.jit import fast_call
 from ..engine.jit.host import CompilerError
+from ..engine.jit.stores import settle
 from ..engine.jit.threads import spread
 from ..errors import DualpinError
-from ..memory import empty
+from ..memory import FROM, empty
 from .arguments import separated
 from .kernels import Kernels
 
@@ -56,6 +57,8 @@ class Batched:
         n = self.samples(inputs, given)
         if kernel is None or not n:
             return self.general(*inputs, out=given)
+        if n * int(np.prod(self.shape, dtype=int)) * self.dtype.itemsize >= FROM:
+            settle()
         result = empty((n, *self.shape), self.dtype) if given is None else given
         try:
             spread(

@@ -311,7 +311,7 @@ def test_sine_and_cosine_are_within_an_ulp_or_two(scale, kind, ulps):
 
 
 @pytest.mark.parametrize("lanes", [None, 1])
-def test_far_angles_are_the_c_librarys_and_do_not_touch_their_neighbours(lanes):
+def test_far_angles_are_the_kernel_importss_and_do_not_touch_their_neighbours(lanes):
     x = np.array([1e9, 0.5, -3e15, 1e300, math.inf, -math.inf, math.nan, 0.0, 1e-310, 2.0])
     got = trigonometry(lanes=lanes).rows([x[:, None]])
     for y, value in zip(got, x, strict=True):

@@ -5,7 +5,8 @@
     stored               each line once, from one register, also where rows and tiles meet
 
 A store that crosses the border between two lines costs two, and rows begin anywhere.  So what belongs to a
-line is put together in registers.  Results too many for the caches go past them (`tuning.STREAM_FROM`).
+line is put together in registers.  Results too many for the caches go past them;
+`jit.stores` measures from which size on.
 
 Gain (Zen 4): CRBA of tiago_dual 1.9 us instead of 3.8, all joint poses of panda 65 536 times 0.04 us instead of 0.17.
 Angles of the next tile between the stores: FK of talos 161 ns instead of 185 (Zen 4), 189 instead of 207 (Xeon).
@@ -79,7 +80,8 @@ class CacheLineTransfer(TileTransfer):
         e.label("middle")
         lines = self._lines(e, array, base, line, aligned)
         whole = e.value(f"mul i64 {e.value(f'add i64 {last}, 1')}, {array.stride}")
-        past = e.value(f"and i1 {aligned}, {e.value(f'icmp ugt i64 {whole}, {tuning.STREAM_FROM}')}")
+        most = e.value("load i64, ptr @dualpin_stores")
+        past = e.value(f"and i1 {aligned}, {e.value(f'icmp uge i64 {whole}, {most}')}")
         e.do(f"br i1 {past}, label %past.first, label %cached.first")
         for tag, how in ("past", f"align {e.align}, !nontemporal !0"), ("cached", f"align {self.number.size}"):
             e.label(f"{tag}.first")

@@ -64,7 +64,7 @@ def text(spec: Mapping[str, str], stack: int) -> str:
     signatures = API | {name: kind for name, (kind, _) in NUMPY.items()} | {"PyObject_Vectorcall": _VECTORCALL}
     declarations = "".join(f"declare {kind.replace(' (', f' @{name}(', 1)}\n" for name, kind in signatures.items())
     return (
-        declarations + "@forms = external global i8\n"
+        declarations + "@forms = external global i8\n@stores = external global i64\n"
         + _entry(spec) + _public(spec) + _fits() + _compute(spec, stack) + _general() + _release()
     )  # fmt: skip
 
@@ -218,8 +218,9 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
     # a batch: no more samples than one thread should have, and a result apart from what is still to be read
     row = shapes.at("i64", inputs * (2 + AXES))
     with c.if_(many == 1):
-        alone = (spec.threads.item("i64") == 1) | (spec.alone != 0)
-        with c.if_((n <= 0) | ((n > code.item("i64", 4)) & (alone == 0))):
+        alone = spec.alone != 0
+        one = (spec.threads.item("i64") == 1) | alone
+        with c.if_((n <= 0) | ((n > code.item("i64", 4)) & (one == 0))):
             give_up(held)
         with c.if_(has_out):
             result = buffer(inputs)
@@ -230,8 +231,11 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
                 begin = b.buf.to("ptrtoint", "i64")
                 with c.if_((begin < end) & (start < begin + b.len)):
                     give_up(held)
-        with c.if_((has_out == 0) & (row.item("i64", 1) * n >= spec.pooled)):
-            give_up(held)
+        # a large one: memory from the pool, and, the first time, how to store it
+        with c.if_((row.item("i64", 1) * n >= spec.pooled) & (alone == 0)):
+            settled = Value(c, "@stores", "ptr").item("i64", 1)
+            with c.if_((has_out == 0) | (settled == 0)):
+                give_up(held)
 
     # quaternions of norm 1, or the general call says which is not
     strides, single, quaternions = spec.strides, spec.single != 0, spec.quaternions

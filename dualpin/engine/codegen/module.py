@@ -30,7 +30,9 @@ from .sincos import SinCos
 from .transpose import Array
 from .vector import VectorWriter
 
-_LIBRARY = "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n"
+_LIBRARY = (
+    "declare double @dualpin_sin(double)\ndeclare double @dualpin_cos(double)\n@dualpin_stores = external global i64\n"
+)
 _OPS = {"+": "fadd", "-": "fsub", "*": "fmul"}
 _CHUNK_ARGS = (
     "ptr noalias readonly %in, ptr noalias %out, ptr noalias readonly %from, ptr noalias %to, "

@@ -91,7 +91,7 @@ def loaded(
         library.add_object_img(code)
     for name in exports:
         library.export_symbol(name)
-    for name, address in (c_library() if imports is None else imports).items():
+    for name, address in (kernel_imports() if imports is None else imports).items():
         library.import_symbol(name, address)
     with LOCK:
         number = next(_numbers)
@@ -110,6 +110,9 @@ def _leave_in_memory() -> None:
 
 
 when_lost(_leave_in_memory)
+
+stores = (ctypes.c_int64 * 2)(tuning.STREAM_FROM, 0)
+"""What machine code reads: bytes from which results go past the caches, and whether `jit.stores` measured that."""
 
 
 def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
@@ -133,11 +136,12 @@ def linker(number: int) -> Any:
 
 
 @Once
-def c_library() -> dict[str, int]:
-    """The C library's sine and cosine, under names of our own."""
+def kernel_imports() -> dict[str, int]:
+    """What kernels need: the C library's sine and cosine, and how to store, under names of our own."""
     library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
     if not hasattr(library, "sin"):
         library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")
-    return {
+    found = {
         f"dualpin_{name}": ctypes.cast(getattr(library, name), ctypes.c_void_p).value or 0 for name in ("sin", "cos")
     }
+    return found | {"dualpin_stores": ctypes.addressof(stores)}

@@ -29,7 +29,7 @@ from ...locking import LOCK, Once
 from .. import tuning
 from ..codegen import fast_call as source
 from . import threads
-from .compiler import loaded, object_code
+from .compiler import loaded, object_code, stores
 from .host import this_host
 from .kernel import Kernel
 
@@ -176,7 +176,7 @@ def addresses() -> dict[str, Any]:
     api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _PYTHON}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     names = ("entry", "public", "release")
-    imports = api | _numpy() | {"forms": ctypes.addressof(forms)}
+    imports = api | _numpy() | {"forms": ctypes.addressof(forms), "stores": ctypes.addressof(stores)}
     code = loaded([object_code(source.text(fields, tuning.STACK), this_host())], names, imports)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory
 
