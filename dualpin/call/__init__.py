@@ -20,6 +20,7 @@ from ..model.memory import MEMORY, memory
 from ..model.robot import Frame, Robot
 from ..terms import Options, Term
 from ..terms import term as term_named
+from .ahead import Ahead
 from .arguments import check_robot
 from .evaluator import DOUBLE, ENGINES, SINGLE, Evaluator
 from .making import evaluator_of, function_of
@@ -65,6 +66,13 @@ def find(
 ) -> Kernel | None:
     """The kernel of a term whose options are settled; see `Kernels.kernel`."""
     return evaluator_of(robot, term, options, np.dtype(dtype)).kernels.kernel(single=single, required=required)
+
+
+def ahead(robot: Robot, wanted: Sequence[tuple[str, Mapping[str, Any]]], engine: str = "auto") -> Ahead:
+    """With this, the kernels of these terms, by names and options, are made in other threads, in this order."""
+    check_robot(robot, "ahead")
+    named = [(term_named(name), options) for name, options in wanted]
+    return Ahead([evaluator_of(robot, term, term.settled(robot, options), engine=engine) for term, options in named])
 
 
 def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray], engine: str = "auto") -> np.ndarray:
@@ -132,4 +140,4 @@ def kernel(
     return function_of(robot, term, settled, kind)
 
 
-__all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "on_device", "run"]
+__all__ = ["ENGINES", "Evaluator", "ahead", "evaluate", "evaluator", "find", "kernel", "on_device", "run"]

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import functools
+import os
+import threading
 import warnings
+from concurrent.futures import CancelledError, Executor, Future
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +18,7 @@ from ..terms import Options, Term
 
 if TYPE_CHECKING:
     from ..engine.jit.fast_call import Code
-    from ..engine.jit.kernel import Kernel
+    from ..engine.jit.kernel import Begun, Kernel
 
 
 class Kernels:
@@ -29,6 +32,8 @@ class Kernels:
         self.shape = term.shape(robot, **options)
         self._found: list[Kernel | DualpinError | None] = [None, None]
         self._code: Code | None = None
+        self._claim, self._claimed_by = threading.Lock(), 0  # by whoever makes the kernel for many samples
+        self._begun: Future[Begun | None] = Future()
 
     def kernel(self, *, single: bool, required: bool = False) -> Kernel | None:
         """The kernel; None where there is none, or with `required` the error that says why."""
@@ -61,6 +66,28 @@ class Kernels:
                 self._tell(single=True)
             return self._code
 
+    def begin(self, llvm: Executor) -> None:
+        """Python's part of the kernel for many samples, here and now; LLVM's is submitted."""
+        from ..engine.jit.kernel import begin
+
+        if self._found[0] is not None or not self._claim.acquire(blocking=False):
+            return
+        self._claimed_by = os.getpid()
+        try:
+            self._begun.set_result(begin(self.robot, self.term, self.options, self.dtype, llvm))
+        except BaseException:  # whoever needs the kernel is told
+            self._begun.set_result(None)
+
+    def _what_is_begun(self) -> Begun | None:
+        """What another thread of this process did or is doing for the kernel; from now on, it is ours."""
+        if self._claim.acquire(blocking=False) or self._claimed_by != os.getpid():
+            return None
+        begun = self._begun.result()
+        try:
+            return begun if begun is None or begun.objects.exception() is None else None
+        except CancelledError:
+            return None
+
     def _tell(self, single: bool) -> None:
         kernel = self.known(single=single)
         if kernel is not None and self._code is not None:
@@ -71,11 +98,12 @@ class Kernels:
         from ..engine.jit.host import CompilerError
         from ..engine.jit.kernel import build
 
+        begun = None if single else self._what_is_begun()  # before the lock is taken, which others may need
         with LOCK:
             found = self._found[single]
             if found is None:
                 try:
-                    found = build(self.robot, self.term, self.options, self.dtype, single)
+                    found = build(self.robot, self.term, self.options, self.dtype, single, begun=begun)
                 except (CompilerError, UntraceableError) as e:
                     found = e
                 self._found[single] = found

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..call import evaluate
+from ..call import ahead, evaluate
 from ..model.robot import Robot
 from ..terms import TERMS
 from . import tolerance
@@ -97,6 +97,18 @@ class _Comparison:
         (poses,) = self.oracle.compute("fk", {"q": given["q"]})
         extent = Extent(self.robot, poses[..., :3, 3], {key: given[key] for key in ("v", "a", "f_ext")})
         tallies = {c: Tally() for c in checks if not hindered[c.term]}
+        wanted = [(c, o) for together in _groups(list(tallies)) for c in together for o in variants[c.term]]
+        with ahead(self.robot, [(c.term, o) for c, o in wanted], self.engine):
+            self._gather_all(tallies, variants, given, extent)
+        found = {term: TermResult(status=NOT_COMPARED, reason=reason) for term, reason in hindered.items()}
+        for check, tally in tallies.items():
+            found[check.term] = self._judged(check, tally, variants[check.term], given, arbitrate)
+        return found
+
+    def _gather_all(
+        self, tallies: dict[Check, Tally], variants: dict[str, list[dict[str, Any]]], given: dict[str, np.ndarray],
+        extent: Extent,
+    ) -> None:  # fmt: skip
         for together in _groups(list(tallies)):
             largest = max(int(np.prod(self._shape(c, variants[c.term][0]), dtype=int)) for c in together)
             for part in batches(self.samples, largest):
@@ -104,10 +116,6 @@ class _Comparison:
                 mass = MassMatrices(*self.oracle.compute("crba", {"q": batch["q"]})) if together[0].solves else None
                 for check in together:
                     self._gather(tallies[check], check, variants[check.term], batch, mass, extent.part(part))
-        found = {term: TermResult(status=NOT_COMPARED, reason=reason) for term, reason in hindered.items()}
-        for check, tally in tallies.items():
-            found[check.term] = self._judged(check, tally, variants[check.term], given, arbitrate)
-        return found
 
     def _shape(self, check: Check, options: dict[str, Any]) -> tuple[int, ...]:
         return TERMS[check.term].shape(self.robot, **options)

@@ -128,6 +128,11 @@ def load(key: str) -> tuple[dict[str, Any], bytes] | None:
         return None
 
 
+def stored(key: str) -> bool:
+    """Whether there is a file for this key; what it is worth `load` says."""
+    return (folder() / _name(key)).exists()
+
+
 def store(key: str, about: dict[str, Any], code: bytes) -> None:
     """Keep a kernel; where that is impossible, say so once and go on."""
     place = folder()

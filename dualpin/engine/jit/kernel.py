@@ -6,7 +6,9 @@ import ctypes
 import logging
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,10 +20,10 @@ from ...terms import Options, Term
 from .. import tuning
 from ..codegen import module as ir
 from ..codegen.number import DOUBLE, SINGLE
-from ..graph.schedule import schedule
-from ..graph.trace import trace
+from ..graph.schedule import Schedule, schedule
+from ..graph.trace import Trace, trace
 from . import cache as disk
-from .compiler import Compilers, loaded, split
+from .compiler import Compilers, loaded, object_code, split
 from .fingerprint import key as kernel_key
 from .host import Host, this_host
 from .threads import spread
@@ -112,11 +114,13 @@ def scratch(size: int) -> tuple[np.ndarray, int]:
 
 
 def build(
-    robot: Robot, term: Term, options: Options, dtype: Any = np.float64, single: bool = False, host: Host | None = None
-) -> Kernel:
+    robot: Robot, term: Term, options: Options, dtype: Any = np.float64, single: bool = False, host: Host | None = None,
+    begun: Begun | None = None,
+) -> Kernel:  # fmt: skip
     """The kernel of a term: read from the cache, or traced, compiled and kept there.
 
     `single` makes the kernel for one configuration at a time; its results have the same bits.
+    `begun` is what was done of that already.
 
     Raises
     ------
@@ -130,16 +134,40 @@ def build(
     lanes = 1 if single else machine.lanes(kind.itemsize)
     with LOCK:
         key = kernel_key(robot, term, options, kind, machine, lanes)
-        found = disk.load(key) if key else None
+        found = disk.load(key) if key and begun is None else None
         if found is not None:
             try:
                 return Kernel(*found, shape, kind)
             except Exception as e:  # whatever is wrong with it, it can be made again
                 log.warning("kernel of %s from the cache cannot be used (%s); compiling again", term.name, e)
-        about, code = compiled(robot, term, options, kind, machine, lanes)
+        about, code = compiled(robot, term, options, kind, machine, lanes) if begun is None else begun.result()
         if key:
             disk.store(key, about, code)
         return Kernel(about, code, shape, kind)
+
+
+@dataclass
+class Begun:
+    """A kernel for many samples of which Python's part is done; LLVM's is another thread's."""
+
+    about: dict[str, Any]
+    objects: Future[list[bytes]]
+
+    def result(self) -> tuple[dict[str, Any], bytes]:
+        objects = self.objects.result()
+        return self.about | {"objects": [len(x) for x in objects]}, b"".join(objects)
+
+
+def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, llvm: Executor) -> Begun | None:
+    """Trace a kernel for many samples and let `llvm` compile it; None if it is in the cache."""
+    host = this_host()
+    lanes = host.lanes(dtype.itemsize)
+    key = kernel_key(robot, term, options, dtype, host, lanes)
+    if key and disk.stored(key):
+        return None
+    program = trace(robot, term, options)
+    plan, about, texts = _written(program, dtype, host, lanes, lambda: 1)
+    return Begun(about, llvm.submit(lambda: [object_code(x, host, plan.operations > tuning.QUICK_FROM) for x in texts]))
 
 
 def compiled(
@@ -148,17 +176,24 @@ def compiled(
     """Trace and compile: what a caller must know about the kernel, and its object code."""
     start = time.perf_counter()
     program = trace(robot, term, options)
-    number = DOUBLE if dtype.itemsize == 8 else SINGLE
-    together = host.lanes(number.size) if lanes == 1 else 1
     with Compilers(host, len(program.graph.nodes)) as compilers:
-        plan = schedule(program, together=together, direct=lanes == 1)
-        texts = ir.modules(plan, number, host, lanes, parts=1 if plan.bytecode else compilers.count)
+        plan, about, texts = _written(program, dtype, host, lanes, lambda: compilers.count)
         objects = compilers.object_codes(texts, quick=plan.operations > tuning.QUICK_FROM)
-    about = {
-        "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
-        "scratch": ir.scratch_bytes(plan, number, host, lanes), "objects": [len(x) for x in objects],
-    }  # fmt: skip
+    about["objects"] = [len(x) for x in objects]
     seconds = time.perf_counter() - start
     if seconds > 0.5:
         log.info("compiled %s of %s: %d operations, %.2f s", term.name, robot.name, plan.operations, seconds)
     return about, b"".join(objects)
+
+
+def _written(
+    program: Trace, dtype: np.dtype, host: Host, lanes: int, parts: Callable[[], int]
+) -> tuple[Schedule, dict[str, Any], list[str]]:
+    """A program in order, what a caller must know about it, and its text in so many parts."""
+    number = DOUBLE if dtype.itemsize == 8 else SINGLE
+    plan = schedule(program, together=host.lanes(number.size) if lanes == 1 else 1, direct=lanes == 1)
+    about = {
+        "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
+        "scratch": ir.scratch_bytes(plan, number, host, lanes),
+    }  # fmt: skip
+    return plan, about, ir.modules(plan, number, host, lanes, parts=1 if plan.bytecode else parts())
