@@ -68,7 +68,7 @@ def find(
     return evaluator_of(robot, term, options, np.dtype(dtype)).kernels.kernel(single=single, required=required)
 
 
-def ahead(robot: Robot, wanted: Sequence[tuple[str, Mapping[str, Any]]], engine: str = "auto") -> Ahead:
+def made_ahead(robot: Robot, wanted: Sequence[tuple[str, Mapping[str, Any]]], engine: str = "auto") -> Ahead:
     """With this, the kernels of these terms, by names and options, are made in other threads, in this order."""
     check_robot(robot, "ahead")
     named = [(term_named(name), options) for name, options in wanted]
@@ -140,4 +140,4 @@ def kernel(
     return function_of(robot, term, settled, kind)
 
 
-__all__ = ["ENGINES", "Evaluator", "ahead", "evaluate", "evaluator", "find", "kernel", "on_device", "run"]
+__all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "made_ahead", "on_device", "run"]

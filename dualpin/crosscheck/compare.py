@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..call import ahead, evaluate
+from ..call import evaluate, made_ahead
 from ..model.robot import Robot
 from ..terms import TERMS
 from . import tolerance
@@ -98,7 +98,7 @@ class _Comparison:
         extent = Extent(self.robot, poses[..., :3, 3], {key: given[key] for key in ("v", "a", "f_ext")})
         tallies = {c: Tally() for c in checks if not hindered[c.term]}
         wanted = [(c, o) for together in _groups(list(tallies)) for c in together for o in variants[c.term]]
-        with ahead(self.robot, [(c.term, o) for c, o in wanted], self.engine):
+        with made_ahead(self.robot, [(c.term, o) for c, o in wanted], self.engine):
             self._gather_all(tallies, variants, given, extent)
         found = {term: TermResult(status=NOT_COMPARED, reason=reason) for term, reason in hindered.items()}
         for check, tally in tallies.items():

@@ -126,7 +126,7 @@ class TileTransfer:
         if self.plan.constants:
             self._copy(e, "constants", self.columns, "@row", "%out")
 
-    def store(self, e: VectorWriter, array: Array, first: str, last: str) -> None:
+    def store(self, e: VectorWriter, array: Array, first: str, last: str, unrolled: int = tuning.UNROLLED) -> None:
         """The results of the tile's rows, which follow each other without gaps; `last` is the last of all."""
         bases = self._addresses(e, array, first, last)
 
@@ -134,7 +134,7 @@ class TileTransfer:
             for base, row in zip(bases, self._results(e, j, count), strict=True):
                 e.store_row(e.at(base, j), count, row)
 
-        self._each(e, "results", self.columns, self.width, group)
+        self._each(e, "results", self.columns, self.width, group, unrolled)
 
     def _results(self, e: VectorWriter, j: int | str, count: int) -> list[str]:
         """The entries j, j + 1, ... of each row."""
@@ -150,10 +150,13 @@ class TileTransfer:
 
     # loops
 
-    def _each(self, e: VectorWriter, tag: str, count: int, step: int, body: Callable[[int | str, int], None]) -> None:
+    def _each(
+        self, e: VectorWriter, tag: str, count: int, step: int, body: Callable[[int | str, int], None],
+        unrolled: int = tuning.UNROLLED,
+    ) -> None:  # fmt: skip
         """body(j, how many) for j = 0, step, ...: written out if few, else a loop and what is left of it."""
         full = count // step
-        if full <= tuning.UNROLLED // step:
+        if full <= unrolled // step:
             for j in range(0, full * step, step):
                 body(j, step)
         else:
