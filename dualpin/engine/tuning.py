@@ -36,6 +36,13 @@ Xeon: loops for all rows cost RNEA of panda 8 %; none at all gain 5 % (FK of pan
 compiles in 1.5 s instead of 0.3.
 """
 
+TOGETHER = 32
+"""Bytes of angles whose sines and cosines a kernel for one configuration makes at a time.
+
+Xeon: RNEA of ur5 takes 75 ns with 32 bytes, 106 with 64 (panda 117 and 135); loaded from the slots to which the row was
+copied, instead of from the row, 98 and 123: a load that needs bytes of two stores waits for both.
+"""
+
 WHOLE_LINES_FROM = 4
 """Vectors in a row of results from which it is stored as whole cache lines.
 

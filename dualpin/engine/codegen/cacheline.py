@@ -58,7 +58,7 @@ class CacheLineTransfer(TileTransfer):
         """The end of the tile before."""
         return 1
 
-    def store(self, e: VectorWriter, array: Array, first: str, last: str) -> None:
+    def store(self, e: VectorWriter, array: Array, first: str, last: str, unrolled: int = 0) -> None:
         W, spare = self.width, self.plan.output_slots
         address = e.value(f"ptrtoint ptr {array.pointer} to i64")
         aligned = e.value(f"icmp eq i64 {e.value(f'and i64 {address}, {self.number.size - 1}')}, 0")
@@ -73,7 +73,7 @@ class CacheLineTransfer(TileTransfer):
         e.label("edge")
         end = e.at(base, e.value(f"sub i64 0, {back}"))
         e.store_row(e.value(f"select i1 {begun}, ptr {end}, ptr {base}"), W, before[0])
-        super().store(e, array, first, last, unrolled=0)  # one tile of hundreds: less to compile
+        super().store(e, array, first, last, unrolled)  # one tile of hundreds: a loop is less to compile
         if self.ahead:
             self.angles.some(e, 0, 0)
         e.do("br label %rest")

@@ -46,7 +46,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     With several parts, the first has the kernel and the others most of its chunks.
     """
     emit = KernelWriter(plan, number, lanes, host)
-    widths = sorted({lanes, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
+    widths = sorted({lanes, plan.together, host.lanes(number.size)} if lanes == 1 else {lanes // 2, lanes})
     declarations = [*(VectorWriter(number, w, host).declarations for w in widths), _LIBRARY]
     main, chunks, calls = [emit.rows.tables(), emit.angles.tables()], dict[str, str](), list[str]()
     linkage = "internal" if parts == 1 else ""

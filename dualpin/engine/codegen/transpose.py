@@ -90,6 +90,7 @@ class TileTransfer:
         start, columns = sum(self.plan.sizes[:k]), self.plan.sizes[k]
         bases = self._addresses(e, array, first, last)
         if self.width == 1:
+            e.do(f"%input{k} = getelementptr i8, ptr {bases[0]}, i64 0")  # for `SinCos`
             self._copy(e, f"in{k}", columns, bases[0], e.slot("%scratch", start), beyond=True)
             return
 

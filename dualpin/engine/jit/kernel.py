@@ -191,7 +191,8 @@ def _written(
 ) -> tuple[Schedule, dict[str, Any], list[str]]:
     """A program in order, what a caller must know about it, and its text in so many parts."""
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
-    plan = schedule(program, together=host.lanes(number.size) if lanes == 1 else 1, direct=lanes == 1)
+    together = max(1, min(host.width, tuning.TOGETHER) // number.size) if lanes == 1 else 1
+    plan = schedule(program, together=together, direct=lanes == 1)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
         "scratch": ir.scratch_bytes(plan, number, host, lanes),

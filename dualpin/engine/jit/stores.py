@@ -100,7 +100,8 @@ def _rows_like_a_kernels() -> Kernel:
     x = graph.inputs(0, 9)
     plan = schedule(Trace(graph, [9], [a * b + c for a, b in zip(x, reversed(x), strict=True) for c in x]))
     lanes = host.lanes(8)
-    code = object_code(*ir.modules(plan, DOUBLE, host, lanes), host)
+    (text,) = ir.modules(plan, DOUBLE, host, lanes)
+    code = object_code(text, host)
     about = {"sizes": plan.sizes, "operations": plan.operations, "lanes": lanes, "objects": [len(code)],
              "scratch": ir.scratch_bytes(plan, DOUBLE, host, lanes)}  # fmt: skip
     kernel = Kernel(about, code, (_COLUMNS,), np.dtype(float))
