@@ -29,6 +29,7 @@ MODULES = (
     "integrate",
     "report",
     "view",
+    "workspace",
     "fuzzing",
     "campaigns",
     "cache",

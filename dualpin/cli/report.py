@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as jsonlib
+import re
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,15 +13,27 @@ import typer
 from ..errors import ArgumentError
 from ..escape import line
 from ..files import write_text
-from .app import Json, app, show_json
+from .app import Floating, Json, Mimic, app, robot_names, show_json
 from .listing import show_rows
+from .out import write_files
 from .show import formats, show, show_comparison
+from .stdin import named
 
 
 @app.command()
 def report(
-    files: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Result files: validation, speed, ...")],
-    out: Annotated[Path | None, typer.Option("--out", help="Write one report.html of them into this folder.")] = None,
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FILE.json...|ROBOT",
+            help="Result files (.json): validation, speed, ...; anything else is a robot.",
+            autocompletion=robot_names,
+            callback=named,
+        ),
+    ],
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Write one report.html into this folder; of a robot by default here.")
+    ] = None,
     badge: Annotated[
         Path | None, typer.Option("--badge", metavar="FILE.svg", help="Write a badge of the validations among them.")
     ] = None,
@@ -33,19 +46,31 @@ def report(
     speed_factor: Annotated[
         float, typer.Option("--speed-factor", min=1.0, help="A time that grew by more is worse.")
     ] = 1.1,
+    frame: Annotated[str | None, typer.Option("--frame", help="Of a robot: what forms and workspace are of.")] = None,
+    samples: Annotated[
+        int, typer.Option("--samples", min=0, help="Of a robot: states of the validation; 0 leaves it out.")
+    ] = 200,
+    floating: Floating = False,
+    mimic: Mimic = False,
     json: Json = False,
 ) -> None:
-    """Print results again, write them as one HTML page, or compare two of them.
+    """Print results again, write them as one HTML page, or compare two of them; or write a robot's data sheet.
 
     Exit code 1 if a validation among them failed, or, with --compare, if something got worse.
 
     Examples:  dualpin report out/report.json --out page  |  dualpin report --compare old.json new.json
-    |  dualpin report out/report.json --badge badge.svg
+    |  dualpin report out/report.json --badge badge.svg  |  dualpin report ur5 --out sheet
     """
     from ..report import compare as compared
     from ..report import read
 
-    studies = [read(file) for file in files]
+    robots = [x for x in files if not _is_result(x)]
+    if robots:
+        if len(files) > 1 or compare or badge:
+            raise ArgumentError(f"report: one robot, or result files (.json) expected; {robots[0]!r} is a robot")
+        _sheet(robots[0], frame, samples, out, floating=floating, mimic=mimic, json=json)
+        return
+    studies = [read(Path(file)) for file in files]
     if compare:
         if len(studies) != 2:
             raise ArgumentError(f"report --compare: two files expected, OLD and NEW; {len(studies)} given")
@@ -77,6 +102,27 @@ def report(
             for name, rows in s.tables.items():
                 show_rows(name, rows)
     raise typer.Exit(0 if all(s.report is None or s.report.passed for s in studies) else 1)
+
+
+def _is_result(name: str) -> bool:
+    """A file whose name ends in .json, or a pipe; anything else is a robot."""
+    path = Path(name)
+    return name.lower().endswith(".json") or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def _sheet(
+    name: str, frame: str | None, samples: int, out: Path | None, *, floating: bool, mimic: bool, json: bool
+) -> None:
+    """The page of a robot, into a folder, or here under the robot's name."""
+    from ..io.urdf import load
+    from ..report import robot_page
+
+    robot = load(name, floating=floating, mimic=mimic)
+    text = robot_page(robot, frame, samples=samples)
+    file = "report.html" if out else f"{re.sub(r'[^A-Za-z0-9_.-]+', '_', robot.name).strip('.') or 'robot'}.html"
+    write_files(out or Path(), {file: text})
+    if json:
+        show_json({"robot": robot.name, "page": str((out or Path()) / file)})
 
 
 def _write_badge(path: Path, reports: list[Any]) -> None:

@@ -5,5 +5,9 @@ from .compare import compare
 from .document import document
 from .page import page
 from .read import Study, read, study
+from .sections import Section
+from .sheet import robot_page
 
-__all__ = ["Change", "Comparison", "Study", "compare", "document", "page", "read", "study"]
+__all__ = [
+    "Change", "Comparison", "Section", "Study", "compare", "document", "page", "read", "robot_page", "study",
+]  # fmt: skip

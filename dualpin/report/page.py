@@ -14,19 +14,21 @@ from .changes import Comparison
 from .matrix import Matrix, number, short
 from .methods import Methods
 from .read import Study
+from .sections import Section
 from .speed import Speed
 
 ORDER = ("Difference", "Comparison", "Validation", "Speed", "Integrators", "Records")
 HINT = "HTML needs Jinja: pip install 'dualpin[report]'"
 
 
-def page(*of: Report | Study | Comparison | Diff, title: str = "") -> str:
+def page(*of: Report | Study | Comparison | Diff | Section, title: str = "") -> str:
     """One self-contained HTML page of results: no network, readable without JavaScript.
 
     Parameters
     ----------
-    *of : Report, Study, Comparison or Diff
-        What to show; validations come first, then speed, integrators and other records.
+    *of : Report, Study, Comparison, Diff or Section
+        What to show; sections of robots come first, as they are given, then validations, speed, integrators and
+        other records.
     title : str
         The heading; "dualpin: validation", say, by default.
 
@@ -49,7 +51,7 @@ def page(*of: Report | Study | Comparison | Diff, title: str = "") -> str:
     """
     if not of:
         raise ArgumentError("report: there is nothing to show; give a report, or studies read from files")
-    sections = sorted((_section(x) for x in of), key=lambda s: ORDER.index(s["title"]))
+    sections = sorted((_section(x) for x in of), key=lambda s: ORDER.index(s["title"]) if s["title"] in ORDER else -1)
     kinds = dict.fromkeys(s["title"].lower() for s in sections)
     environment = _environment()
     return environment.get_template("page.html.j2").render(
@@ -57,7 +59,7 @@ def page(*of: Report | Study | Comparison | Diff, title: str = "") -> str:
         sections=sections,
         version=__version__,
         style=_text("style.css"),
-        script=_text("page.js"),
+        script=_text("page.js") + (_text("voxels.js") if any(isinstance(x, Section) for x in of) else ""),
     )
 
 
@@ -66,8 +68,10 @@ def available() -> bool:
     return find_spec("jinja2") is not None
 
 
-def _section(of: Report | Study | Comparison | Diff) -> dict[str, Any]:
+def _section(of: Report | Study | Comparison | Diff | Section) -> dict[str, Any]:
     """What a section's template is given."""
+    if isinstance(of, Section):
+        return of.entries
     if isinstance(of, Diff):
         return {"template": "diff.html.j2", "title": "Difference", "header": {}, "view": of, "source": ""}
     if isinstance(of, Comparison):

@@ -103,6 +103,15 @@ def from_figaroh(robot: Robot, file: str | PathLike[str]) -> np.ndarray:
     Of results in base parameters: the parameters nearest to the description that have these values.
     Rotors and friction in the file are left out; `read_figaroh` returns them too.
 
+    Parameters
+    ----------
+    robot : Robot
+    file : str or path
+
+    Returns
+    -------
+    ndarray, shape (10 njoints,)
+
     Raises
     ------
     ArgumentError

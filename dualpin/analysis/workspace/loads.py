@@ -27,6 +27,7 @@ def static_load(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame
         What carries the payload.
@@ -41,6 +42,16 @@ def static_load(
     -------
     ndarray, shape (..., nv)
         Beyond -1 to 1 the joint cannot hold it.
+
+    Raises
+    ------
+    ArgumentError
+        If no joint has a limit.
+    FrameNotFoundError, ShapeError
+
+    References
+    ----------
+    Lynch & Park (2017), 5.2, statics of open chains: tau = J^T F.
 
     Examples
     --------
@@ -72,13 +83,23 @@ def payload_capacity(
 
     Parameters
     ----------
-    q, frame, com, effort
+    robot, q, frame, com, effort
         As in `static_load`.
 
     Returns
     -------
     ndarray, shape (...)
         Infinite where no joint with a limit feels the payload.
+
+    Raises
+    ------
+    ArgumentError
+        If no joint has a limit.
+    FrameNotFoundError, ShapeError
+
+    References
+    ----------
+    Wang & Ravani (1988), dynamic load carrying capacity of mechanical manipulators; here at rest.
 
     Examples
     --------

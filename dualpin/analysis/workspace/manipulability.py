@@ -69,6 +69,7 @@ def manipulability(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame
         Twists are about its origin, in world axes.
@@ -134,6 +135,19 @@ def characteristic_length(robot: Robot, frame: str | int | Frame) -> float:
     """The length that makes the least condition number of a frame's Jacobian least, over the limits [m].
 
     Over `SAMPLES` random configurations of a fixed seed, so to some percent; 1 where there is nothing to balance.
+
+    Parameters
+    ----------
+    robot : Robot
+    frame : str, int or Frame
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    FrameNotFoundError
 
     References
     ----------

@@ -184,6 +184,7 @@ def reach_map(
 
     Parameters
     ----------
+    robot : Robot
     frame : str, int or Frame, optional
         By default the last one.
     n : int

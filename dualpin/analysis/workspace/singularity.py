@@ -66,6 +66,7 @@ def singularity(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame
     task : "pose", "position" or "orientation"
@@ -76,6 +77,12 @@ def singularity(
     Returns
     -------
     Singularity
+
+    Raises
+    ------
+    ArgumentError
+        If no joint moves the frame.
+    FrameNotFoundError, ShapeError
 
     References
     ----------
@@ -117,7 +124,12 @@ def nearest_singularity(
 
     Parameters
     ----------
+    robot : Robot
     q : array_like, shape (nq,)
+    frame, task, length
+        As in `singularity`.
+    steps : int
+        After which it gives up.
 
     Returns
     -------
