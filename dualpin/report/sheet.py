@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..analysis.check import check
 from ..analysis.identification import base_parameters
 from ..analysis.workspace import payload_capacity, reach_map, static_load
 from ..crosscheck import validate
@@ -189,13 +190,9 @@ def _forms(robot: Robot, at: Frame | None) -> Section:
     return Section("Denavit-Hartenberg and screws", "sheet.html.j2", Sheet(tables=tables, says=says))
 
 
-def _findings(robot: Robot) -> Section | None:
+def _findings(robot: Robot) -> Section:
     """What `dualpin.check` finds in the file, or in the robot where it was made in code."""
-    try:
-        from ..analysis.check import check
-    except ImportError:
-        return None
-    found = check(robot.source or robot)
+    found = check(robot.source if robot.source and Path(robot.source).is_file() else robot)
     rows = [[f.rule, f.severity, f.item, f.says, f.why, f.fix] for f in found]
     says = "" if rows else "Nothing found."
     tables = [Table(["rule", "severity", "where", "what", "why it matters", "fix"], rows)] if rows else []

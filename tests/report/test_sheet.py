@@ -43,7 +43,7 @@ def cells(text, section):
 
 def test_it_has_every_part_and_loads_nothing(sheet):
     tree_ = parsed(sheet)
-    parts = ["Robot", "Joints and limits", "Masses", "Denavit-Hartenberg and screws", "Base parameters",
+    parts = ["Robot", "Joints and limits", "Masses", "Denavit-Hartenberg and screws", "Findings", "Base parameters",
              "Torques under gravity", "Workspace", "Validation"]  # fmt: skip
     heads = tree_.xpath("//h2/text()")
     assert [p for p in parts if p not in heads] == []
