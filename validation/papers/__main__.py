@@ -40,8 +40,8 @@ def index(pages: list[Page]) -> str:
         "Every numbered equation, table, figure and claim of the five papers that dualpin stands on: what is printed, "
         "what is computed, and what becomes of it. `make papers` writes these pages and their figures; `tests/papers` "
         "holds every row and that no number is left out. Independent values are definitions written out with NumPy, "
-        "derivatives by complex steps, golden values from mpmath at 140 digits, or, for dynamics, terms that are checked "
-        "against Pinocchio.",
+        "derivatives by complex steps, golden values from mpmath at 140 digits, or, for dynamics, terms that are "
+        "checked against Pinocchio.",
         "",
         READ,
         "",
