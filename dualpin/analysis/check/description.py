@@ -132,16 +132,22 @@ class Description:
 
     @cached_property
     def shapes(self) -> dict[str, list[Shape]]:
-        """Of each link, its collision shapes, or else its visual ones; only where all of its meshes are found."""
+        """Of each link, its visual shapes, or its collision shapes if it has no others; only if all of them are found.
+
+        What contacts are computed with is often a ball or a box within the link, so it tells less of its mass.
+        """
         found: dict[str, list[Shape]] = {}
         for b in self.bodies:
-            for tag in ("collision", "visual"):
+            for tag in ("visual", "collision"):
                 elements = [] if b.element is None else b.element.findall(tag)
+                elements = [e for e in elements if e.find("geometry") is not None]
+                if not elements:
+                    continue
                 read = [shape_of(b.name, e, self.path or Path()) for e in elements]
                 kept = [s for s in read if s is not None]
-                if elements and len(kept) == len(elements):
+                if len(kept) == len(elements):
                     found[b.name] = kept
-                    break
+                break
         return found
 
     @cached_property

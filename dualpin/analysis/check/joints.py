@@ -15,6 +15,7 @@ from .rules import Case, Rule, finding, rules
 
 QUARTER = pi / 2
 EXACT = 1e-9  # rad; closer to a quarter turn is one: a nanometre in a metre
+UNKNOWN = 1e5  # N m: more than any joint takes, so velocity and effort are placeholders
 FEWEST = 2  # decimals: 1.6 is a number of its own
 
 
@@ -65,6 +66,8 @@ def _swing(case: Case, h: Hinge, angle: float) -> Effect:
             return Effect("fk", 0.0, "m", f"it turns the frame of link {h.child!r} by {angle:.2g} rad")
         moving = carried[0]
     reach, frame = case.effects.reach_below(moving.name)
+    if not reach:
+        return Effect("fk", 0.0, "m", f"it turns {frame!r} by {angle:.2g} rad")
     return Effect("fk", angle * reach, "m", f"it moves {frame!r} by up to {1e3 * angle * reach:.2g} mm")
 
 
@@ -131,9 +134,8 @@ def limits(case: Case) -> Iterator[Finding]:
                 "limits-huge",
                 h,
                 f"limits {low:g} to {high:g} {unit}",
-                why=f"states drawn between them have no meaning: poses lose {largest * 2.2e-16:.2g} "
-                f"{unit} to "
-                "rounding alone",
+                why=f"{largest:.3g} {unit} is no stop: sampling and IK count it as none, and planners that do not "
+                f"draw states {largest:.3g} {unit} away",
                 fix="give the true range, or make it continuous",
             )
         for what, value, of in (("effort", h.effort, force), ("velocity", h.velocity, f"{unit}/s")):
@@ -179,7 +181,7 @@ def friction(case: Case) -> Iterator[Finding]:
                     fix=f"write {-value:g}",
                 )
         lost = h.damping * h.velocity if h.damping > 0 and 0 < h.velocity < inf else 0.0
-        if 0 < h.effort < lost < inf:
+        if 0 < h.effort < lost < UNKNOWN:
             effect = Effect("rnea", lost, force, f"damping takes {lost:.3g} {force} at {h.velocity:g} {speed}")
             yield finding(
                 case,

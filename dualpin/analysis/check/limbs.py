@@ -11,11 +11,14 @@ import numpy as np
 from .description import Body
 from .findings import NOTE, WARNING, Finding
 from .rules import Case, Rule, finding, rules
+from .shapes import box
 from .tensors import LIGHT
 
+ALIKE = 0.05  # of a link's length: the same part
 SIDES = (("left", "right"), ("l", "r"), ("lf", "rf"), ("lh", "rh"), ("fl", "fr"), ("rl", "rr"), ("bl", "br"))
 PLANE = 2e-3  # m: how well origins of mirrored links must mirror for their limbs to count as mirrored
-SAME = 0.02  # relative: masses and moments of mirrored links
+SAME = 0.02  # relative: masses of mirrored links
+PARTS = 0.1  # of a link's size: motors are the same on both sides, not mirrored, which shifts centres and turns tensors
 
 
 @rules(Rule("not-mirrored", WARNING, "A link's mass or tensor is not the mirror image of that of the other side."))
@@ -32,15 +35,18 @@ def mirrored(case: Case) -> Iterator[Finding]:
         X, Y = poses[left.name], poses[right.name]
         if not _mirror(X[:3, 3], Y[:3, 3], plane, PLANE) or left.mass <= LIGHT or right.mass <= LIGHT:
             continue
+        if _shape(left) and _shape(left) == _shape(right):
+            continue  # one part, used on both sides: it need not be its own mirror image
         S = np.eye(3)
         S[plane, plane] = -1
         c = S @ (X[:3, :3] @ left.com + X[:3, 3])
         J = S @ X[:3, :3] @ left.tensor @ X[:3, :3].T @ S
         R = Y[:3, :3]
-        size = np.linalg.norm(right.com) + np.linalg.norm(left.com)
+        size = float(np.linalg.norm(right.com) + np.linalg.norm(left.com)) / 2 + np.sqrt(left.moments[-1] / left.mass)
         off = float(np.linalg.norm(R @ right.com + Y[:3, 3] - c))
         mass, tensor = abs(left.mass / right.mass - 1), _relative(R @ right.tensor @ R.T, J)
-        if mass <= SAME and off <= 2 * PLANE + SAME * size and tensor <= 5 * SAME:
+        shifted = off > 2 * PLANE + PARTS * size
+        if mass <= SAME and not shifted and tensor <= 3 * PARTS:
             continue
         wanted = R.T @ (c - Y[:3, 3]), R.T @ J @ R
         effect = case.effects.of_body(right, left.mass, *wanted)
@@ -48,7 +54,7 @@ def mirrored(case: Case) -> Iterator[Finding]:
             f"mass {right.mass:g} kg beside {left.mass:g}"
             if mass > SAME
             else f"centre of mass {1e3 * off:.3g} mm off"
-            if off > 2 * PLANE + SAME * size
+            if shifted
             else f"tensor {tensor:.0%} off"
         )
         yield finding(
@@ -120,24 +126,33 @@ def duplicated(case: Case) -> Iterator[Finding]:
         if b.given and b.mass > LIGHT and b.written.any() and not _round(b):
             key = (b.mass, *b.com.tolist(), *b.tensor.ravel().tolist())
             same[key].append(b)
-    for group in same.values():
-        shapes = {_shape(b) for b in group} - {""}
-        if len(group) > 1 and len(shapes) == len(group) and len({_plain(s) for s in shapes}) == len(group):
-            names = [b for b in group if not any(o in {g.name for g in group} for o in _other_sides(b.name))]
-            if len(names) < 2:
+    for first, *others in same.values():
+        for other in others:
+            why = _unlike(case, first, other)
+            if not why:
                 continue
-            first, others = names[0], names[1:]
-            effect = case.effects.of_body(others[0], 0.0, np.zeros(3), np.zeros((3, 3)))
+            effect = case.effects.of_body(other, 0.0, np.zeros(3), np.zeros((3, 3)))
             yield finding(
-                case,
-                "duplicate-inertial",
-                others[0],
-                f"the same {first.mass:g} kg and tensor as link {first.name!r}"
-                + (f" and {len(others) - 1} more" if len(others) > 1 else ""),
-                effect=effect,
-                why=f"their shapes differ, so one is a copy; all of it counts: without it, {effect.says}",
+                case, "duplicate-inertial", other, f"the same {first.mass:g} kg and tensor as link {first.name!r}",
+                effect=effect, why=f"{why}, so one is a copy; what is at stake is all of it: without it, {effect.says}",
                 fix="export the inertial of each link",
-            )
+            )  # fmt: skip
+            break
+
+
+def _unlike(case: Case, one: Body, other: Body) -> str:
+    """Why two links are not the same part; empty where they may be."""
+    shapes = [case.about.shapes.get(b.name) for b in (one, other)]
+    if shapes[0] and shapes[1]:
+        sides = [np.sort(np.subtract(*box(s)[::-1])) for s in shapes if s]
+        if np.abs(sides[0] - sides[1]).max() > ALIKE * sides[0].max():
+            return f"they are {1e3 * sides[0][-1]:.3g} and {1e3 * sides[1][-1]:.3g} mm long"
+        return ""
+    if _shape(one) and _plain(_shape(one)) == _plain(_shape(other)):
+        return ""
+    if one.carrier is not None and other.carrier is not None and one.carrier in list(other.carrier.chain)[1:]:
+        return "one carries the other" if any(one.com) else ""
+    return ""
 
 
 def _round(b: Body) -> bool:

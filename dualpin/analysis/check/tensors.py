@@ -24,7 +24,7 @@ from .rules import Case, Rule, finding, rules
 PRINTED = 1e-6  # relative: six printed digits are common
 OSMIUM = 22_590.0  # kg/m^3, the densest element
 LIGHT = 1e-3  # kg; placeholders below a gram change no torque that matters
-FLAT = 1e-4  # of the largest second moment: thinner than a hundredth of its length, a plate or a rod on paper
+FLAT = 0.01  # of the largest second moment: thinner than a tenth of its length, a plate or a rod on paper
 
 
 def second_moments(J: np.ndarray) -> np.ndarray:

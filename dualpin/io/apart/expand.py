@@ -30,14 +30,19 @@ def located(name: str, folder: Path, path_of: Any) -> str:
 
 def expanded(job: dict[str, Any]) -> str:
     """The URDF of an xacro file."""
-    from xacrodoc import XacroDoc, packages
+    import xacro
+    from xacrodoc import packages  # finds packages without a ROS installation, also for xacro's $(find ...)
 
     file = Path(job["file"])
     packages.walk_up_from(file.parent)
     if job["folders"]:
         packages.look_in(job["folders"])
     packages.update_package_cache(job["packages"])
-    text = XacroDoc.from_file(str(file), subargs=job["args"], resolve_packages=False).to_urdf_string(pretty=True)
+    try:
+        text = xacro.process_file(str(file), mappings=job["args"]).toprettyxml(indent="  ")
+    except Exception as e:  # expressions of a file raise what they like
+        inner = [Path(x).name for x in xacro.filestack or [] if x and x != str(file)]
+        raise ValueError(f"{e}{f' (in {inner[-1]})' if inner else ''}") from e
     from lxml import etree
 
     root = etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
@@ -57,7 +62,7 @@ def main() -> None:
     except SystemExit as e:
         answer = {"error": f"xacro ended with code {e.code}"}
     except Exception as e:  # expressions of a file raise what they like
-        answer = {"error": f"{type(e).__name__}: {e}"}
+        answer = {"error": str(e)}
     json.dump(answer, out)
     out.close()
 
