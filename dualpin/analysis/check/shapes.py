@@ -21,6 +21,7 @@ from .tensors import LIGHT, OSMIUM, physical
 
 MARGIN = 0.2  # of a box's diagonal: motors and cables outside of the shape
 LEAST_MARGIN = 0.01  # m
+DUMMY = 0.01  # m; smaller shapes are there because a file must have one
 EMPTY = 5.0  # kg/m^3 over the whole bounding box: lighter than any structure; foam has 20
 CLOSE = 0.1  # of the tensor's size: a uniform solid of that shape, or nearly
 APART = 0.5  # of it: another orientation or another point, not another filling
@@ -165,7 +166,7 @@ def _masses(
             fix="export the tensor again, in kg m^2",
         )
     volume = float(np.prod(np.maximum(high - low, 1e-4)))
-    if b.mass / volume > OSMIUM:
+    if b.mass / volume > OSMIUM and diagonal > DUMMY:
         effect = case.effects.of_body(b, 2700 * volume, b.com, b.tensor)
         yield finding(
             case,

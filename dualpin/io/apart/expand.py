@@ -46,9 +46,9 @@ def expanded(job: dict[str, Any]) -> str:
     from lxml import etree
 
     root = etree.fromstring(text.encode(), etree.XMLParser(resolve_entities=False, no_network=True))
-    for e in root.iter("mesh"):
-        if e.get("filename"):
-            e.set("filename", located(e.get("filename"), file.parent, packages.get_path))
+    for mesh in root.iter("mesh"):
+        if mesh.get("filename"):
+            mesh.set("filename", located(mesh.get("filename"), file.parent, packages.get_path))
     return str(etree.tostring(root, encoding="unicode"))
 
 
