@@ -15,6 +15,7 @@ from typing import Annotated
 
 import typer
 
+from ..files import write_text
 from ..machine import versions
 from .app import Json, app, show_json
 
@@ -30,6 +31,7 @@ STEPS = (
     ("judge", "arm.urdf", "mine.py:Arm", "--samples", "4", "--out", "judged"),
     ("subjects", "list"),
     ("bench", "arm.urdf", "--terms", "gravity", "--batch", "16"),
+    ("fuzz", "--robots", "2", "--seed", "1", "--jobs", "1"),
     ("integrate", "arm.urdf", "--dt", "0.5", "--turns", "1", "--methods", "rk4"),
     ("view", "arm.urdf", "--port", "0"),
     ("cache", "info"),
@@ -93,7 +95,7 @@ def _outcomes(folder: Path) -> Iterator[Outcome]:
     body = {"mass": 2.0, "com": (0.0, 0.0, 0.1), "inertia": [[0.02, 0, 0], [0, 0.02, 0], [0, 0, 0.01]]}
     rows = [(0, 0.4, 0.1, 1.5), (0, 0, 0.4, 0), (0, 0.1, 0, 1.5), (0, 0.4, 0, -1.5), (0, 0, 0, 1.5), (0, 0.1, 0, 0)]
     from_dh(rows, "RRRRRR", name="arm", inertias=[body] * 6).to_urdf(folder / "arm.urdf")
-    (folder / "mine.py").write_text(SUBJECT, encoding="utf-8")
+    write_text(folder / "mine.py", SUBJECT)
     with ThreadPoolExecutor(max_workers=2) as pool:
         for steps in (STEPS, AFTER):
             yield from pool.map(lambda words: _run(folder, words), steps)
@@ -102,8 +104,9 @@ def _outcomes(folder: Path) -> Iterator[Outcome]:
 def _run(folder: Path, words: tuple[str, ...]) -> Outcome:
     environment = {**os.environ, "DUALPIN_CACHE_DIR": str(folder / "cache"), "PYTHONUTF8": "1"}
     command, begun = [sys.executable, "-m", "dualpin", *words], time.perf_counter()
-    errors = folder / f"{words[0]}.log"
-    with errors.open("wb") as log:
+    log, name = tempfile.mkstemp(dir=folder, suffix=".log")
+    errors = Path(name)
+    with os.fdopen(log, "wb"):
         ran = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=log)
         try:
             code = _served(ran, errors) if words[0] == "view" else ran.wait(LIMIT)
