@@ -260,3 +260,13 @@ def test_residuals_are_drawn(arm, motion, tmp_path):
     fig = found.plot(tmp_path / "residuals.png")
     assert len(fig.axes) == 12 and (tmp_path / "residuals.png").stat().st_size > 1000
     assert found.table()[0].keys() == {"parameter", "value", "deviation", "described"}
+
+
+def test_what_torques_do_not_show_stays_as_described(arm, motion):
+    """With the description's own torques the description comes back whole, not only its base parameters."""
+    found = dp.identify(arm, *motion, dp.rnea(arm, *motion))
+    truth = dp.inertial_parameters(arm)
+    assert violation(truth.reshape(-1, 10)).max() == 0  # it can exist, so nothing has to give way
+    assert np.abs(found.parameters - truth).max() < 1e-4
+    noisy = dp.identify(arm, *motion, measured(arm, motion, np.random.default_rng(11)))
+    assert noisy.robot.mass == pytest.approx(arm.mass, rel=0.05)

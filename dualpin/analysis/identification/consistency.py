@@ -45,14 +45,15 @@ def nearest_bodies(
     """
     cp = extra("cvxpy", "identify", "identify: physical=True")
     scale = _scales(p0, bodies)
-    x = cp.Variable(len(p0))  # p = scale x
-    A = R @ G * scale
-    size = max(1.0, float(np.abs(A).max(initial=0.0)))
-    # an orthonormal basis of what G does not see
+    # p = scale x;  x of what is seen, and of what is not, in steps that cost alike: the solver sees both
     _, singular, Vh = np.linalg.svd(G * scale)
-    N = Vh[int((singular > 1e-10 * singular.max(initial=0.0)).sum()) :]
-    cost = cp.sum_squares(A @ x / size - R @ b / size)
-    cost += PRIOR / size**2 * cp.sum_squares(N @ x - N @ (p0 / scale)) if len(N) else 0.0
+    k = int((singular > 1e-10 * singular.max(initial=0.0)).sum())
+    seen, unseen = Vh[:k].T, Vh[k:].T
+    Q, T = np.linalg.qr(R @ (G * scale) @ seen)
+    start = seen @ np.linalg.solve(T, Q.T @ (R @ b)) + unseen @ (unseen.T @ (p0 / scale))
+    y = cp.Variable(len(p0))
+    x = start + np.hstack([seen @ np.linalg.inv(T), unseen / np.sqrt(PRIOR)]) @ y
+    cost = cp.sum_squares(y)
     constraints = [x[i] >= 0 for i in nonnegative]
     E = pseudo_inertias()
     for k in range(bodies):
@@ -66,7 +67,7 @@ def nearest_bodies(
         problem.solve(solver=cp.CLARABEL)
     except cp.error.SolverError as e:
         raise DualpinError(f"identify: the conic solver found no physical parameters ({e}); physical=False") from None
-    if x.value is None:
+    if y.value is None:
         raise DualpinError(f"identify: the conic solver says {problem.status!r}; physical=False does without it")
     return _inside(np.asarray(x.value) * scale, bodies, nonnegative)
 
@@ -78,11 +79,7 @@ def _scales(p0: np.ndarray, bodies: int) -> np.ndarray:
     for k in range(bodies):
         m, J = p0[10 * k], p0[10 * k + 4 : 10 * k + 10]
         m = m if m > 0.01 * mean else mean
-        r = (
-            float(np.clip(np.sqrt(max(J[0] + J[2] + J[5], 0.0) / (2 * m)), LENGTH / 10, LENGTH * 100))
-            if J.any()
-            else LENGTH
-        )
+        r = np.clip(np.sqrt(max(J[0] + J[2] + J[5], 0.0) / (2 * m)), LENGTH / 10, LENGTH * 100) if J.any() else LENGTH
         scale[10 * k : 10 * k + 10] = [m, *np.full(3, m * r), *np.full(6, m * r * r)]
     return scale
 
