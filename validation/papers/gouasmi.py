@@ -5,26 +5,29 @@
 
 from __future__ import annotations
 
-import runpy
-import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 
 import dualpin as dp
 from dualpin import Dual
-from dualpin.spatial import UX, UZ, ZERO_VECTOR, Pose, Quaternion, Rotation, Vector3, motor
+from dualpin.spatial import Pose, Quaternion, Rotation
 
-from .common import ASSUMING, CANNOT, CONVENTION, DRAWN, FAILS, MEASURED, PART, Page, Row
+from .common import ASSUMING, CANNOT, CONVENTION, DRAWN, FAILS, MEASURED, OUTSIDE, PART, Page, Row
 from .counting import Counted, count
-
-# one set of lengths, of Armstrong, Khatib & Burdick (1986), for the URDF and for this page
-_MODEL = runpy.run_path(str(Path(__file__).parents[2] / "urdf" / "puma560" / "generate.py"))
-A2, A3, D2, D3, D4 = (_MODEL[name] for name in ("A2", "A3", "D2", "D3", "D4"))
-ALPHA = np.radians([-90.0, 0, 90, -90, 90, 0])
-LENGTH, OFFSET = (0.0, A2, A3, 0, 0, 0), (0.0, D2, D3, D4, 0, 0)
+from .gouasmi_cost import (
+    A2,
+    A3,
+    ALPHA,
+    D2,
+    D3,
+    D4,
+    LENGTH,
+    OFFSET,
+    WAYS,
+    by_dual_matrices,
+    by_homogeneous,
+    by_quaternions,
+    costs,
+)
 
 
 def quaternion(*x: float) -> Quaternion:
@@ -253,7 +256,7 @@ def kinematics() -> list[Row]:
         Row("eqs 9-11", "a step [R d; 0 1], its rotation and translation", "cos, -cos sin, ...; a cos, a sin, d", written[:3], one[:3]),
         Row("eq 12", "the step as one matrix", "4 x 4", written, one),
         Row("Table 1", "alpha, a, d of six rows; joint 5 has q4, joint 6 nothing", "alpha = -90, 0, 90, -90, 90, 0 degrees; a2, a3, d2, d3, d4", np.degrees(ALPHA), np.degrees([r.alpha for r in dp.to_dh(robot, tip="frame_6", convention="standard").rows]), CONVENTION, note="read as q5, q6, and d6 = 0"),
-        Row("Table 1", "lengths", "a2, a3, d2, d3, d4 without numbers", np.array([A2, A3, D2, D3, D4]), np.array([0.4318, -0.0203, 0.2435, -0.0934, 0.4331]), ASSUMING, note="those of Armstrong, Khatib & Burdick (1986), used by urdf/puma560 too; d2 and d3 are two offsets, only their sum shows"),
+        Row("Table 1", "lengths", "a2, a3, d2, d3, d4 without numbers", np.array([A2, A3, D2, D3, D4]), _lengths(urdf), ASSUMING, note="those of Armstrong, Khatib & Burdick (1986); computed: read back from urdf/puma560/puma560.urdf; d2 and d3 are two offsets, only their sum shows"),
         Row("eq 13", "T_0^1", "(c1 0 -s1 0; s1 0 c1 0; 0 -1 0 0)", T01, steps[0]),
         Row("eq 14", "T_1^2", "(c2 -s2 0 a2 c2; ...; d2)", T12, steps[1]),
         Row("eq 15", "T_0^2", "twelve entries", T02, ours[1], right=frames[1]),
@@ -264,9 +267,18 @@ def kinematics() -> list[Row]:
         Row("secs. VIII, IX", "dual quaternions and matrices confirm one another", "the same results", dp.spatial.to_matrix(eight(by_quaternions(list(map(float, q))))), by_homogeneous(list(map(float, q))).array, right=stack4(by_dual_matrices(list(map(float, q))))),
         Row("abstract, IX", "the fastest method is, undoubtedly, dual quaternions", "no time", None, f"{_products('dual quaternions')} multiplications against {_products('homogeneous')} of homogeneous matrices for the six joints: by the count it is not; times below", FAILS),
         Row("sec. II", "dual quaternions have been around since 1882", "1882 (sec. I), 1873 (sec. 10.b.ii)", None, "1873", FAILS),
+        Row("sec. III", "from a matrix, angle and axis are found by a long and sometimes complicated process only", "", None, "screw_parameters(T) gives them from a matrix as from a dual quaternion; it goes by the quaternion of the largest divisor (Shepperd)", PART),
+        Row("sec. II", "classical quaternions represent rotations about axes through O only; dual ones about any axis", "", np.array([1.0, 0.0, 0.0]), dp.spatial.transform_points(dp.spatial.exp([0, 0, np.pi / 2, 0, -np.pi / 2, 0]), [1.0, 0, 0]), note="a quarter turn about the vertical line through (1, 0, 0), which stays"),
+        Row("sec. IX", "Denavit-Hartenberg frames are awkward to choose", "", None, "", OUTSIDE, note="a judgement; dp.to_dh chooses them from any description"),
         Row("Fig 1", "helicoidal motion: axis, moment, angle, slide", "", None, "figures/screw_motion.svg", DRAWN, note="of example 2"),
         Row("Figs 2-4", "(2,1), (2,2): a body on a screw; 3: the PUMA's frames; 4: DH parameters", "", None, "figures/screw_motion.svg, figures/puma_frames.svg", DRAWN),
     ]
+
+
+def _lengths(robot: dp.Robot) -> np.ndarray:
+    """a2, a3, d2, d3, d4 as the file's joints stand (modified rows: a before the joint, d along its axis)."""
+    second, third, fourth = ([float(x) for x in robot.joint(f"joint_{i}").placement.position] for i in (2, 3, 4))
+    return np.array([third[0], fourth[0], second[1], third[2], -fourth[1]])
 
 
 def stack4(R: Rotation) -> np.ndarray:
@@ -288,93 +300,6 @@ def dh_chain(q: np.ndarray) -> list[np.ndarray]:
         T = T @ np.array([[c, -s * ca, s * sa, a * c], [s, c * ca, -c * sa, a * s], [0, sa, ca, d], [0, 0, 0, 1.0]])
         found.append(T)
     return found
-
-
-# --- the same chain three ways, over any scalar ------------------------------------------------------
-
-
-def _links(kind: Any) -> list[Any]:
-    """The constant link transforms X(alpha + eps a)."""
-    found = []
-    for a, alpha in zip(LENGTH, ALPHA, strict=True):
-        angle = Dual(float(alpha), float(a))
-        if kind is Quaternion:
-            found.append(Quaternion.about(displacement_axis(UX), angle))
-        elif kind is Rotation:
-            found.append(Rotation.about(UX, angle))
-        else:
-            found.append(Pose.about(UX, angle))
-    return found
-
-
-def displacement_axis(axis: Vector3) -> Vector3:
-    return motor(axis, ZERO_VECTOR)
-
-
-def by_quaternions(q: list[Any]) -> Quaternion:
-    """Product of Z(theta + eps d) X(alpha + eps a) as dual quaternions."""
-    total = None
-    for t, d, X in zip(q, OFFSET, _QUATERNIONS, strict=False):
-        step = Quaternion.about(displacement_axis(UZ), Dual(t, d)) * X
-        total = step if total is None else total * step
-    return total
-
-
-def by_dual_matrices(q: list[Any]) -> Rotation:
-    """The same as dual 3 x 3 matrices."""
-    total = None
-    for t, d, X in zip(q, OFFSET, _ROTATIONS, strict=False):
-        step = Rotation.about(UZ, Dual(t, d)) @ X
-        total = step if total is None else total @ step
-    return total
-
-
-def by_homogeneous(q: list[Any]) -> Pose:
-    """The same as homogeneous matrices [R p; 0 1]."""
-    total = None
-    for t, d, X in zip(q, OFFSET, _POSES, strict=False):
-        step = Pose.about(UZ, Dual(t, d)) @ X
-        total = step if total is None else total @ step
-    return total
-
-
-_QUATERNIONS, _ROTATIONS, _POSES = (_links(kind) for kind in (Quaternion, Rotation, Pose))
-WAYS: dict[str, Callable[[list[Any]], Any]] = {
-    "dual quaternions (8 numbers)": by_quaternions,
-    "dual 3 x 3 matrices (18 numbers)": by_dual_matrices,
-    "homogeneous DH matrices (12 numbers)": by_homogeneous,
-}
-
-
-def costs() -> str:
-    """Operations counted by running; times of batches of 10,000 and of one call, as ratios."""
-    rng = np.random.default_rng(0)
-    one, many = list(map(float, rng.standard_normal(6))), list(rng.standard_normal((6, 10_000)))
-    lines = [
-        "## Cost of the forward kinematics of the PUMA 560",
-        "",
-        "Counted by running the product of Z(theta + eps d) X(alpha + eps a) on a scalar that counts; products with known "
-        "zeros and ones are free, constants of the links are prepared. Time relative to homogeneous matrices, best of 7, "
-        "plain Python (one call) and NumPy columns (10,000 calls).",
-        "",
-        "| representation | products | sums | sines, cosines | time, one call | time, 10,000 calls |",
-        "|---|---|---|---|---|---|",
-    ]
-    base = [_seconds(lambda x=x: by_homogeneous(x)) for x in (one, many)]
-    for name, f in WAYS.items():
-        n = count(f, [Counted() for _ in range(6)])
-        ratios = [_seconds(lambda x=x, f=f: f(x)) / b for x, b in zip((one, many), base, strict=True)]
-        lines.append(f"| {name} | {n[0]} | {n[1]} | {n[2]} | {ratios[0]:.2f} | {ratios[1]:.2f} |")
-    return "\n".join(lines)
-
-
-def _seconds(f: Callable[[], Any]) -> float:
-    best = np.inf
-    for _ in range(7):
-        start = time.perf_counter()
-        f()
-        best = min(best, time.perf_counter() - start)
-    return best
 
 
 def page() -> Page:

@@ -164,7 +164,7 @@ def matrices() -> list[Row]:
         Row("eq 35", "A and A' must not be singular", "nonsingular", None, "not needed; needed are simple eigenvalues and v^T v not 0. dualpin refuses repeated ones, and returns isotropic vectors with v^H v = 1", FAILS),
         Row("eq 36", "singular values: shapes of U, Lambda, V", "3 x 3, 3 x 3, 2 x 3", "3 x 3, 3 x 3, 2 x 3", f"{U.shape[0]} x {U.shape[1]}, {S.shape[0]} x {S.shape[0]}, {Vh.shape[0]} x {Vh.shape[1]}", CANNOT, "3 x 2, 2 x 2, 2 x 2", note="a zero column in U contradicts U^T U = 1; the thin factors are what the numbers are"),
         Row("eq 36", "U U^T = 1 for the 3 x 2 factor", "1", np.eye(3), (U @ U.T).real, CANNOT, U.real @ U.real.T, note="a projector of rank two"),
-        Row("eq 37", "singular values ascend, the appended zero comes last", "0 <= lambda_1 <= ...", S2[order], al.svd(other)[1][order], CONVENTION, note="dualpin's descend, as NumPy's"),
+        Row("eq 37", "singular values ascend, the appended zero comes last", "0 <= lambda_1 <= ...: 1.411, 10.631", np.array([1.411, 10.631]), S2.real[order], CONVENTION, digits=THREE, note="dualpin's descend, as NumPy's; the zero should come first"),
         Row("eqs 38-39", "A A^T u = lambda^2 u; v = A^T u / lambda", "", al.svd(A1)[1][0] * al.svd(A1)[1][0] * u0, G @ u0, digits=1e-11),
         Row("sec. 7.11, example", "singular values of the matrix as printed", "1.411 + 1.191 eps, 10.631 + 5.204 eps", three([1.411, 10.631], [1.191, 5.204]), S[order], CANNOT, functions.stack([gold(x) for x in GOLD["svd"][0]["sigma"]])[order], digits=THREE, note="the printed factors multiply to a matrix with 3 + 5 eps in place of 2 + 5 eps: next rows"),
         Row("sec. 7.11, example", "singular values with (1,2) = 3 + 5 eps", "1.411 + 1.191 eps, 10.631 + 5.204 eps", three([1.411, 10.631], [1.191, 5.204]), S2[order], digits=THREE),
@@ -242,6 +242,8 @@ def nonlinear() -> list[Row]:
 def others() -> list[Row]:
     return [
         Row("eq 58", "a system of dual equations solved in dual form", "f_j(x_1 ... x_n) = 0", np.zeros(1), np.array([dp.mechanisms.RCCC(Dual(np.radians([30, 55, 45, 60]), [2.0, 4, 3, 5])) .method_c(np.radians(40)) .position.closure]), note="Method C below"),
+        Row("sec. 1", "dual QR, singular values, pseudo-inverse and eigenvalues had not been discussed before", "", None, "", OUTSIDE, note="history"),
+        Row("sec. 12", "splitting into real and dual parts is not required", "", None, "Dual arrays go through qr, pinv, solve and newton as they are; inside, LAPACK factors the real part, and the dual part follows", MEASURED),
         Row("sec. 2", "contributions by field", "", None, "", OUTSIDE, note="a bibliography"),
         Row("Figs 1-7", "line vector, products, dual angle, feet, sum, transference, adjacent links", "", None, "", OUTSIDE, note="sketches of definitions, without data; the numbering after Fig 7 skips"),
         Row("sec. 7.4, figure", "cylindroid of the example's two lines", "", None, "figures/cylindroid.svg", DRAWN),

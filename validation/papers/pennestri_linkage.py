@@ -104,8 +104,16 @@ def linkage() -> list[Row]:
     return [
         *rows,
         Row("Method B", "three elements of eq 63 fix the position: theta3 from (3,3), (3,1), (1,1)", "theta3 is not printed", spurious, LINKAGE.solve(INPUT)[1].theta3, CANNOT, true, note="a root of eqs 64 with theta3 = 60.42 degrees leaves the loop open by more than 1; footnote 7 of the paper asks for a fourth element. method_b refuses it"),
+        Row("footnote 7", "three elements and one of four values of a fourth fix an orientation", "four elements", None, _fourth(g), MEASURED, note="the theorem of Beggs that the paper cites; eqs 64 use three"),
         *loop_formulas(),
     ]
+
+
+def _fourth(g: Any) -> str:
+    """What the other elements say at the spurious root of method B."""
+    s = {k: Dual(*numbers(x)) for k, x in g["spurious_root_of_eq64"].items() if k != "note"}
+    off = np.abs(LINKAGE.closure([Dual(INPUT, 0.0), s["theta2"], s["theta3"], s["theta4"]]).real)
+    return f"at the spurious root of method B the loop matrix misses 1 by {off.max():.2f} in its worst element, so a fourth tells it"
 
 
 def loop_formulas() -> list[Row]:

@@ -218,6 +218,7 @@ def dynamics() -> list[Row]:
         Row("secs. 5, 6", "gravity", "", None, "not in the equations; here the base accelerates upwards, which is the same", MEASURED),
         Row("conclusions", "a 6 x n vector of forces describes the manipulator", "6 x n", None, "DualChain.joint_wrenches: force + eps moment of every joint, three components each; dp.joint_wrenches for any robot", MEASURED),
         Row("conclusions", "a zero dual part of theta makes a joint revolute, a zero primary part prismatic", "zero", None, "the part must be constant, not zero: offsets and fixed angles may have any value", PART),
+        Row("sec. 5", "homogeneous matrices need to be told whether a joint turns or slides, dual ones do not", "", None, "a dual angle holds both, so no case is needed; a homogeneous matrix with theta and d as variables holds both too", PART),
         Row("conclusions", "one program solves a great variety of topologies", "nine", None, "mechanisms.TwoC and DualChain: one recursion for all nine, each checked in the row of Fig 10", MEASURED),
     ]
     worst = 0.0
