@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from . import c_code
+from .arguments import choice
 from .call.arguments import check_robot
-from .engine.graph.trace import Sym, Trace, trace
+from .engine.codegen.number import DOUBLE, SINGLE, Number
+from .engine.graph.trace import Trace, trace
 from .errors import ArgumentError
 from .escape import c_comment, c_identifier, is_c_identifier
 from .extras import extra
@@ -27,17 +31,26 @@ class CCode:
     Attributes
     ----------
     name : str
-        Of the function, and of both files without their suffixes.
+        Of the function, and of the files without their suffixes.
     header, source : str
         The texts of `name`.h and `name`.c.
+    test : str
+        The text of `name`_test.c: a program that computes one example and returns 0 if it comes out right.
+    operations : dict
+        How many of each kind a call does, always the same.
+    stack : int
+        Bytes of the stack that a call takes, at most.
     """
 
     name: str
     header: str
     source: str
+    test: str = ""
+    operations: Mapping[str, int] = field(default_factory=dict)
+    stack: int = 0
 
     def write(self, folder: str | Path) -> Path:
-        """Write both files into a folder; returns the path of the source."""
+        """Write the files into a folder, and a Makefile for all that are in it; returns the path of the source."""
         place = Path(folder)
         try:
             place.mkdir(parents=True, exist_ok=True)
@@ -47,19 +60,50 @@ class CCode:
 
     def _write(self, place: Path) -> Path:
         write_text(place / f"{self.name}.h", self.header)
+        write_text(place / f"{self.name}_test.c", self.test)
+        write_text(place / "Makefile", MAKEFILE)
         path = place / f"{self.name}.c"
         write_text(path, self.source)
         return path
 
 
+MAKEFILE = """# make check                                  build all and run the examples
+# make check CC=arm-linux-gnueabihf-gcc LDFLAGS=-static RUN=qemu-arm
+# make stack                                  what each function takes of the stack (GCC)
+CFLAGS ?= -O2
+WARNINGS = -std=c99 -pedantic -Wall -Wextra -Werror
+TESTS := $(patsubst %.c,%,$(wildcard *_test.c))
+
+all: $(TESTS)
+
+%_test: %_test.c %.c %.h
+\t$(CC) $(WARNINGS) $(CFLAGS) $*_test.c $*.c $(LDFLAGS) -o $@ -lm
+
+check: $(TESTS)
+\t@for test in $(TESTS); do $(RUN) ./$$test || exit 1; done
+
+stack:
+\t@for file in $(TESTS:_test=); do \\
+\t  $(CC) $(WARNINGS) $(CFLAGS) -fstack-usage -c $$file.c -o $$file.o && cat $$file.su || exit 1; \\
+\tdone
+
+clean:
+\trm -f $(TESTS) *.o *.su
+
+.PHONY: all check stack clean
+"""
+
+
 def export_c(
     robot: Robot, term: str, folder: str | Path | None = None, *, name: str | None = None, dtype: Any = np.float64,
-    **options: Any,
+    math: str = "libm", **options: Any,
 ) -> CCode:  # fmt: skip
-    """One term as a C99 function without dependencies but `math.h`, from the graph that is compiled here.
+    """One term as a C99 function, from the graph that is compiled here.
 
-    It takes one configuration: an array for each input and one for the result, row by row.  It
-    keeps no state and allocates nothing, so it may run on a microcontroller and on many threads.
+    It takes one configuration: an array for each input and one for the result, row by row.  It keeps no
+    state, allocates nothing and does the same number of operations whatever it is given, so it may run
+    on a microcontroller, in an interrupt and on many threads.  Of libraries it calls `sin` and `cos`, or
+    none at all.  The header says how many operations a call does and how much of the stack it takes.
 
     Parameters
     ----------
@@ -67,18 +111,22 @@ def export_c(
     term : str
         "rnea", "crba", "fk", "frame_pose", ...
     folder : path, optional
-        Where ``name.c`` and ``name.h`` are written.
+        Where ``name.c`` and ``name.h`` are written, ``name_test.c``, which computes an example, and a
+        ``Makefile`` for it: ``make check``.
     name : str, optional
         Of the function; by default the robot's and the term's.
     dtype : float64 or float32
         ``double`` or ``float``.
+    math : "libm" or "own"
+        Whether sines and cosines are those of ``math.h`` or polynomials of its own: good to 2 ulp for angles
+        up to 1e8 rad (1e3 in single precision), beyond that no number.
     **options
         What the term takes besides arrays: ``frame=``, ``reference=``.
 
     Returns
     -------
     CCode
-        With ``.name``, ``.header``, ``.source`` and ``.write(folder)``.
+        With ``.name``, ``.header``, ``.source``, ``.test``, ``.operations``, ``.stack`` and ``.write(folder)``.
 
     Raises
     ------
@@ -88,31 +136,39 @@ def export_c(
     Examples
     --------
     >>> import dualpin as dp
-    >>> print(dp.export_c(dp.load("ur5"), "gravity").header.splitlines()[-3])
+    >>> code = dp.export_c(dp.load("ur5"), "gravity")
+    >>> print(code.header.splitlines()[-3])
     void ur5_gravity(const double q[6], double result[6]);
+    >>> code.operations["multiplications"] < 100, code.stack < 2048
+    (True, True)
     """
     check_robot(robot, term)
     chosen = term_named(term)
-    kind = {"d": "double", "f": "float"}.get(np.dtype(dtype).char)
-    if kind is None:
+    number = {"d": DOUBLE, "f": SINGLE}.get(np.dtype(dtype).char)
+    if number is None:
         raise ArgumentError(f"export_c: dtype float64 or float32 expected, got {np.dtype(dtype)}")
+    own = choice("export_c: math", math, ("libm", "own")) == "own"
     name = c_identifier(f"{robot.name}_{term}") if name is None else name
     if not isinstance(name, str) or not is_c_identifier(name):
         raise ArgumentError(f"export_c: {name!r} is no C identifier; {c_identifier(str(name))!r} would be one")
     settled = chosen.settled(robot, options)
-    program = trace(robot, chosen, settled)
+    graph = trace(robot, chosen, settled)
     shape = chosen.shape(robot, **settled)
     size = int(np.prod(shape, dtype=int))
-    arguments = [f"const {kind} {key}[{n}]" for key, n in zip(chosen.inputs, program.sizes, strict=True)]
+    kind = number.name
+    arguments = [f"const {kind} {key}[{n}]" for key, n in zip(chosen.inputs, graph.sizes, strict=True)]
     signature = f"void {name}({', '.join(arguments)}, {kind} result[{size}])"
     detail = "".join(f", {key} {getattr(value, 'name', value)}" for key, value in sorted(settled.items()))
     about = c_comment(f"{term} of {robot.name}{detail}: result of shape {shape}, row by row. SI units, radians.")
     about = f"/* {about} */\n"
+    made = c_code.written(graph, list(chosen.inputs), name, number, own=own)
     guard = f"{name.upper()}_H"
-    header = f"{about}#ifndef {guard}\n#define {guard}\n\n{_LINKAGE}\n{signature};\n\n#endif\n"
-    body = "\n".join(c_lines(program, chosen, kind))
-    source = f'{about}#include "{name}.h"\n\n#include <math.h>\n\n{signature}\n{{\n{body}\n}}\n'
-    code = CCode(name, header, source)
+    header = f"{about}{_costs(name, made)}#ifndef {guard}\n#define {guard}\n\n{_LINKAGE}\n{signature};\n\n#endif\n"
+    body = "\n".join(f"    {line}" for line in made.body)
+    needs = "" if own else "#include <math.h>\n\n"
+    before = "\n".join([c_code.MACRO, *made.before])
+    source = f'{about}#include "{name}.h"\n\n{needs}{before}\n{signature}\n{{\n{body}\n}}\n'
+    code = CCode(name, header, source, _test(robot, chosen, graph, name, number), made.operations, made.stack)
     if folder is not None:
         code.write(folder)
     return code
@@ -121,40 +177,57 @@ def export_c(
 _LINKAGE = '#ifdef __cplusplus\nextern "C"\n#endif'
 
 
-def c_lines(program: Trace, term: Term, kind: str) -> list[str]:
-    """The statements of a graph, one for each operation used; results are written last, inputs may be overwritten."""
-    nodes, names = program.graph.nodes, {}
-    suffix = "f" if kind == "float" else ""
+def _costs(name: str, made: c_code.Program) -> str:
+    """What the header says a call takes."""
+    each = ", ".join(f"{n} {what}" for what, n in made.operations.items() if n)
+    inner = "".join(f" {helper} does at most {n} operations." for helper, n in made.costs.items())
+    return (
+        f"/* A call does {each or 'no operations'}, always, and takes at most {made.stack} bytes of the stack.{inner}\n"
+        "   It keeps nothing, allocates nothing and does not call itself; the result may be one of the inputs. */\n"
+    )
 
-    def number(x: float) -> str:
-        text = repr(float(np.float32(x))) if suffix else repr(x)
-        return f"{text}{suffix}"
 
-    lines: list[str] = []
-    for i in program.graph.live(program.outputs):
-        op, *args = nodes[i]
-        if op == "in":
-            names[i] = f"{term.inputs[args[0]]}[{args[1]}]"
-            continue
-        if op == "const":
-            names[i] = number(args[0]) if args[0] >= 0 else f"({number(args[0])})"
-            continue
-        a = [names[j] for j in args]
-        text = {
-            "+": "{0} + {1}", "-": "{0} - {1}", "*": "{0} * {1}", "inv": number(1.0) + " / {0}", "neg": "-{0}",
-            "select": "{0} < {1} ? {2} : {3}",
-        }.get(op, f"{op}{suffix}({{0}})")  # fmt: skip
-        names[i] = f"t{len(lines)}"
-        lines.append(f"    const {kind} {names[i]} = {text.format(*a)};")
-    for k, x in enumerate(program.outputs):
-        if type(x) is Sym and nodes[x.i][0] == "in":  # read before anything is written
-            lines.append(f"    const {kind} r{k} = {names[x.i]};")
-    for k, x in enumerate(program.outputs):
-        copied = type(x) is Sym and nodes[x.i][0] == "in"
-        value = f"r{k}" if copied else names[x.i] if type(x) is Sym else number(x)
-        lines.append(f"    result[{k}] = {value};")
-    unused = [key for key in term.inputs if not any(f"{key}[" in line for line in lines)]
-    return [f"    (void){key};" for key in unused] + lines
+def _test(robot: Robot, term: Term, graph: Trace, name: str, number: Number) -> str:
+    """A program that computes one example."""
+    q, v, a = robot.sample(seed=0)
+    rng = np.random.default_rng(0)
+    known = {"v": v, "a": a}
+    inputs = [
+        (q if x.configuration else known.get(x.name, rng.uniform(-1, 1, x.size(robot)))).ravel().tolist()
+        for x in term.arguments
+    ]
+    expected, bound = c_code.example(graph, inputs, number)
+    suffix = "f" if number is SINGLE else ""
+
+    def array(what: str, values: Sequence[float]) -> str:
+        numbers = ", ".join(f"{float(np.float32(x)) if suffix else x!r}{suffix}" for x in values)
+        return f"static const {number.name} {what}[{max(1, len(values))}] = {{ {numbers or '0'} }};"
+
+    size = len(expected)
+    return f"""/* One example of {name}: returns 0 if it comes out right. */
+#include "{name}.h"
+
+#include <stdio.h>
+
+{chr(10).join(array(f"{name}_given_{key}", x) for key, x in zip(term.inputs, inputs, strict=True))}
+{array(f"{name}_expected", expected)}
+static {number.name} {name}_result[{max(1, size)}];
+
+int main(void)
+{{
+    double {name}_worst = 0.0;
+    int {name}_i;
+    {name}({", ".join([*(f"{name}_given_{key}" for key in term.inputs), f"{name}_result"])});
+    for ({name}_i = 0; {name}_i < {size}; {name}_i++)
+    {{
+        const double {name}_error = (double){name}_result[{name}_i] - (double){name}_expected[{name}_i];
+        const double {name}_distance = ({name}_error < 0.0) ? -{name}_error : {name}_error;
+        {name}_worst = ({name}_distance <= {name}_worst) ? {name}_worst : {name}_distance;
+    }}
+    (void)printf("{name}: %g of %g\\n", {name}_worst, {bound!r});
+    return ({name}_worst <= {bound!r}) ? 0 : 1;
+}}
+"""
 
 
 def _decimals(robot: Robot, entry: Any) -> Any:

@@ -114,7 +114,7 @@ def test_no_locale_changes_what_is_written(tmp_path):
         subprocess.run([sys.executable, "-c", SCRIPT, folder], check=True, capture_output=True, timeout=120,
                        env=environment | more)  # fmt: skip
         written.append({p.name: p.read_bytes() for p in folder.iterdir()})
-    assert written[0] == written[1] and len(written[0]) == 10
+    assert written[0] == written[1] and len(written[0]) == 12
     named = ("a.urdf", "a.json", "a.yaml", "a.python", "a.matlab", "arm.c", "arm.h")
     assert all("m\u00e3o \u624b".encode() in written[0][name] for name in named)
 

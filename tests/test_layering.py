@@ -21,7 +21,7 @@ LAYERS = (
     "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "functions", "autodiff", "torch", "jax",  # how it is computed on arrays
-    "forms", "export", "integrators", "mechanisms", "tracking", "crosscheck", "fuzz",  # what is done with it
+    "forms", "c_code", "export", "integrators", "mechanisms", "tracking", "crosscheck", "fuzz",  # what is done with it
     "analysis", "bench",  # what an engineer asks of a description
     "bench_device",
     "report", "view", "cli", "pytest_plugin",  # how it is shown
