@@ -205,6 +205,10 @@ def _fk(robot: Robot, q: Any) -> Any:
     return [world[b].rows for b in robot]
 
 
+def _crba_triangle(robot: Robot, q: Any) -> Any:
+    return [row[: k + 1] for k, row in enumerate(crba.crba(robot, q))]
+
+
 def _integrate(robot: Robot, q: Any, v: Any) -> Any:
     return _per_joint(robot, lambda b: b.model.integrate(q[b.q], v[b.v]))
 
@@ -319,6 +323,7 @@ JOINT_WRENCHES_F_EXT = Term("joint_wrenches_f_ext", (Q, V, A, F_EXT), _joint_wre
 BIAS = Term("bias", (Q, V), rnea.bias, _vector)
 GRAVITY = Term("gravity", (Q,), rnea.gravity, _vector)
 CRBA = Term("crba", (Q,), crba.crba, _square)
+CRBA_TRIANGLE = Term("crba_triangle", (Q,), _crba_triangle, lambda r: (r.nv * (r.nv + 1) // 2,))
 CORIOLIS = Term("coriolis", (Q, V), coriolis.coriolis, _square)
 ABA = Term("aba", (Q, V, TAU), _aba, _vector)
 ABA_F_EXT = Term("aba_f_ext", (Q, V, TAU, F_EXT), _aba, _vector)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..arguments import choice
 from ..errors import ArgumentError
@@ -30,9 +30,11 @@ if TYPE_CHECKING:
     from .device import DeviceEvaluator
 
 
-def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evaluator | DeviceEvaluator:
+def evaluator(
+    robot: Robot, asked: Term | tuple[Any, ...], engine: str, dtype: DTypeLike = "float64"
+) -> Evaluator | DeviceEvaluator:
     """What computes a term, or a term followed by its options as the user gave them."""
-    if engine == "auto":
+    if engine == "auto" and dtype == "float64":
         try:
             return MEMORY[robot.serial][asked]
         except (AttributeError, KeyError, TypeError):
@@ -40,13 +42,25 @@ def evaluator(robot: Robot, asked: Term | tuple[Any, ...], engine: str) -> Evalu
     term, *given = asked if isinstance(asked, tuple) else (asked,)
     check_robot(robot, term.name)
     options = term.settled(robot, {x.name: value for x, value in zip(term.options, given, strict=False)})
+    kind = number_type(term.name, dtype)
     if choice("engine", engine, ENGINES) == "cuda":
-        return on_device(robot, term, options)
-    made = function_of(robot, term, options, engine=engine)
+        return on_device(robot, term, options, kind if kind == SINGLE else None)
+    made = function_of(robot, term, options, kind, engine)
     # what equals one of these means the same; but 1.0 and True equal the index 1
-    if engine == "auto" and all(isinstance(x, (str, bool, Frame)) for x in given):
+    if engine == "auto" and kind == DOUBLE and all(isinstance(x, (str, bool, Frame)) for x in given):
         memory(robot)[asked] = made
     return made
+
+
+def number_type(what: str, dtype: DTypeLike) -> np.dtype:
+    """float64 or float32, by whatever name."""
+    try:
+        kind = None if dtype is None else np.dtype(dtype)
+    except TypeError:
+        kind = None
+    if kind is None or kind not in (DOUBLE, SINGLE):  # None equals a dtype of NumPy's
+        raise ArgumentError(f"{what}: dtype float64 or float32 expected, got {repr(dtype) if kind is None else kind}")
+    return SINGLE if kind == SINGLE else DOUBLE  # the very ones, by which machine code knows them
 
 
 def evaluate(
@@ -130,9 +144,7 @@ def kernel(
     """
     term = term_named(name)
     check_robot(robot, name)
-    kind = np.dtype(dtype)
-    if kind not in (DOUBLE, SINGLE):
-        raise ArgumentError(f"kernel {name}: dtype float64 or float32 expected, got {kind}")
+    kind = number_type(f"kernel {name}", dtype)
     settled = term.settled(robot, options)
     if device is not None:
         return on_device(robot, term, settled, kind, device)

@@ -18,7 +18,7 @@ from . import evaluator
 
 P = ParamSpec("P")
 T = TypeVar("T")
-_OPTIONS = (str, bool, int, Frame, NoneType, np.generic)  # that do not change
+_OPTIONS = (str, bool, int, type, Frame, NoneType, np.generic, np.dtype)  # that do not change
 
 
 def ask(asked: Term | tuple[Any, ...], *arrays: Any) -> Any:
@@ -29,9 +29,9 @@ def ask(asked: Term | tuple[Any, ...], *arrays: Any) -> Any:
 def public(body: Callable[P, T]) -> Callable[P, T]:
     """A function of a robot, arrays and options that returns one array, from a body that says what it asks for.
 
-    Its arrays are called as the term calls them, and the body takes `out` and `engine`, which are seen to here.
+    Its arrays are called as the term calls them; `out`, `dtype` and `engine`, which it takes too, are seen to here.
     """
-    parameters = list(inspect.signature(body).parameters)  # `out` and `engine` have no place, but the last
+    parameters = list(inspect.signature(body).parameters)  # those without a place are the last
 
     ask_for: Callable[..., Any] = body
 
@@ -40,7 +40,7 @@ def public(body: Callable[P, T]) -> Callable[P, T]:
         asked, arrays = ask_for(*args, **named)
         robot = args[0] if args else named["robot"]
         engine = named.get("engine", "auto")
-        found = evaluator(robot, asked, engine)
+        found = evaluator(robot, asked, engine, named.get("dtype", "float64"))
         result = found(*arrays, named.get("out"))
         if function is not call and args and engine == "auto" and type(robot) is Robot:
             term = asked[0] if isinstance(asked, tuple) else asked

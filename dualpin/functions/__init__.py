@@ -3,13 +3,15 @@
 Shapes: q (..., nq), v, a, tau (..., nv); leading axes are batch axes and broadcast.
 Units: SI, radians.  World z up.  Six-vectors are angular first: twists [w; v], wrenches [n; f].
 Every function takes ``engine=``: "auto", "compiled", or "numpy" to run the source uncompiled; and
-those that return one array take ``out=``, a float64 array of just the result's shape.
+``dtype=``, float64 or float32; and those that return one array take ``out=``, an array of that type and of just the
+result's shape.
 """
 
 from .configurations import difference, integrate
 from .derivatives import aba_derivatives, rnea_derivatives, rnea_jvp, rnea_vjp
-from .dynamics import aba, bias, coriolis, crba, gravity, joint_wrenches, minv, rnea
+from .dynamics import aba, bias, gravity, joint_wrenches, rnea
 from .kinematics import fk, frame_acceleration, frame_velocity, jacobian, jacobian_dot
+from .matrices import coriolis, crba, minv
 from .momentum import (
     centroidal_momentum_matrix,
     com,

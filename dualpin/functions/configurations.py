@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..call.public import ask, public
 from ..model.robot import Robot
@@ -12,7 +12,13 @@ from ..terms import DIFFERENCE, INTEGRATE
 
 @public
 def integrate(
-    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
+    engine: str = "auto",
 ) -> np.ndarray:
     """The configuration reached from q by moving with v for one unit of time, shape (..., nq).
 
@@ -25,6 +31,8 @@ def integrate(
     v : array_like, shape (..., nv)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -55,7 +63,13 @@ def integrate(
 
 @public
 def difference(
-    robot: Robot, q0: ArrayLike, q1: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot,
+    q0: ArrayLike,
+    q1: ArrayLike,
+    *,
+    out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
+    engine: str = "auto",
 ) -> np.ndarray:
     """The v with integrate(q0, v) = q1, shape (..., nv).
 
@@ -65,6 +79,8 @@ def difference(
     q0, q1 : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 

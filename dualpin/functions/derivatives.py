@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..call import evaluator
 from ..model.robot import Robot
@@ -29,6 +29,7 @@ def rnea_derivatives(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How inverse dynamics changes: d tau / dq, d tau / dv, d tau / da = M, each (..., nv, nv).
@@ -45,6 +46,8 @@ def rnea_derivatives(
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 3, nv, nv), optional
         Where all three are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -74,8 +77,8 @@ def rnea_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_DERIVATIVES, engine)(q, v, a, out), 3)
-    return parts(evaluator(robot, RNEA_DERIVATIVES_F_EXT, engine)(q, v, a, f_ext, out), 3)
+        return parts(evaluator(robot, RNEA_DERIVATIVES, engine, dtype)(q, v, a, out), 3)
+    return parts(evaluator(robot, RNEA_DERIVATIVES_F_EXT, engine, dtype)(q, v, a, f_ext, out), 3)
 
 
 def aba_derivatives(
@@ -86,6 +89,7 @@ def aba_derivatives(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """How forward dynamics changes: d a / dq, d a / dv, d a / d tau = M^-1, each (..., nv, nv).
@@ -99,6 +103,8 @@ def aba_derivatives(
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 3, nv, nv), optional
         Where all three are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -130,8 +136,8 @@ def aba_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, ABA_DERIVATIVES, engine)(q, v, tau, out), 3)
-    return parts(evaluator(robot, ABA_DERIVATIVES_F_EXT, engine)(q, v, tau, f_ext, out), 3)
+        return parts(evaluator(robot, ABA_DERIVATIVES, engine, dtype)(q, v, tau, out), 3)
+    return parts(evaluator(robot, ABA_DERIVATIVES_F_EXT, engine, dtype)(q, v, tau, f_ext, out), 3)
 
 
 def rnea_jvp(
@@ -145,6 +151,7 @@ def rnea_jvp(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """How inverse dynamics changes along a direction, d tau / dq dq + d tau / dv dv + M da, shape (..., nv).
@@ -162,6 +169,8 @@ def rnea_jvp(
         As in `rnea`.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -188,8 +197,8 @@ def rnea_jvp(
     True
     """
     if f_ext is None:
-        return evaluator(robot, RNEA_JVP, engine)(q, v, a, dq, dv, da, out)
-    return evaluator(robot, RNEA_JVP_F_EXT, engine)(q, v, a, dq, dv, da, f_ext, out)
+        return evaluator(robot, RNEA_JVP, engine, dtype)(q, v, a, dq, dv, da, out)
+    return evaluator(robot, RNEA_JVP_F_EXT, engine, dtype)(q, v, a, dq, dv, da, f_ext, out)
 
 
 def rnea_vjp(
@@ -201,6 +210,7 @@ def rnea_vjp(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The gradient of w . tau: w^T d tau / dq, w^T d tau / dv and M w, each (..., nv).
@@ -218,6 +228,8 @@ def rnea_vjp(
         As in `rnea`.
     out : ndarray, shape (..., 3, nv), optional
         Where all three are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -244,8 +256,8 @@ def rnea_vjp(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_VJP, engine)(q, v, a, w, out), 2)
-    return parts(evaluator(robot, RNEA_VJP_F_EXT, engine)(q, v, a, w, f_ext, out), 2)
+        return parts(evaluator(robot, RNEA_VJP, engine, dtype)(q, v, a, w, out), 2)
+    return parts(evaluator(robot, RNEA_VJP_F_EXT, engine, dtype)(q, v, a, w, f_ext, out), 2)
 
 
 def parts(whole: np.ndarray, rank: int) -> tuple[Any, ...]:

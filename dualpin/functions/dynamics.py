@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..call.public import ask, public
 from ..model.robot import Robot
@@ -11,12 +11,9 @@ from ..terms import (
     ABA,
     ABA_F_EXT,
     BIAS,
-    CORIOLIS,
-    CRBA,
     GRAVITY,
     JOINT_WRENCHES,
     JOINT_WRENCHES_F_EXT,
-    MINV,
     RNEA,
     RNEA_F_EXT,
 )
@@ -31,6 +28,7 @@ def rnea(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Inverse dynamics, tau = M(q) a + C(q, v) v + g(q) - J^T f_ext.
@@ -44,6 +42,8 @@ def rnea(
         External wrench [n; f] on each joint's body, about and in that joint's moving frame.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -84,6 +84,7 @@ def joint_wrenches(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """What each body gets from its parent through its joint: the load of bearings, and the actuator's share.
@@ -101,6 +102,8 @@ def joint_wrenches(
         As in `rnea`.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -135,7 +138,13 @@ def joint_wrenches(
 
 @public
 def bias(
-    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
+    engine: str = "auto",
 ) -> np.ndarray:
     """Nonlinear effects h = C(q, v) v + g(q), shape (..., nv).
 
@@ -146,6 +155,8 @@ def bias(
     v : array_like, shape (..., nv)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -174,7 +185,9 @@ def bias(
 
 
 @public
-def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+def gravity(
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
+) -> np.ndarray:
     """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
 
     Parameters
@@ -183,6 +196,8 @@ def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine
     q : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -211,88 +226,6 @@ def gravity(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine
 
 
 @public
-def crba(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
-    """Joint-space inertia matrix M(q), full and symmetric, shape (..., nv, nv).
-
-    Parameters
-    ----------
-    robot : Robot
-    q : array_like, shape (..., nq)
-    out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
-    engine : "auto", "compiled", "numpy" or "cuda"
-        What computes it.
-
-    Returns
-    -------
-    ndarray, shape (..., nv, nv)
-
-    Raises
-    ------
-    ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
-
-    References
-    ----------
-    Walker & Orin (1982); Featherstone (2008), 6.2.
-    Six-vectors, quaternions and the order of joints: docs/conventions.md.
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> M = dp.crba(dp.load("ur5"), np.zeros(6))
-    >>> bool((M == M.T).all())
-    True
-    """
-    return ask(CRBA, q)
-
-
-@public
-def coriolis(
-    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
-) -> np.ndarray:
-    """Coriolis matrix C(q, v), shape (..., nv, nv): the one with dM/dt = C + C^T of Christoffel's symbols.
-
-    Many matrices give the same C v; this one makes dM/dt - 2 C skew for every q and v.  With a
-    floating base it is the matrix of the Levi-Civita connection in body velocities.
-
-    Parameters
-    ----------
-    robot : Robot
-    q : array_like, shape (..., nq)
-    v : array_like, shape (..., nv)
-    out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
-    engine : "auto", "compiled", "numpy" or "cuda"
-        What computes it.
-
-    Returns
-    -------
-    ndarray, shape (..., nv, nv)
-
-    Raises
-    ------
-    ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
-
-    References
-    ----------
-    Echeandia & Wensing (2021).
-    Six-vectors, quaternions and the order of joints: docs/conventions.md.
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> robot = dp.load("ur5")
-    >>> q, v, _ = robot.sample(seed=0)
-    >>> C = dp.coriolis(robot, q, v)
-    >>> bool(np.allclose(C @ v + dp.gravity(robot, q), dp.bias(robot, q, v)))
-    True
-    """
-    return ask(CORIOLIS, q, v)
-
-
-@public
 def aba(
     robot: Robot,
     q: ArrayLike,
@@ -301,6 +234,7 @@ def aba(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Forward dynamics, a = M^-1 (tau - C v - g + J^T f_ext), shape (..., nv).
@@ -316,6 +250,8 @@ def aba(
         As in `rnea`.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -350,41 +286,3 @@ def aba(
     if f_ext is None:
         return ask(ABA, q, v, tau)
     return ask(ABA_F_EXT, q, v, tau, f_ext)
-
-
-@public
-def minv(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
-    """Inverse of the joint-space inertia matrix, shape (..., nv, nv), by its branch-sparse L^T D L factors.
-
-    Parameters
-    ----------
-    robot : Robot
-    q : array_like, shape (..., nq)
-    out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
-    engine : "auto", "compiled", "numpy" or "cuda"
-        What computes it.
-
-    Returns
-    -------
-    ndarray, shape (..., nv, nv)
-
-    Raises
-    ------
-    ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
-
-    References
-    ----------
-    Featherstone (2008), 6.5.
-    Six-vectors, quaternions and the order of joints: docs/conventions.md.
-
-    Examples
-    --------
-    >>> import numpy as np, dualpin as dp
-    >>> robot = dp.load("ur5")
-    >>> q = np.zeros(6)
-    >>> bool(np.allclose(dp.minv(robot, q) @ dp.crba(robot, q), np.eye(6)))
-    True
-    """
-    return ask(MINV, q)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..arguments import choice
 from ..call.public import ask, public
@@ -30,6 +30,7 @@ def fk(
     *,
     as_: str = "matrix",
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Forward kinematics: poses in the world.
@@ -45,6 +46,8 @@ def fk(
     as_ : "matrix" or "dual_quaternion"
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -84,6 +87,7 @@ def jacobian(
     reference: str = "world",
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Geometric Jacobian of a frame, twist = J v.
@@ -98,6 +102,8 @@ def jacobian(
         origin in world axes.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -134,6 +140,7 @@ def jacobian_dot(
     reference: str = "world",
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Time derivative of the Jacobian, dJ/dt = X_f^-1 ((V_k - V_f) x s_k) by columns.
@@ -151,6 +158,8 @@ def jacobian_dot(
         Where the observer is, see `jacobian`.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -187,6 +196,7 @@ def frame_velocity(
     reference: str = "world",
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Twist of a frame, J v.
@@ -202,6 +212,8 @@ def frame_velocity(
         Where the observer is, see `jacobian`.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -240,6 +252,7 @@ def frame_acceleration(
     *,
     classical: bool = False,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
     """Spatial acceleration of a frame; gravity is not in it.
@@ -261,6 +274,8 @@ def frame_acceleration(
         the frame's origin as a point, what an accelerometer there would see without gravity.
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 

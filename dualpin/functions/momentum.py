@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..call.public import ask, public
 from ..model.robot import Robot
@@ -12,7 +12,13 @@ from ..terms import CENTROIDAL_MOMENTUM_MATRIX, COM, COM_JACOBIAN, KINETIC_ENERG
 
 @public
 def kinetic_energy(
-    robot: Robot, q: ArrayLike, v: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
+    engine: str = "auto",
 ) -> np.ndarray:
     """T = v^T M v / 2 [J], shape (...,).
 
@@ -23,6 +29,8 @@ def kinetic_energy(
     v : array_like, shape (..., nv)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -50,7 +58,9 @@ def kinetic_energy(
 
 
 @public
-def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+def potential_energy(
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
+) -> np.ndarray:
     """U = -sum m g . c [J], zero with all mass at the world's origin, shape (...,).
 
     Parameters
@@ -59,6 +69,8 @@ def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = Non
     q : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -87,7 +99,7 @@ def potential_energy(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = Non
 
 @public
 def centroidal_momentum_matrix(
-    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
 ) -> np.ndarray:
     """A(q) with momentum about the centre of mass = A v, world axes, shape (..., 6, nv).
 
@@ -99,6 +111,8 @@ def centroidal_momentum_matrix(
     q : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -127,7 +141,9 @@ def centroidal_momentum_matrix(
 
 
 @public
-def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+def com(
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
+) -> np.ndarray:
     """Centre of mass of the moving bodies in the world [m], shape (..., 3).
 
     Parameters
@@ -136,6 +152,8 @@ def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: st
     q : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -163,7 +181,9 @@ def com(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: st
 
 
 @public
-def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto") -> np.ndarray:
+def com_jacobian(
+    robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
+) -> np.ndarray:
     """Jacobian of the centre of mass, dc/dt = J v, world axes, shape (..., 3, nv).
 
     Parameters
@@ -172,6 +192,8 @@ def com_jacobian(robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, e
     q : array_like, shape (..., nq)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 

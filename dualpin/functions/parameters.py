@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..algorithms import regressor
 from ..call import evaluator
@@ -18,7 +18,14 @@ from ..terms import JOINT_TORQUE_REGRESSOR, LINK_TERMS
 
 @public
 def joint_torque_regressor(
-    robot: Robot, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, out: np.ndarray | None = None, engine: str = "auto"
+    robot: Robot,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
+    engine: str = "auto",
 ) -> np.ndarray:
     """Y with rnea = Y p, shape (..., nv, 10 njoints), with armature as many columns more as it has entries.
 
@@ -33,6 +40,8 @@ def joint_torque_regressor(
     v, a : array_like, shape (..., nv)
     out : ndarray, optional
         Where the result is written, float64 or float32 and of its shape.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -124,7 +133,9 @@ class LinkTerms(Sequence[LinkTerm]):
         return iter(self._terms)
 
 
-def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto") -> LinkTerms:
+def link_terms(
+    robot: Robot, q: ArrayLike, v: ArrayLike, *, dtype: DTypeLike = "float64", engine: str = "auto"
+) -> LinkTerms:
     """Progressive dynamics: M_i, C_i, g_i of each link, whose sums are M, C and g.
 
         M_i = J_i^T I_i J_i,   C_i = J_i^T (I_i dJ_i/dt + B_i J_i),   g_i = -J_i^T I_i (gravity)
@@ -137,6 +148,8 @@ def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto"
     robot : Robot
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -163,4 +176,4 @@ def link_terms(robot: Robot, q: ArrayLike, v: ArrayLike, *, engine: str = "auto"
     >>> bool(np.allclose(sum(t.M for t in dp.link_terms(robot, q, v)), dp.crba(robot, q)))
     True
     """
-    return LinkTerms(robot.joint_names, evaluator(robot, LINK_TERMS, engine)(q, v))
+    return LinkTerms(robot.joint_names, evaluator(robot, LINK_TERMS, engine, dtype)(q, v))

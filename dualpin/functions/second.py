@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike
 
 from ..call import evaluator
 from ..model.robot import Robot
@@ -30,6 +30,7 @@ def rnea_hvp(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The Hessian of w . tau times a direction, by q, v and a, each (..., nv).
@@ -47,6 +48,8 @@ def rnea_hvp(
         As in `rnea`.
     out : ndarray, shape (..., 3, nv), optional
         Where all three are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -75,8 +78,8 @@ def rnea_hvp(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_HVP, engine)(q, v, a, w, dq, dv, da, out), 2)
-    return parts(evaluator(robot, RNEA_HVP_F_EXT, engine)(q, v, a, w, dq, dv, da, f_ext, out), 2)
+        return parts(evaluator(robot, RNEA_HVP, engine, dtype)(q, v, a, w, dq, dv, da, out), 2)
+    return parts(evaluator(robot, RNEA_HVP_F_EXT, engine, dtype)(q, v, a, w, dq, dv, da, f_ext, out), 2)
 
 
 def rnea_hessian(
@@ -88,6 +91,7 @@ def rnea_hessian(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The second derivatives of w . tau: by q q, q v, v v and a q, each (..., nv, nv).
@@ -106,6 +110,8 @@ def rnea_hessian(
         As in `rnea`.
     out : ndarray, shape (..., 4, nv, nv), optional
         Where all four are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -139,8 +145,8 @@ def rnea_hessian(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_HESSIAN, engine)(q, v, a, w, out), 3)
-    return parts(evaluator(robot, RNEA_HESSIAN_F_EXT, engine)(q, v, a, w, f_ext, out), 3)
+        return parts(evaluator(robot, RNEA_HESSIAN, engine, dtype)(q, v, a, w, out), 3)
+    return parts(evaluator(robot, RNEA_HESSIAN_F_EXT, engine, dtype)(q, v, a, w, f_ext, out), 3)
 
 
 def rnea_second_derivatives(
@@ -151,6 +157,7 @@ def rnea_second_derivatives(
     f_ext: ArrayLike | None = None,
     *,
     out: np.ndarray | None = None,
+    dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The second derivatives of inverse dynamics: d2 tau / dq dq, / dq dv, / dv dv and dM / dq, (..., nv, nv, nv).
@@ -164,6 +171,8 @@ def rnea_second_derivatives(
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 4, nv, nv, nv), optional
         Where all four are written; what is returned are its parts.
+    dtype : float64 or float32
+        What it is computed in, and returned as; arrays of another type are converted.
     engine : "auto", "compiled", "numpy" or "cuda"
         What computes it.
 
@@ -205,5 +214,5 @@ def rnea_second_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES, engine)(q, v, a, out), 4)
-    return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES_F_EXT, engine)(q, v, a, f_ext, out), 4)
+        return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES, engine, dtype)(q, v, a, out), 4)
+    return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES_F_EXT, engine, dtype)(q, v, a, f_ext, out), 4)

@@ -197,7 +197,7 @@ for _ in range(3):
     tau = dp.rnea(r, q, v, a)
 assert abs(tau - dp.rnea(r, q, v, a, engine="numpy")).max() < 1e-12 and dp.fk(r, q, frame="tool0").shape == (4, 4)
 import inspect
-assert list(inspect.signature(dp.rnea).parameters) == ["robot", "q", "v", "a", "f_ext", "out", "engine"]
+assert list(inspect.signature(dp.rnea).parameters) == ["robot", "q", "v", "a", "f_ext", "out", "dtype", "engine"]
 """
     subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
 
