@@ -32,10 +32,15 @@ def shown(angle: float, degrees: bool) -> float:
 
 def typed(robot: Robot, values: np.ndarray, degrees: bool, what: str) -> np.ndarray:
     """A configuration in rad and m from one as it was typed; stderr gets a note on what is odd about it."""
-    q = np.where(_angular(robot), np.radians(values), values) if degrees else np.asarray(values, dtype=float)
+    q = in_rad(robot, values, degrees)
     for text in remarks(robot, q, degrees):
         print(f"note: {what}: {text}", file=sys.stderr)
     return q
+
+
+def in_rad(robot: Robot, values: np.ndarray, degrees: bool) -> np.ndarray:
+    """Configurations (..., nq) in rad and m."""
+    return np.where(_angular(robot), np.radians(values), values) if degrees else np.asarray(values, dtype=float)
 
 
 def remarks(robot: Robot, q: np.ndarray, degrees: bool = False) -> list[str]:

@@ -1,17 +1,19 @@
-"""The shapes a URDF gives its links, where their files are found."""
+"""The shapes a URDF gives its links as meshes, where their files are found."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from lxml import etree
 
+from ..errors import DualpinError, UrdfError
 from ..extras import extra
+from .shapes import Described, described, described_shapes
+
+GREY = (170, 176, 182)
 
 
 @dataclass(frozen=True)
@@ -25,65 +27,93 @@ class Shape:
         Of the shape in the link's frame.
     mesh : trimesh.Trimesh
     solid : bool
-        Whether it is a box, a sphere or a cylinder, and not a mesh of a file.
+        Whether it is a box, a sphere, a cylinder or a capsule, and not a mesh of a file.
+    role : "visual" or "collision"
     """
 
     link: str
     placement: np.ndarray
     mesh: Any
     solid: bool = False
+    role: str = "visual"
+
+    @property
+    def colour(self) -> tuple[int, int, int]:
+        """The mesh's own colour, or grey."""
+        try:
+            red, green, blue = self.mesh.visual.to_color().main_color[:3]
+        except Exception:  # textures that need a library, or are broken: what a reader of meshes leaves
+            return GREY
+        return int(red), int(green), int(blue)
 
 
-def shapes(path: str | Path) -> Iterator[Shape]:
-    """The visual shapes of a URDF; those whose mesh cannot be found or read are left out.
+@dataclass
+class Shapes:
+    """What can be drawn of a description, and what cannot: a line for each."""
+
+    found: list[Shape] = field(default_factory=list)
+    missing: list[str] = field(default_factory=list)
+
+
+def shapes(path: str | Path) -> Shapes:
+    """The visual and collision shapes of a URDF.
 
     Examples
     --------
     >>> import dualpin as dp
     >>> from dualpin.io.meshes import shapes
-    >>> {s.link for s in shapes(dp.load("double_pendulum").source)} <= set(dp.load("double_pendulum").link_names)
+    >>> robot = dp.load("double_pendulum")
+    >>> {s.link for s in shapes(robot.source).found} <= set(robot.link_names)
     True
     """
-    path = Path(path)
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, recover=True)
-    for link in etree.parse(str(path), parser).getroot().iter("link"):
-        for visual in link.iter("visual"):
-            shape = shape_of(link.get("name", ""), visual, path)
-            if shape is not None:
-                yield shape
+    try:
+        described, wrong = described_shapes(path)
+    except DualpinError as e:  # what was loaded from here is no longer there, or another file
+        return Shapes(missing=[str(e)])
+    result = Shapes(missing=wrong)
+    for one in described:
+        shape, why = _shape(one, Path(path))
+        if shape is None:
+            result.missing.append(f"link {one.link!r}, {one.role}: {why}")
+        else:
+            result.found.append(shape)
+    return result
 
 
 def shape_of(link: str, element: Any, urdf: Path) -> Shape | None:
     """The shape of a <visual> or <collision>, or None where it has none that can be read."""
-    trimesh = extra("trimesh", "view", "reading meshes")
-    geometry = element.find("geometry")
-    found = _mesh(trimesh, urdf, geometry)
-    if found is None:
+    try:
+        return next((_shape(one, urdf)[0] for one in described(element, link, urdf.name)), None)
+    except UrdfError:
         return None
-    return Shape(link, _placement(trimesh, element.find("origin")), found, geometry.find("mesh") is None)
 
 
-def _mesh(trimesh: Any, urdf: Path, geometry: Any) -> Any:
-    """The mesh of a <geometry>, or None."""
-    for shape in geometry if geometry is not None else ():
-        try:
-            if shape.tag == "box":
-                return trimesh.creation.box(extents=_numbers(shape, "size", "1 1 1"))
-            if shape.tag == "sphere":
-                return trimesh.creation.icosphere(radius=float(shape.get("radius", 1)))
-            if shape.tag == "cylinder":
-                return trimesh.creation.cylinder(
-                    radius=float(shape.get("radius", 1)), height=float(shape.get("length", 1))
-                )
-            if shape.tag == "mesh":
-                file = find(urdf, shape.get("filename", ""))
-                if file is not None:
-                    mesh = trimesh.load(file, force="mesh")
-                    mesh.apply_scale(_numbers(shape, "scale", "1 1 1"))
-                    return mesh
-        except Exception:  # readers of meshes raise whatever they like; a link without its shape is drawn as lines
-            return None
-    return None
+def _shape(one: Described, urdf: Path) -> tuple[Shape | None, str]:
+    """The shape with its mesh, or None and the reason."""
+    mesh, why = _mesh(one, urdf)
+    return (None, why) if mesh is None else (Shape(one.link, one.placement, mesh, one.kind != "mesh", one.role), "")
+
+
+def _mesh(shape: Described, urdf: Path) -> tuple[Any, str]:
+    """The mesh of a shape, or None and the reason."""
+    trimesh = extra("trimesh", "view", "view")
+    if shape.kind != "mesh":
+        make = {
+            "box": lambda *sides: trimesh.creation.box(extents=sides),
+            "sphere": lambda radius: trimesh.creation.icosphere(radius=radius),
+            "cylinder": lambda radius, length: trimesh.creation.cylinder(radius=radius, height=length),
+            "capsule": lambda radius, length: trimesh.creation.capsule(radius=radius, height=length),
+        }
+        return make[shape.kind](*shape.sizes), ""
+    file = find(urdf, shape.file)
+    if file is None:
+        return None, f"{shape.file!r} is not found"
+    try:
+        mesh = trimesh.load(file, force="mesh")
+        mesh.apply_scale(shape.sizes)
+        return (mesh, "") if len(mesh.faces) else (None, f"{file.name} has no faces")
+    except Exception as e:  # readers of meshes raise whatever they like
+        return None, f"{file.name} cannot be read ({type(e).__name__}: {e})"
 
 
 def find(urdf: Path, name: str) -> Path | None:
@@ -103,15 +133,3 @@ def find(urdf: Path, name: str) -> Path | None:
             if file.is_file():
                 return file
     return None
-
-
-def _placement(trimesh: Any, origin: Any) -> np.ndarray:
-    if origin is None:
-        return np.eye(4)
-    X = trimesh.transformations.euler_matrix(*_numbers(origin, "rpy", "0 0 0"), axes="sxyz")
-    X[:3, 3] = _numbers(origin, "xyz", "0 0 0")
-    return np.asarray(X)
-
-
-def _numbers(element: Any, name: str, default: str) -> list[float]:
-    return [float(x) for x in element.get(name, default).split()]

@@ -7,7 +7,7 @@ from math import inf, isfinite, pi
 
 import numpy as np
 
-from ..model.robot import Joint, Robot
+from ..model.robot import Joint, Link, Robot
 from ..spatial.pose import Pose
 
 STILL = 1e-12  # a pitch below this is that of a revolute joint
@@ -147,3 +147,64 @@ def size(robot: Robot) -> float:
 def matrix(pose: Pose) -> np.ndarray:
     """The homogeneous matrix in floats, (4, 4)."""
     return pose.array
+
+
+@dataclass(frozen=True)
+class Body:
+    """Where the mass of a link is, in the link's frame.
+
+    Attributes
+    ----------
+    link : Link
+    com : ndarray, shape (3,)
+        [m]
+    turn : ndarray, shape (3, 3)
+        Principal axes as columns.
+    radii : ndarray, shape (3,)
+        Half axes of the homogeneous ellipsoid of the same mass and inertia [m]; 0 where there is none (moments that
+        no body has).
+    """
+
+    link: Link
+    com: np.ndarray
+    turn: np.ndarray
+    radii: np.ndarray
+
+
+def bodies(robot: Robot) -> list[Body]:
+    """Centres of mass and ellipsoids of inertia of all links with mass.
+
+    An ellipsoid with half axes a, b, c has the moments m (b^2 + c^2) / 5, m (c^2 + a^2) / 5, m (a^2 + b^2) / 5, so that
+    a^2 = 5 (J_b + J_c - J_a) / (2 m).
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.view.scene import bodies
+    >>> [b.link.name for b in bodies(dp.load("ur5"))][:2]
+    ['base_link', 'shoulder_link']
+    """
+    found = []
+    for link in robot.links:
+        mass = float(link.inertia.mass)
+        if not mass > 0.0:
+            continue
+        com, J = link.inertia.central
+        moments, turn = np.linalg.eigh(np.array([[float(x) for x in row] for row in J.rows]))
+        squares = 5 * (moments.sum() / 2 - moments) / mass
+        radii = np.sqrt(squares) if np.all(squares >= -1e-12) else np.zeros(3)
+        found.append(
+            Body(link, np.array([float(x) for x in com]), turn * np.sign(np.linalg.det(turn)), np.nan_to_num(radii))
+        )
+    return found
+
+
+def extent(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, float]:
+    """The middle and the radius of a ball around the robot: its joints and links at q."""
+    from ..functions import fk
+
+    places = [np.zeros(3)]
+    for frame in robot.frames:
+        places.append(fk(robot, q, frame, engine="numpy")[:3, 3])
+    low, high = np.min(places, axis=0), np.max(places, axis=0)
+    return (low + high) / 2, float(max(np.linalg.norm(high - low) / 2, 0.05))
