@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -98,7 +99,7 @@ def _mesh(shape: Described, urdf: Path) -> tuple[Any, str]:
     """The mesh of a shape, or None and the reason."""
     trimesh = extra("trimesh", "view", "view")
     if shape.kind != "mesh":
-        make = {
+        make: dict[str, Callable[..., Any]] = {
             "box": lambda *sides: trimesh.creation.box(extents=sides),
             "sphere": lambda radius: trimesh.creation.icosphere(radius=radius),
             "cylinder": lambda radius, length: trimesh.creation.cylinder(radius=radius, height=length),

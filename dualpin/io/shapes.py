@@ -55,8 +55,8 @@ def described_shapes(path: str | Path) -> tuple[list[Described], list[str]]:
     >>> import dualpin as dp
     >>> from dualpin.io.shapes import described_shapes
     >>> found, wrong = described_shapes(dp.load("ur5").source)
-    >>> {s.role for s in found}, wrong
-    ({'visual', 'collision'}, [])
+    >>> sorted({s.role for s in found}), wrong
+    (['collision', 'visual'], [])
     """
     path = Path(path)
     if is_mjcf(path):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import threading
 import warnings
+from collections.abc import Callable
+from functools import partial
 from math import degrees, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any
 
@@ -78,9 +80,9 @@ class Controls:
             self.drag = self.gui.add_checkbox("drag it", initial_value=False)
             self.said = self.gui.add_markdown("")
         self.handle = self.scene.add_transform_controls("/tool", scale=0.3 * self.viewer.scale, visible=False)
-        self.frame.on_update(lambda event: event.client is None or self.viewer.update(self.viewer.q))
+        _led(self.frame, lambda: self.viewer.update(self.viewer.q))
         self.drag.on_update(lambda _: setattr(self.handle, "visible", self.drag.value))
-        self.handle.on_update(lambda event: event.client is None or self.reach())
+        _led(self.handle, self.reach)
 
     def _configuration(self) -> None:
         with self.gui.add_folder("q"):
@@ -90,11 +92,11 @@ class Controls:
                 if not joint.mimic:
                     self._sliders(joint)
         buttons.on_click(lambda _: {"zero": self.zero, "random": self.random, "copy q": self.copy}[buttons.value]())
-        self.typed.on_update(lambda event: event.client is None or self.take(self.typed.value))
+        _led(self.typed, lambda: self.take(self.typed.value))
         first = self.robot.joints[0] if self.robot.joints else None
         if first is not None and self.robot.floating and first.quaternions:
             self.base = self.scene.add_transform_controls("/base", scale=0.5 * self.viewer.scale)
-            self.base.on_update(lambda event: event.client is None or self.float())
+            _led(self.base, self.float)
 
     def _sliders(self, joint: Joint) -> None:
         many = joint.q.stop - joint.q.start > 1
@@ -114,7 +116,7 @@ class Controls:
             value = float(np.clip(degrees(at) if angular else at, low, high))
             slider = self.gui.add_slider(name, min=low, max=high, step=(high - low) / 2000, initial_value=value)
             self.sliders[i] = (slider, angular)
-            slider.on_update(lambda event, i=i: event.client is None or self.slide(i))
+            _led(slider, partial(self.slide, i))
 
     def _drawn(self) -> None:
         viewer = self.viewer
@@ -203,6 +205,16 @@ class Controls:
         """Light or dark."""
         self.viewer.dark = dark
         self.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+
+
+def _led(handle: Any, action: Callable[[], None]) -> None:
+    """What happens when a person moves a slider, types or drags; the program's own changes have no client."""
+
+    def changed(event: Any) -> None:
+        if event.client is not None:
+            action()
+
+    handle.on_update(changed)
 
 
 def shortened(text: str) -> str:
