@@ -19,7 +19,6 @@ from ..tracking import ik
 
 if TYPE_CHECKING:
     from ..model.robot import Joint
-    from .viewer import Viewer
 
 BASE = slice(0, 7)  # x y z, qw qx qy qz of a floating base
 LISTED, LETTERS = 12, 160  # remarks shown before the rest is counted, and how much of each
@@ -28,7 +27,7 @@ LISTED, LETTERS = 12, 160  # remarks shown before the rest is counted, and how m
 class Controls:
     """The panel of a `Viewer`.  What the program moves, it does not take for something that a person did."""
 
-    def __init__(self, viewer: Viewer, tip: str | None) -> None:
+    def __init__(self, viewer: Any, tip: str | None) -> None:
         self.viewer, self.robot = viewer, viewer.robot
         self.gui, self.scene = viewer.server.gui, viewer.server.scene
         self.sliders: dict[int, tuple[Any, bool]] = {}

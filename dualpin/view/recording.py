@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..errors import ArgumentError
 from ..files import write_text
 
-if TYPE_CHECKING:
-    from .viewer import Viewer
 
-
-def record(viewer: Viewer, path: str | PathLike[str], fps: float = 30.0) -> None:
+def record(viewer: Any, path: str | PathLike[str], fps: float = 30.0) -> None:
     """Write the scene as it is, and the viewer's sequence in its own time, as HTML.
 
     Raises
