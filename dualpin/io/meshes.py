@@ -92,20 +92,20 @@ def shape_of(link: str, element: Any, urdf: Path) -> Shape | None:
 def _shape(one: Described, urdf: Path) -> tuple[Shape | None, str]:
     """The shape with its mesh, or None and the reason."""
     mesh, why = _mesh(one, urdf)
-    return (None, why) if mesh is None else (Shape(one.link, one.placement, mesh, one.kind != "mesh", one.role), "")
+    return (None, why) if mesh is None else (Shape(one.link, one.placement, mesh, one.form != "mesh", one.role), "")
 
 
 def _mesh(shape: Described, urdf: Path) -> tuple[Any, str]:
     """The mesh of a shape, or None and the reason."""
     trimesh = extra("trimesh", "view", "view")
-    if shape.kind != "mesh":
+    if shape.form != "mesh":
         make: dict[str, Callable[..., Any]] = {
             "box": lambda *sides: trimesh.creation.box(extents=sides),
             "sphere": lambda radius: trimesh.creation.icosphere(radius=radius),
             "cylinder": lambda radius, length: trimesh.creation.cylinder(radius=radius, height=length),
             "capsule": lambda radius, length: trimesh.creation.capsule(radius=radius, height=length),
         }
-        return make[shape.kind](*shape.sizes), ""
+        return make[shape.form](*shape.sizes), ""
     file = find(urdf, shape.file)
     if file is None:
         return None, f"{shape.file!r} is not found"

@@ -30,7 +30,7 @@ class Described:
     ----------
     link : str
     role : "visual" or "collision"
-    kind : "box", "sphere", "cylinder", "capsule" or "mesh"
+    form : "box", "sphere", "cylinder", "capsule" or "mesh"
     placement : ndarray, shape (4, 4)
         In the frame of the link.
     sizes : tuple of float
@@ -41,7 +41,7 @@ class Described:
 
     link: str
     role: str
-    kind: str
+    form: str
     placement: np.ndarray
     sizes: tuple[float, ...]
     file: str = ""
