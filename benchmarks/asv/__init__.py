@@ -1,0 +1,1 @@
+"""What `asv` tracks over versions (asv.conf.json)."""
