@@ -1,4 +1,4 @@
-"""The paper's figures from committed results, and its PDF where pandoc is installed:  python paper/build.py [--figures]"""
+"""The figures of the paper from committed results, and its PDF where pandoc is installed:  python paper/build.py"""
 
 from __future__ import annotations
 
