@@ -11,7 +11,7 @@ from typing import Any
 
 from . import locking as locking  # from now on, no fork leaves locks of other threads behind
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # name -> module; imported when first used, so that `import dualpin` stays quick
 _HOMES = {

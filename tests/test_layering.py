@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -105,6 +106,12 @@ def circles(arrows: dict[str, dict[str, str]]) -> list[list[str]]:
 def test_every_module_has_a_layer():
     unknown = {layer_of(p) for p in modules()} - set(LAYERS) - TOP
     assert unknown == set(), f"tell tests/test_layering.py where {sorted(unknown)} belong"
+
+
+def test_the_picture_of_the_rooms_shows_every_room():
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    picture = page.split("## Rooms")[1].split("## The path of a call")[0]
+    assert [room for room in LAYERS if not re.search(rf"\b{room}\b", picture)] == []
 
 
 def test_nothing_imports_upward():
