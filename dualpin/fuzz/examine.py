@@ -9,6 +9,7 @@ from ..crosscheck.compare import compare
 from ..crosscheck.oracles.pinocchio import OracleError
 from ..crosscheck.results import DIFFERS, NOT_COMPARED, RobotResult
 from ..errors import DualpinError, DualpinWarning
+from ..model.robot import Robot
 from .identities import identities
 from .spec import Spec
 
@@ -17,7 +18,7 @@ SAMPLES = 1
 
 
 def examine(spec: Spec, seed: int = 0, samples: int = SAMPLES) -> RobotResult:
-    """Compare all terms, and check the identities; never raises for what a robot is.
+    """Compare all terms, and check the identities; whatever is raised is the result's error.
 
     Terms that differ are decided by their definitions in 50 digits.  A failed identity is dualpin's fault:
     its ``nearer`` is "oracle".
@@ -35,13 +36,22 @@ def examine(spec: Spec, seed: int = 0, samples: int = SAMPLES) -> RobotResult:
         except DualpinError as e:
             return RobotResult(spec.name, False, False, 0, samples, seed, True, status=NOT_COMPARED, reason=str(e))
         try:
-            found = compare(Case(robot), samples, seed, chosen(None), "numpy")
-        except OracleError as e:
-            found = RobotResult(
-                spec.name, robot.floating, robot.coupled, robot.nv, samples, seed, True, status=NOT_COMPARED,
-                reason=str(e),
+            return _examined(robot, seed, samples)
+        except Exception as e:  # a mistake of the package, to be counted and made small like any other
+            return RobotResult(
+                spec.name, robot.floating, robot.coupled, robot.nv, samples, seed, False, status=DIFFERS,
+                error=f"{type(e).__name__}: {e}",
             )  # fmt: skip
-        laws = identities(robot, seed)
+
+
+def _examined(robot: Robot, seed: int, samples: int) -> RobotResult:
+    try:
+        found = compare(Case(robot), samples, seed, chosen(None), "numpy")
+    except OracleError as e:
+        found = RobotResult(
+            robot.name, robot.floating, robot.coupled, robot.nv, samples, seed, True, status=NOT_COMPARED, reason=str(e)
+        )
+    laws = identities(robot, seed)
     found.terms.update(laws)
     if any(t.status == DIFFERS for t in laws.values()):
         found.status, found.passed = DIFFERS, False

@@ -21,7 +21,7 @@ from ..errors import ArgumentError, DualpinWarning
 from ..machine import versions
 from .examine import SAMPLES, examine
 from .generate import random_spec
-from .small import SmallCase, small_case
+from .small import ERROR, SmallCase, small_case
 
 _NAMES = re.compile(r"joint '[^']*'")
 Kind = tuple[str, str]
@@ -68,7 +68,9 @@ class Outcome:
 
     def add(self, number: int, result: RobotResult) -> None:
         self.robots += 1
-        self.verdicts[result.verdict] += 1
+        self.verdicts["error" if result.error else result.verdict] += 1
+        if result.error:
+            self.kinds.setdefault((ERROR + result.error.partition(":")[0], ORACLE), []).append(number)
         for name, t in result.terms.items():
             if t.status == NOT_COMPARED:
                 self.silent[name, _NAMES.sub("a joint", t.reason or result.reason)] += 1

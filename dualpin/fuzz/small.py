@@ -12,14 +12,17 @@ import numpy as np
 from ..crosscheck.checks import CHECKS, Case
 from ..crosscheck.compare import compare
 from ..crosscheck.enclosure import enclosure, error
-from ..crosscheck.results import DIFFERS, TermResult
+from ..crosscheck.results import DIFFERS, ORACLE, TermResult
 from ..crosscheck.sampling import states
 from ..errors import DualpinError, DualpinWarning
 from ..model.robot import Robot
-from .examine import SAMPLES
+from .examine import SAMPLES, examine
 from .identities import IDENTITIES, identities
 from .shrink import shrink
 from .spec import Spec
+
+ERROR = "error: "
+"""What the name of an exception stands after, where it is shown like a term."""
 
 
 @dataclass
@@ -77,6 +80,10 @@ def small_case(spec: Spec, term: str, nearer: str) -> SmallCase:
 
 def _found(spec: Spec, term: str) -> TermResult | None:
     """The result of one term or identity; None where there is no such robot."""
+    if term.startswith(ERROR):
+        error = examine(spec).error
+        raised = error.partition(":")[0] == term.removeprefix(ERROR)
+        return TermResult(status=DIFFERS, nearer=ORACLE, reason=error) if raised else None
     try:
         robot = spec.robot()
         if term in IDENTITIES:

@@ -82,7 +82,7 @@ def _off(case: SmallCase, who: str) -> str:
 
 
 def _name(case: SmallCase) -> str:
-    return f"{case.term}-{case.nearer}-{case.spec.name}"
+    return f"{case.term.replace(': ', '-')}-{case.nearer}-{case.spec.name}"
 
 
 def write(outcome: Outcome, folder: str | Path) -> list[Path]:

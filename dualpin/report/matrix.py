@@ -10,6 +10,7 @@ from typing import Any
 
 from ..crosscheck.findings import Finding
 from ..crosscheck.results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
+from . import paged
 from .chart import Strips
 
 SHADES = 5
@@ -131,7 +132,7 @@ class RobotView:
         compared = [c for c in self.cells if c.ratio is not None]
         return max(compared, key=lambda c: c.ratio or 0.0, default=None)
 
-    @property
+    @cached_property
     def ratio(self) -> float:
         return (self.worst.ratio or 0.0) if self.worst else 0.0
 
@@ -180,12 +181,21 @@ class Matrix:
     report: Report
     terms: list[str] = field(init=False)
     robots: list[RobotView] = field(init=False)
+    many: bool = field(init=False)
+    shown: list[RobotView] = field(init=False)
 
     def __post_init__(self) -> None:
         self.terms = list(dict.fromkeys(t for r in self.report.robots for t in r.terms))
         self.robots = [RobotView(k, r, self.terms) for k, r in enumerate(self.report.robots)]
+        self.many = len(self.robots) > paged.MANY
+        self.shown = paged.worst(self.robots) if self.many else self.robots
 
     limits = LIMITS
+
+    @property
+    def rows(self) -> list[list[Any]]:
+        """Of all robots, for a table that is drawn a page at a time."""
+        return paged.rows(self.robots, self.shown)
 
     @property
     def subjects(self) -> list[str]:
@@ -256,7 +266,8 @@ class Matrix:
         """Error over tolerance of every robot, a row a term."""
         rows = []
         for term in self.terms:
-            points = [(c.ratio or 0.0, f"{r.result.label}\n{c.hover}", c.shade == "bad") for r, c in self._having(term)]
+            having = paged.thinned(list(self._having(term)))
+            points = [(c.ratio or 0.0, f"{r.result.label}\n{c.hover}", c.shade == "bad") for r, c in having]
             rows.append((term, points))
         return Strips(
             "Largest error of every robot, relative to its tolerance", "error / tolerance", rows, 1e-5, 10.0,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import resources
 from importlib.util import find_spec
 from typing import Any
@@ -59,8 +60,15 @@ def page(*of: Report | Study | Comparison | Diff | Section, title: str = "") -> 
         sections=sections,
         version=__version__,
         style=_text("style.css"),
-        script=_text("page.js") + (_text("voxels.js") if any(isinstance(x, Section) for x in of) else ""),
+        script="".join(_text(name) for name in ("page.js", "paged.js", "voxels.js") if _needed(name, of, sections)),
     )
+
+
+def _needed(script: str, of: Sequence[Any], sections: Sequence[dict[str, Any]]) -> bool:
+    """Whether a part of the page works by this script."""
+    if script == "voxels.js":
+        return any(isinstance(x, Section) for x in of)
+    return script == "page.js" or any(getattr(s["view"], "many", False) for s in sections)
 
 
 def available() -> bool:

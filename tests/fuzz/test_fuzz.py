@@ -138,6 +138,29 @@ def test_a_mistake_of_dualpin_is_named_as_one(monkeypatch, tmp_path):
     assert "| rnea | oracle |" in to_markdown(outcome)
 
 
+def test_what_is_raised_is_counted_and_made_small(monkeypatch):
+    from dualpin.fuzz import examine as room
+
+    def broken(robot, seed):
+        if any(j.model.kind == "prismatic" for j in robot):
+            raise IndexError("7")
+        return {}
+
+    monkeypatch.setattr(sys.modules[room.__module__], "identities", broken)
+    outcome = fuzz(6, seed=SEED)
+    assert not outcome.passed
+    assert outcome.verdicts["error"] == len(outcome.kinds["error: IndexError", "oracle"]) > 0
+    case = next(c for c in outcome.cases if c.term == "error: IndexError")
+    assert [j.type for j in case.spec.joints] == ["prismatic"]
+
+
+@pytest.mark.parametrize("kind", ["revolute", "prismatic", "helical"])
+@pytest.mark.parametrize("armature", [0.0, 0.5])
+def test_robots_of_one_joint(kind, armature):
+    body = {"mass": 2.0, "com": (0.1, 0.2, 0.3), "tensor": (1.0, 0.0, 0.0, 1.1, 0.0, 1.2)}
+    assert not examine(Spec("one", (JointSpec(kind, axis=(0.6, 0.0, 0.8), armature=armature, **body),))).error
+
+
 def test_more_robots_take_up_what_the_store_has(tmp_path):
     path, seen = tmp_path / "f.sqlite", []
     few = fuzz(2, seed=SEED, store=path, small=0)

@@ -188,7 +188,9 @@ class Pinocchio(Oracle):
                 for answer, x in zip(answers, values, strict=True):
                     answer[k] = x  # copied: what the binding returns may live in its data
             if m.nv == 1:  # the binding leaves out the axis of a single column
-                answers = [a.reshape(n, *shape) for a, shape in zip(answers, shapes, strict=True)]
+                answers = [
+                    a.reshape(n, *shape[:-1], -1) if shape else a for a, shape in zip(answers, shapes, strict=True)
+                ]
             found = [layout.read(question.form, question.whole(a, layout), {}) for a in answers]
             return [x.reshape(n, *shape) for x, shape in zip(found, shapes, strict=True)]
 
