@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from .matrix import Cell, RobotView
+# `RobotView` and `Cell` of `matrix`, which imports this file
+View = Any
+Cell = Any
 
 MANY = 400
 """From how many robots a page is drawn in parts: their particulars would be 20 kB each."""
@@ -15,14 +16,14 @@ DOTS = 300
 """Of a strip chart's row, at most."""
 
 
-def worst(robots: list[RobotView]) -> list[RobotView]:
+def worst(robots: list[View]) -> list[View]:
     """Those that fail, differ, were not compared, or come nearest to a tolerance, in the order of the report."""
     order = {"✗": 0, "≠": 1, "–": 2, "✓": 3}
     chosen = sorted(robots, key=lambda r: (order[r.mark], -r.ratio))[:SHOWN]
     return sorted(chosen, key=lambda r: r.number)
 
 
-def rows(robots: list[RobotView], shown: list[RobotView]) -> list[list[Any]]:
+def rows(robots: list[View], shown: list[View]) -> list[list[Any]]:
     """Of each robot: label, base, nv, mark, status, largest ratio, link or "", then shade and text of every cell."""
     linked = {r.number for r in shown}
     return [
@@ -34,7 +35,7 @@ def rows(robots: list[RobotView], shown: list[RobotView]) -> list[list[Any]]:
     ]  # fmt: skip
 
 
-def thinned(points: list[tuple[RobotView, Cell]]) -> list[tuple[RobotView, Cell]]:
+def thinned(points: list[tuple[View, Cell]]) -> list[tuple[View, Cell]]:
     """The points of a row of dots: all that are out of tolerance, the largest, and some of the rest."""
     if len(points) <= DOTS:
         return points
