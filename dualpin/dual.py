@@ -19,11 +19,7 @@ from .extras import extra
 from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, raise_where, refuse, shown, unfit
 from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
 
-
-@cache
-def _on_duals(ufunc: np.ufunc) -> Callable[..., Any] | None:
-    """What computes a universal function of dual numbers; built of this file's functions, so it stands above it."""
-    return home("numpy.ufunc")(ufunc)
+_on_duals = cache(lambda ufunc: home("numpy.ufunc")(ufunc))  # made of this file's functions, so it stands above it
 
 
 class Dual(Parts):

@@ -133,6 +133,12 @@ def test_no_files_import_each_other_in_a_circle():
     assert circles(files()) == []
 
 
+def test_no_file_is_longer_than_a_reader_likes():
+    tests = Path(__file__).parent
+    long = {p.name: n for p in [*modules(), *tests.rglob("*.py")] if (n := len(p.read_text().splitlines())) > 400}
+    assert long == {}, "files of more than 400 lines"
+
+
 def test_names_point_upward_in_one_table_only():
     """`importlib.import_module` of our own modules: the tables of names, nothing else."""
     for path in modules():

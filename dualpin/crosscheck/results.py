@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -324,27 +323,20 @@ class Report:
     # writing
 
     def to_dict(self) -> dict[str, Any]:
-        return {
-            "passed": self.passed,
-            "status": self.status,
-            "engine": self.engine,
-            "processor": self.processor,
-            "partial": self.partial,
-            "robots": [asdict(r) for r in self.robots],
-            "refused": [asdict(r) for r in self.refused],
-            "versions": self.versions,
-        }
+        """The document that `to_json` writes."""
+        found: dict[str, Any] = home("Report.to_dict")(self)
+        return found
 
     def to_json(self) -> str:
         """One JSON document; not-a-number and infinities are written as null and a large number."""
-        return json.dumps(_finite(self.to_dict()), indent=1)
+        found: str = home("Report.to_json")(self)
+        return found
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Report:
         """A report from what `to_dict` wrote, in this version or an earlier one."""
-        robots = [RobotResult.from_dict(r) for r in data["robots"]]
-        refused = [Refusal(**r) for r in data["refused"]]
-        return cls(robots, refused, data["versions"], data.get("partial", False))
+        found: Report = home("Report.from_dict")(data)
+        return found
 
     def to_markdown(self) -> str:
         found: str = home("Report.to_markdown")(self)
@@ -389,15 +381,3 @@ class Report:
     def _repr_html_(self) -> str:
         found: str = home("Report._repr_html_")(self)
         return found
-
-
-def _finite(x: Any) -> Any:
-    if isinstance(x, dict):
-        return {k: _finite(v) for k, v in x.items()}
-    if isinstance(x, list):
-        return [_finite(v) for v in x]
-    if isinstance(x, float) and x != x:
-        return None
-    if isinstance(x, float) and abs(x) == float("inf"):
-        return 1.7976931348623157e308 if x > 0 else -1.7976931348623157e308
-    return x

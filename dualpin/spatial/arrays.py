@@ -131,7 +131,6 @@ def to_matrix(x: ArrayLike) -> np.ndarray:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     References
     ----------
@@ -169,7 +168,6 @@ def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     References
     ----------
@@ -202,7 +200,6 @@ def inverse(x: ArrayLike) -> np.ndarray:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     References
     ----------
@@ -273,7 +270,6 @@ def log(x: ArrayLike) -> np.ndarray:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     References
     ----------
@@ -318,7 +314,6 @@ def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     References
     ----------
@@ -372,7 +367,6 @@ def screw_parameters(T: ArrayLike) -> ScrewParameters:
     Raises
     ------
     ShapeError, ArgumentError
-        For other shapes, or what is no rigid motion.
 
     Notes
     -----
