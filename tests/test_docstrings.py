@@ -17,7 +17,7 @@ SECTIONS = ("Parameters", "Returns", "Raises", "References", "Examples")
 TOOLS = {
     "load", "loads", "find", "catalogue", "export_c", "symbolic", "validate", "judge", "page", "read", "study",
     "compare", "document", "view", "get_num_threads", "set_num_threads", "clear", "limit", "stats", "method_named",
-    "diagonal", "bones", "reach", "identify_payload", "robot_page",
+    "diagonal", "bones", "reach", "identify_payload", "check", "diff", "convert", "robot_page",
 }  # fmt: skip
 # formulas over scalars and constructors that have nothing to refuse
 HARMLESS = {
