@@ -74,6 +74,10 @@ zoo: $(STAMP)        ## any folder of URDFs, DIR=..., read and validated by both
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks
 
+.PHONY: bench-peers
+bench-peers: $(STAMP) ## speed beside every library whose environment is there: writes validation/benchmarks/peers
+	$(BIN)/python -m validation.benchmarks.peers
+
 docs: $(STAMP)       ## the documentation, into site/; a warning is an error
 	$(BIN)/python docs/build.py
 	@echo "open site/index.html, or serve it: python -m http.server -d site"

@@ -24,7 +24,7 @@ LAYERS = (
     "engine", "interpret", "call", "functions", "autodiff", "torch", "jax",  # how it is computed on arrays
     "forms", "c_code", "export", "integrators", "mechanisms", "tracking", "crosscheck", "fuzz",  # what is done with it
     "analysis", "bench",  # what an engineer asks of a description
-    "bench_device",
+    "bench_device", "peers",
     "report", "view", "cli", "pytest_plugin",  # how it is shown
 )  # fmt: skip
 TOP = {"__init__", "__main__"}  # the face and the entry point see everything
@@ -197,7 +197,7 @@ def test_the_checks_themselves_see_what_they_should(tmp_path, monkeypatch):
 
 def test_only_one_module_knows_each_library():
     """yourdfpy in io/urdf.py, Pinocchio in the cross-check's oracle, llvmlite in the engine."""
-    homes = {"yourdfpy": ("io/urdf.py",), "pinocchio": ("crosscheck/", "cli"), "llvmlite": ("engine/",)}
+    homes = {"yourdfpy": ("io/urdf.py",), "pinocchio": ("crosscheck/", "peers/adapters/", "cli"), "llvmlite": ("engine/",)}
     for path in modules():
         here = path.relative_to(PACKAGE).as_posix()
         for node in ast.walk(ast.parse(path.read_text())):

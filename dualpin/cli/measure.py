@@ -29,13 +29,19 @@ def bench(
     explain: Annotated[
         bool, typer.Option("--explain", help="With --device: registers, spills and occupancy; needs no GPU.")
     ] = False,
+    against: Annotated[
+        list[str] | None,
+        typer.Option("--against", help="Other libraries, each in a process of its own; again for several, or all."),
+    ] = None,
     floating: Floating = False,
     out: Out = None,
     json: Json = False,
 ) -> None:
     """Measure terms beside Pinocchio, in one run, after checking that both agree.
 
-    With --device, kernels on a GPU are measured instead, after checking that they give the bits of the host's.
+    With --against, beside other libraries, each in its environment, one thread, checked before and after; what is not
+    installed is left out by name.  With --device, kernels on a GPU are measured instead, after checking that they give
+    the bits of the host's.
     """
     from .. import bench as measure
 
@@ -43,6 +49,10 @@ def bench(
         raise ArgumentError("bench: --explain is of kernels on a GPU; --device cuda")
     if device:
         _on_device(robots, terms, batch, device, explain, floating, out, json)
+        return
+
+    if against:
+        _against(robots, terms, batch, against, floating, out, json)
         return
 
     chosen = [t for t in terms.replace(",", " ").split() if t] or measure.TERMS_MEASURED
@@ -59,6 +69,38 @@ def bench(
         show_json(rows)
     else:
         show_rows("", rows, ("robot", "term", "batch", "threads", "us_per_sample", "pinocchio_us_per_sample", "ratio"))
+
+
+def _against(
+    robots: list[str], terms: str, batch: str, against: list[str], floating: bool, out: Path | None, json: bool
+) -> None:
+    from .. import bench as measure
+    from .. import peers
+    from ..peers.measuring import MEASURED
+
+    if floating:
+        raise ArgumentError("bench: --against is of robots on a fixed base")
+    names = [name for text in against for name in text.replace(",", " ").split()]
+    names = list(peers.NAMES) if names == ["all"] else names
+    chosen = [t for t in terms.replace(",", " ").split() if t] or MEASURED
+    sizes = [n for n in whole(batch, "--batch") if n > 1] or [4096]
+
+    def tick(row: dict[str, Any]) -> None:
+        if sys.stderr.isatty():
+            print(f"{line(row['robot'])} {row['peer']} {row.get('term', '')} {row.get('batch', '')}", file=sys.stderr)
+
+    rows = [row for size in sizes for row in peers.run(robots, names, chosen, size, progress=tick)]
+    if out:
+        _write(out, rows, f"Speed of {', '.join(map(line, robots))} beside {', '.join(names)}", measure.machine())
+    if json:
+        show_json(rows)
+        return
+    measured = [r for r in rows if "skipped" not in r]
+    show_rows("", measured, ("robot", "term", "batch", "peer", "how", "us", "peer_us", "ratio"))
+    for r in rows:
+        if r.get("skipped", "not offered") != "not offered":
+            what = " ".join(str(r[k]) for k in ("robot", "peer", "term", "batch") if k in r)
+            print(f"note: {line(what)}: {line(r['skipped'])}", file=sys.stderr)
 
 
 def _on_device(
