@@ -43,6 +43,14 @@ WORKING_DIGITS = 130
 STEP = "1e-30"
 
 
+SELECTED = {
+    "fk": (0,), "joint_wrenches": (0,), "coriolis": (1,), "minv": (1,), "com_jacobian": (1,),
+    "centroidal_momentum_matrix": (1,), "joint_torque_regressor": (1,), "rnea_derivatives": (0, 2),
+    "aba_derivatives": (0, 2), "difference": (0,),
+}  # fmt: skip
+"""Of terms that are not found as a whole: the axes whose indices say which part is found at once."""
+
+
 class UndecidedError(DualpinError):
     """There is no definition of the term, or no time left to evaluate it."""
 
@@ -205,17 +213,32 @@ class Definitions:
     def _factored(self) -> Any:
         return self.mp.mp.LU_decomp(self.mp.matrix(self.mass_matrix().tolist()))
 
-    # --- the terms, entry by entry ---------------------------------------------------------------
+    # --- the terms ---------------------------------------------------------------------------------
+    #
+    # A function of a term returns as much as is found at once: a column, say, for the indices in SELECTED.
 
     def entry(self, term: str, index: tuple[int, ...], options: Mapping[str, Any]) -> Any:
         """One entry of a term."""
+        selected = SELECTED.get(term, ())
+        rest = tuple(i for axis, i in enumerate(index) if axis not in selected)
+        return self._found(term, options, *(index[axis] for axis in selected))[rest]
+
+    def whole(self, term: str, shape: tuple[int, ...], options: Mapping[str, Any]) -> Array:
+        """All entries of a term."""
+        out, selected = np.empty(shape, object), SELECTED.get(term, ())
+        for chosen in np.ndindex(*(shape[axis] for axis in selected)):
+            at = dict(zip(selected, chosen, strict=True))
+            place = tuple(at.get(axis, slice(None)) for axis in range(len(shape)))
+            out[place] = self._found(term, options, *chosen)
+        return out
+
+    def _found(self, term: str, options: Mapping[str, Any], *chosen: int) -> Array:
         if term.startswith("frame_") or term in ("jacobian", "jacobian_dot"):
-            frame = self.robot.frames[options["frame"]]
-            return self.of_frame(term, frame, options)[index]
+            return self.of_frame(term, self.robot.frames[options["frame"]], options)
         found = getattr(self, f"_{term}", None)
         if found is None:
             raise UndecidedError(f"there is no definition of {term} to evaluate with 50 digits")
-        return found(*index)
+        return np.asarray(found(*chosen), object)
 
     def of_frame(self, term: str, frame: Frame, options: Mapping[str, Any]) -> Array:
         s, how = self.state, options.get("reference", "world")
@@ -249,39 +272,39 @@ class Definitions:
         here = self.frame(T, frame)
         return np.array([seen(here, column, reference) for column in J]).reshape(-1, 6).T
 
-    def _fk(self, joint: int, row: int, column: int) -> Any:
-        return self.poses()[joint][row, column]
+    def _fk(self, joint: int) -> Array:
+        return self.poses()[joint]
 
-    def _rnea(self, i: int) -> Any:
-        return self.torques(self.state["v"], self.state["a"])[i]
+    def _rnea(self) -> Array:
+        return self.torques(self.state["v"], self.state["a"])
 
-    def _joint_wrenches(self, joint: int, i: int) -> Any:
+    def _joint_wrenches(self, joint: int) -> Array:
         T, forces = self.transmitted(self.state["v"], self.state["a"])
         R, p, (n, f) = T[joint][:3, :3], T[joint][:3, 3], np.split(forces[joint], 2)
-        return np.concatenate([R.T @ (n - np.cross(p, f)), R.T @ f])[i]
+        return np.concatenate([R.T @ (n - np.cross(p, f)), R.T @ f])
 
-    def _rnea_f_ext(self, i: int) -> Any:
+    def _rnea_f_ext(self) -> Array:
         f_ext = self.state["f_ext"].reshape(-1, 6)
-        return self.torques(self.state["v"], self.state["a"], f_ext=f_ext)[i]
+        return self.torques(self.state["v"], self.state["a"], f_ext=f_ext)
 
-    def _bias(self, i: int) -> Any:
-        return self.torques(self.state["v"], self.zeros())[i]
+    def _bias(self) -> Array:
+        return self.torques(self.state["v"], self.zeros())
 
-    def _gravity(self, i: int) -> Any:
-        return self.torques(self.zeros(), self.zeros())[i]
+    def _gravity(self) -> Array:
+        return self.torques(self.zeros(), self.zeros())
 
-    def _crba(self, i: int, j: int) -> Any:
-        return self.mass_matrix()[i, j]
+    def _crba(self) -> Array:
+        return self.mass_matrix()
 
-    def _coriolis(self, i: int, j: int) -> Any:
+    def _coriolis(self, j: int) -> Array:
         """M nabla_v u of the metric's connection at u = e_j: half of what is symmetric in v and u, and of M [v, u].
 
         Of the bodies: rotors are no part of it.
         """
         v, u, none = self.state["v"], self.unit(j), self.zeros()
         both, of_v, of_u = (self.torques(w, none, gravity=False) for w in (v + u, v, u))
-        symmetric = both[i] - of_v[i] - of_u[i]
-        return (symmetric + self.torques(none, self.bracket(v, j), gravity=False, rotors=False)[i]) / 2
+        symmetric = both - of_v - of_u
+        return (symmetric + self.torques(none, self.bracket(v, j), gravity=False, rotors=False)) / 2
 
     def unit(self, j: int) -> Array:
         e = self.zeros()
@@ -302,11 +325,11 @@ class Definitions:
     def _accelerations(self) -> Array:
         return self.solved(self.state["tau"] - self.torques(self.state["v"], self.zeros()))
 
-    def _aba(self, i: int) -> Any:
-        return self._accelerations()[i]
+    def _aba(self) -> Array:
+        return self._accelerations()
 
-    def _minv(self, i: int, j: int) -> Any:
-        return self.solved(self.unit(j))[i]
+    def _minv(self, j: int) -> Array:
+        return self.solved(self.unit(j))
 
     def _kinetic_energy(self) -> Any:
         T = self.poses()
@@ -325,31 +348,31 @@ class Definitions:
     def _potential_energy(self) -> Any:
         return -(self.field @ self.first_moments(self.poses())[0])
 
-    def _com(self, i: int) -> Any:
+    def _com(self) -> Array:
         moments, mass = self.first_moments(self.poses())
-        return moments[i] / mass
+        return moments / mass
 
-    def _com_jacobian(self, i: int, j: int) -> Any:
-        return self._total_momentum(j)[3 + i] / self.first_moments(self.poses())[1]
+    def _com_jacobian(self, j: int) -> Array:
+        return self._total_momentum(j)[3:] / self.first_moments(self.poses())[1]
 
     def _total_momentum(self, j: int) -> Array:
         T = self.poses()
         return sum(self.momenta(T, self.twists(T, self.unit(j))))
 
-    def _centroidal_momentum_matrix(self, i: int, j: int) -> Any:
+    def _centroidal_momentum_matrix(self, j: int) -> Array:
         moments, mass = self.first_moments(self.poses())
         P = self._total_momentum(j)
-        return np.concatenate([P[:3] - np.cross(moments / mass, P[3:]), P[3:]])[i]
+        return np.concatenate([P[:3] - np.cross(moments / mass, P[3:]), P[3:]])
 
-    def _joint_torque_regressor(self, i: int, column: int) -> Any:
+    def _joint_torque_regressor(self, column: int) -> Array:
         body, parameter = divmod(column, 10)
         if body >= len(self.joints):  # rotors follow the bodies
             rotors = [(b, k) for b, ks in enumerate(self.indices) for k in ks]
             b, k = rotors[column - 10 * len(self.joints)]
-            return self.state["a"][i] * self.multiplier(b) ** 2 if i == k else self.mp.mpf(0)
+            return self.unit(k) * self.state["a"][k] * self.multiplier(b) ** 2
         bodies = [exact(self.mp, [0] * 10) for _ in self.joints]
         bodies[body][parameter] = self.mp.mpf(1)
-        return self.torques(self.state["v"], self.state["a"], rotors=False, bodies=bodies)[i]
+        return self.torques(self.state["v"], self.state["a"], rotors=False, bodies=bodies)
 
     def _by(self, block: int, j: int, a: Array) -> Array:
         """d tau / dq_j or d tau / dv_j."""
@@ -360,11 +383,11 @@ class Definitions:
         # quadratic in v, so that a difference over any step is exact
         return (self.torques(v + e, none) - self.torques(v - e, none)) / 2
 
-    def _rnea_derivatives(self, block: int, i: int, j: int) -> Any:
-        return self._crba(i, j) if block == 2 else self._by(block, j, self.state["a"])[i]
+    def _rnea_derivatives(self, block: int, j: int) -> Array:
+        return self._crba()[:, j] if block == 2 else self._by(block, j, self.state["a"])
 
-    def _aba_derivatives(self, block: int, i: int, j: int) -> Any:
-        return self._minv(i, j) if block == 2 else -self.solved(self._by(block, j, self._accelerations()))[i]
+    def _aba_derivatives(self, block: int, j: int) -> Array:
+        return self._minv(j) if block == 2 else -self.solved(self._by(block, j, self._accelerations()))
 
     def _difference(self, i: int) -> Any:
         q1 = self.state["q1"]

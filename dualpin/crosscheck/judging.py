@@ -18,6 +18,7 @@ from ..machine import versions
 from ..model.robot import Robot
 from . import tolerance
 from .adjudicate import Court, nearer
+from .definitions import UndecidedError
 from .extent import Extent
 from .findings import Finding
 from .ledger import Ledger
@@ -227,9 +228,13 @@ def _compared(term: str, answers: Answers, layout: Layout, court: Court, bounds:
         **{k: asked.states[k][sample].tolist() for k in ("q", "v", "a")},
     }  # fmt: skip
     decided = AGREES if ratio[worst] <= 1.0 else DIFFERS
+    who = ""
     if result.max_scaled_error > LAST_DIGITS:
-        result.worst["against_50_digits"] = court.errors(term, sample, frame)
-    who = nearer(result.worst["against_50_digits"], result.tolerance) if decided == DIFFERS else ""
+        try:
+            found = result.worst["against_50_digits"] = court.errors(term, sample, frame)
+            who = nearer(found, result.tolerance) if decided == DIFFERS else ""
+        except UndecidedError as e:
+            result.note = "; ".join(x for x in (note, f"not decided by 50 digits: {e}") if x)
     result.settle(decided, who)
     if decided == DIFFERS:
         result.worst["reproduce"] = program(term, answers, sample, frame, x[sample], ours[sample])
