@@ -13,7 +13,11 @@ SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def junit(report: Report) -> str:
-    """One suite a robot (and subject), one case a term: failed where it differs, skipped where it was not compared."""
+    """One suite a robot (and subject), one case a term: failed where it differs, skipped where it was not compared.
+
+    Files that did not become a robot are cases of a suite of their own: failed, or skipped where Pinocchio refuses
+    them too.
+    """
     root = ElementTree.Element("testsuites", name="dualpin")
     for r in report.robots:
         failed = [t for t, x in r.terms.items() if not x.passed]
@@ -32,6 +36,18 @@ def junit(report: Report) -> str:
         if r.error:
             case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name="robot")
             ElementTree.SubElement(case, "error", message=clean(r.error))
+    if report.refused:
+        failed = [r for r in report.refused if not r.by_pinocchio]
+        suite = ElementTree.SubElement(
+            root, "testsuite", name="files", tests=str(len(report.refused)), failures=str(len(failed)),
+            skipped=str(len(report.refused) - len(failed)), errors="0", time="0",
+        )  # fmt: skip
+        for r in report.refused:
+            case = ElementTree.SubElement(suite, "testcase", classname="files", name=clean(r.name))
+            if r.by_pinocchio:
+                ElementTree.SubElement(case, "skipped", message=clean(f"refused by both: {r.reason}"))
+            else:
+                ElementTree.SubElement(case, "failure", type="refused", message=clean(r.reason))
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -46,8 +62,11 @@ def clean(text: str) -> str:
 
 
 def sarif(report: Report) -> str:
-    """One result for each finding, and for each term that differs without one."""
+    """One result for each finding, each term that differs without one, each file refused, each robot not compared."""
     results = [x for r in report.robots for x in _results(r)]
+    results += [
+        _said("refused", "warning" if r.by_pinocchio else "error", r.reason, r.name, r.name) for r in report.refused
+    ]
     rules: dict[str, Any] = {x["ruleId"]: {"id": x["ruleId"]} for x in results}
     return sarif_log(results, list(rules.values()))
 
@@ -60,18 +79,24 @@ def sarif_log(results: list[dict[str, Any]], rules: list[dict[str, Any]]) -> str
 
 
 def _results(r: RobotResult) -> list[dict[str, Any]]:
-    location = [
-        {"physicalLocation": {"artifactLocation": {"uri": r.name}}, "logicalLocations": [{"name": r.subject or r.name}]}
-    ]
+    who = r.subject or r.name
+    if r.error:
+        return [_said("failed", "error", r.error, r.name, who)]
     out, seen = [], []
     for term, t in r.terms.items():
         for f in t.findings:
             if f not in seen:
                 seen.append(f)
                 text = f"{f}" + (f"; fix: {f.fix}" if f.fix else "")
-                out.append({"ruleId": f.key, "level": "error", "message": {"text": text}, "locations": location})
+                out.append(_said(f.key, "error", text, r.name, who))
         if t.status == DIFFERS and not t.findings:
-            level = "warning" if t.passed else "error"
             text = f"{term}: scaled error {t.max_scaled_error:.1e}; {t.remark or t.verdict}"
-            out.append({"ruleId": f"differs/{term}", "level": level, "message": {"text": text}, "locations": location})
+            out.append(_said(f"differs/{term}", "warning" if t.passed else "error", text, r.name, who))
+    if r.status == NOT_COMPARED and not out and r.reason:
+        out.append(_said("not-compared", "warning", r.reason, r.name, who))
     return out
+
+
+def _said(rule: str, level: str, text: str, file: str, who: str) -> dict[str, Any]:
+    location = {"physicalLocation": {"artifactLocation": {"uri": file}}, "logicalLocations": [{"name": who}]}
+    return {"ruleId": rule, "level": level, "message": {"text": text}, "locations": [location]}

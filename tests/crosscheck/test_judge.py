@@ -160,6 +160,23 @@ def test_a_report_survives_being_written(tmp_path):
     assert 'failures="1"' in paths[3].read_text()
 
 
+def test_refused_files_and_subjects_are_in_what_machines_read(tmp_path):
+    from xml.etree import ElementTree
+
+    from dualpin.crosscheck.results import Refusal
+
+    report = apart("Refuses", diagnose=False)
+    report.refused = [Refusal("both.urdf", "no robot", True), Refusal("ours.urdf", "a <link> without a name", False)]
+    junit, sarif = report.write(tmp_path, ("junit", "sarif"))
+    cases = {c.get("name"): [e.tag for e in c] for c in ElementTree.parse(junit).iter("testcase")}
+    assert cases["both.urdf"] == ["skipped"] and cases["ours.urdf"] == ["failure"]
+    results = json.loads(sarif.read_text())["runs"][0]["results"]
+    assert [(r["ruleId"], r["level"]) for r in results] == [
+        ("not-compared", "warning"), ("refused", "warning"), ("refused", "error")
+    ]  # fmt: skip
+    assert results[2]["locations"][0]["physicalLocation"]["artifactLocation"]["uri"] == "ours.urdf"
+
+
 # --- exchange folders ----------------------------------------------------------------------------
 
 
