@@ -23,7 +23,9 @@ from .constructs import CONSTRUCTS, Construct
 
 ATTEMPTS = 25
 SECONDS = 60.0
-UNRELATED = re.compile(r"\b(ModuleNotFoundError|ImportError|SyntaxError|IndentationError)\b|no answer within")
+UNRELATED = re.compile(
+    r"\b(NotImplementedError|ModuleNotFoundError|ImportError|SyntaxError|IndentationError)\b|no answer within"
+)
 """Of a message: what no file can be blamed for."""
 Refusal = Callable[[Asking, float], str]
 """Why a subject does not read this robot, known within so many seconds; empty if it does."""

@@ -78,20 +78,26 @@ def folder() -> Path:
 
 
 def environment(name: str | Path) -> Environment:
-    """That of a shipped adapter, or of an adapter's file.
+    """That of a shipped adapter, or of an adapter's file; ``"mujoco==3.12.0"`` is one with another version.
 
     Raises
     ------
     ArgumentError
         If there is no such adapter, or it does not say what it requires.
     """
-    text = str(name)
+    text, _, version = str(name).partition("==")
     path = ADAPTERS / f"{text}.py" if text in shipped() else Path(text)
     if path.suffix != ".py" or not path.is_file():
         raise ArgumentError(
             f"subjects: {text!r} is no shipped subject and no adapter's file; {nearest(text, shipped(), 'shipped')}"
         )
-    return Environment(path.stem, path, requirements(path))
+    found = requirements(path)
+    if not version:
+        return Environment(path.stem, path, found)
+    if not found:
+        raise ArgumentError(f"subjects: {path} has no REQUIRES, so there is no version of it to choose")
+    library = found[0].partition("==")[0]
+    return Environment(f"{path.stem}-{version}", path, (f"{library}=={version}", *found[1:]))
 
 
 def requirements(path: Path) -> tuple[str, ...]:
@@ -112,12 +118,23 @@ def requirements(path: Path) -> tuple[str, ...]:
     return ()
 
 
-def interpreter(adapter: Path) -> str | None:
-    """The Python of the adapter's environment where it is installed, else None."""
+def interpreter(adapter: Path, version: str = "") -> str | None:
+    """The Python of the adapter's environment where it is installed, else None.
+
+    Raises
+    ------
+    ArgumentError
+        If a version is asked for that is not installed.
+    """
     try:
-        found = environment(adapter)
+        found = environment(f"{adapter}=={version}" if version else adapter)
     except ArgumentError:
         return None
+    if version and not found.ready:
+        name = adapter.stem if adapter.stem in shipped() else adapter
+        raise ArgumentError(
+            f"subjects: {found.requires[0]} is not installed; `dualpin subjects install {name}=={version}` does it"
+        )
     return str(found.python) if found.requires and found.ready else None
 
 

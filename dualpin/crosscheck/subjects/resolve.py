@@ -64,10 +64,12 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
             folder = Path(text)
             exchange.asked(folder)
             return Asker(lambda asking, tick, kept: exchange.read(exchange.with_states(asking, folder), folder))
-        name, _, option = text.partition(":")
+        named, _, option = text.partition(":")
+        name, _, version = named.partition("==")
         if name in shipped():
             adapter = ADAPTERS / f"{name}.py"
-            own = python or interpreter(adapter) or sys.executable
+            own = python or interpreter(adapter, version) or sys.executable
+            text = ":".join(x for x in (name, option) if x)  # one subject in all its versions
 
             def spec(asking: Asking) -> str:
                 of = ",".join(x for x in (option, f"mjcf={asking.mjcf}") if x) if asking.mjcf and name == MUJOCO else ""
@@ -78,7 +80,7 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
                     ask_apart(spec(asking), asking, tick, python=own, limit=limit, kept=kept), text
                 ),
                 lambda asking, seconds: refusal_apart(spec(asking), asking, seconds, python=own),
-                _identity(f"{adapter}:{text}", own),
+                _identity(f"{adapter}:{text}:{version}", own),
             )
         if _SPEC.match(text):
             own = python or interpreter(Path(name)) or sys.executable
