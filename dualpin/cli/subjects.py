@@ -14,7 +14,9 @@ subjects = typer.Typer(
     help="List, install and remove the libraries that `dualpin judge` knows by name.", no_args_is_help=True
 )
 app.add_typer(subjects, name="subjects")
-Names = Annotated[list[str], typer.Argument(metavar="NAME...", help="Shipped names (mujoco, or mujoco==3.12.0), or files of adapters.")]
+Names = Annotated[
+    list[str], typer.Argument(metavar="NAME...", help="Shipped names (mujoco, mujoco==3.12.0), or files of adapters.")
+]
 
 
 @subjects.command("list")
