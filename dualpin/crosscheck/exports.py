@@ -37,17 +37,17 @@ def junit(report: Report) -> str:
             case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name="robot")
             ElementTree.SubElement(case, "error", message=clean(r.error))
     if report.refused:
-        failed = [r for r in report.refused if not r.by_pinocchio]
+        ours = [x for x in report.refused if not x.by_pinocchio]
         suite = ElementTree.SubElement(
-            root, "testsuite", name="files", tests=str(len(report.refused)), failures=str(len(failed)),
-            skipped=str(len(report.refused) - len(failed)), errors="0", time="0",
+            root, "testsuite", name="files", tests=str(len(report.refused)), failures=str(len(ours)),
+            skipped=str(len(report.refused) - len(ours)), errors="0", time="0",
         )  # fmt: skip
-        for r in report.refused:
-            case = ElementTree.SubElement(suite, "testcase", classname="files", name=clean(r.name))
-            if r.by_pinocchio:
-                ElementTree.SubElement(case, "skipped", message=clean(f"refused by both: {r.reason}"))
+        for x in report.refused:
+            case = ElementTree.SubElement(suite, "testcase", classname="files", name=clean(x.name))
+            if x.by_pinocchio:
+                ElementTree.SubElement(case, "skipped", message=clean(f"refused by both: {x.reason}"))
             else:
-                ElementTree.SubElement(case, "failure", type="refused", message=clean(r.reason))
+                ElementTree.SubElement(case, "failure", type="refused", message=clean(x.reason))
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 

@@ -19,6 +19,7 @@ BUDGETS = (10.0, 60.0)
 """Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
+EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 MOST = 16  # stories of a term that it looks at
 
 
@@ -78,11 +79,11 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     lost = 0
     for k, term in enumerate(off):
         left = max(1.0, until - time.process_time())
-        share = left / (len(off) - k) * 2
+        share = min(left, left / (len(off) - k) * 2)
         e = told[term] = explain(case, term, catalogue, first, share if lost < 2 else share / 4, tick)
         lost += not e.named
-        first += [s for s in e.stories[:6] if s not in first]
-        first = _united(first)[:32]
+        first += [s for s in e.stories[:EARLIER] if s not in first]
+        first = _united(first)[: 4 * EARLIER]
     for term in [t for t in off if not told[t].named]:  # what later terms told may explain an earlier one
         again = explain(case, term, catalogue, _together(told), depth=0)
         if again.named:

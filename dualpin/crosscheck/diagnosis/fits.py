@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
@@ -39,7 +40,7 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
     train = np.flatnonzero(whole)[TRAIN]
     if len(train):
-        for estimate in (_gravity, _forces, _rotors, _scale, _rows, _constants, bodies):
+        for estimate in (_gravity, _forces, _rotors, _scale, _rows, _columns, _constants, bodies):
             found += estimate(case, term, story, keys, train)
     return found + placements(case, term, story)
 
@@ -95,7 +96,10 @@ SHAPES: dict[str, tuple[str, Callable[[View], np.ndarray], str]] = {
     "friction_fit": ("a force with the sign of v", lambda view: np.sign(view.states["v"]), "take the friction out"),
     "constant_fit": ("a constant force", lambda view: np.ones_like(view.states["v"]), "take the constant force out"),
     "stiffness_fit": ("a force in proportion to q (a spring)", lambda view: _positions(view), "take the spring out"),
+    "drag_fit": ("a force in proportion to v |v|", lambda view: _drag(view), "take the drag out"),
 }
+RESTING = ("constant_fit", "stiffness_fit")
+"""Shapes that do not need a velocity."""
 
 
 def _positions(view: View) -> np.ndarray:
@@ -106,25 +110,58 @@ def _positions(view: View) -> np.ndarray:
     return out
 
 
+def _drag(view: View) -> np.ndarray:
+    v = view.states["v"]
+    return v * np.abs(v)
+
+
 def _forces(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> Iterable[Hypothesis]:
-    if term not in (*FORCED, "gravity") or keys & set(SHAPES):
+    if keys & set(SHAPES):
         return
-    found = residual(case, term, story)
-    if found is None:
-        return
-    view, r = found
-    for key, (says, shape, fix) in SHAPES.items():
-        if term == "gravity" and key not in ("constant_fit", "stiffness_fit"):
-            continue
-        u = shape(view)
-        k = (u * r)[train].sum(0) / np.maximum((u * u)[train].sum(0), 1e-300)
-        k = np.where(np.abs(k) < 1e-9 * max(1.0, np.abs(k).max()), 0.0, k)
+    found = _felt(case, term, story)
+    for key, u in found[1].items() if found else ():
+        k = _coefficients([u], found[0], train) if found else np.zeros(0)
         if k.any():
-            names = _names(case, k)
-            terms = FORCED if key in ("damping_fit", "friction_fit") else WEIGHED
-            yield Hypothesis(
-                key, says, terms, "force", lambda view, k=k, shape=shape: k * shape(view), fix, names, _listed(k), 1.5
-            )
+            yield _shaped(case, key, k[0])
+
+
+def pairs_of_forces(case: Case, term: str) -> list[Story]:
+    """Two shapes, estimated together: alone, each takes up part of the other."""
+    found = _felt(case, term, ())
+    train = np.flatnonzero(np.isfinite(case.observed[term]).reshape(case.asking.samples, -1).all(axis=1))[TRAIN]
+    if found is None or len(train) < 3:
+        return []
+    out = []
+    for a, b in itertools.combinations(found[1], 2):
+        k = _coefficients([found[1][a], found[1][b]], found[0], train)
+        if k.any(axis=1).all():
+            out.append(ordered((_shaped(case, a, k[0]), _shaped(case, b, k[1]))))
+    return out
+
+
+def _felt(case: Case, term: str, story: Story) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    """What the joints must do besides, and the shapes that it may have."""
+    found = residual(case, term, story) if term in (*FORCED, "gravity") else None
+    if found is None:
+        return None
+    view, r = found
+    return r, {key: SHAPES[key][1](view) for key in (RESTING if term == "gravity" else SHAPES)}
+
+
+def _coefficients(shapes: Sequence[np.ndarray], r: np.ndarray, train: np.ndarray) -> np.ndarray:
+    """(shapes, nv): each joint's, all shapes fitted together."""
+    U, b = np.stack(shapes, -1)[train], r[train]
+    A = np.einsum("njs,njt->jst", U, U)
+    k = np.einsum("jst,jt->sj", np.linalg.pinv(A, rcond=1e-12), np.einsum("njs,nj->js", U, b))
+    return np.where(np.abs(k) < 1e-9 * np.maximum(1.0, np.abs(k).max(axis=1, keepdims=True)), 0.0, k)
+
+
+def _shaped(case: Case, key: str, k: np.ndarray) -> Hypothesis:
+    says, shape, fix = SHAPES[key]
+    terms = WEIGHED if key in RESTING else FORCED
+    return Hypothesis(
+        key, says, terms, "force", lambda view: k * shape(view), fix, _names(case, k), _listed(k), 1.5
+    )  # fmt: skip
 
 
 def _names(case: Case, k: np.ndarray) -> tuple[str, ...]:
@@ -233,6 +270,34 @@ def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray
     ]
 
 
+def _columns(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    """Single columns of a Jacobian with another sign, in other units, or empty."""
+    x, p = case.observed[term], case.predict(term, story)
+    jacobians = ("jacobian", "jacobian_dot", "com_jacobian", "centroidal_momentum_matrix")
+    if term not in jacobians or keys & {"column_scale", "scale"} or p is None:
+        return []
+    axes = tuple(range(p.ndim - 1))
+    a, b = p[train], x[train]
+    felt = np.abs(a).max(axes) > 1e-12 * max(1.0, np.abs(a).max())
+    with np.errstate(all="ignore"):
+        k = np.where(felt, (a * b).sum(axes) / (a * a).sum(axes), 1.0)
+    k = np.where(np.abs(k - np.round(k)) < 1e-9, np.round(k), k)
+    off = np.flatnonzero(np.abs(k - 1) > 1e-9)
+    if not np.isfinite(k).all() or not 0 < len(off) < len(k):
+        return []
+
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        return x * k
+
+    return [
+        Hypothesis(
+            "column_scale", "columns of some joints are multiplied by a number (a sign, a unit, 0)", jacobians,
+            "answer", act, "look at how these columns are filled", tuple(case.how.v[i] for i in off),
+            ", ".join(f"{k[i]:.8g}" for i in off[:8]), 1.3 + 0.2 * len(off),
+        )
+    ]  # fmt: skip
+
+
 def _constants(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
     """Entries of the mass matrix that are off by a constant, as where a model by hand forgets one."""
     x, p = case.observed[term], case.predict(term, story)
@@ -265,6 +330,7 @@ FITTED = {
         "a rotor's inertia (armature) is on the diagonal of M",
         "leave the armature out, or give it to the robot",
     ),
+    "column_scale": ("columns of some joints are multiplied by a number", "look at how these columns are filled"),
     "joint_scale": ("the forces of some joints are multiplied by a number", "divide them by it: a gear, a sign"),
     "constant_entries": (
         "entries of the mass matrix are off by constants",

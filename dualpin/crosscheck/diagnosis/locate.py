@@ -18,12 +18,24 @@ SINGLE = (1e-9, 1e-5)
 """Where errors of single precision lie."""
 
 
+DERIVED = {
+    "jacobian_dot": ("jacobian", "fk"), "coriolis": ("crba",), "gravity": ("potential_energy",), "jacobian": ("fk",),
+    "com_jacobian": ("com",),
+}  # fmt: skip
+"""What a term is the derivative of."""
+EXACT = 1e-12
+
+
+def _exact(case: Case, term: str) -> bool:
+    return term in case.observed and case.score(term).error < EXACT
+
+
 def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
     """The nearest story, where it explains a good part."""
     if not e.nearest or e.left is None:
         return None
     nearly = e.left.error < NEARLY * e.before.error
-    if not nearly and e.left.share < e.before.share + BETTER:
+    if not nearly and (e.left.share < e.before.share + BETTER or e.left.error > e.before.error):
         return None
     story = " and ".join(map(str, e.nearest))
     left = (
@@ -57,6 +69,13 @@ def precision(case: Case, term: str, e: Explanation) -> Finding | None:
     made = _single(case, term)
     if not rounded and not (0.02 * made < e.before.error < 20 * made):
         return None
+    if not rounded and term in DERIVED and any(_exact(case, t) for t in DERIVED[term]):
+        says = "less precise than what it is derived from: finite differences leave so much"
+        fix = "derive it exactly, or say how precise it is"
+        return Finding(
+            "finite_differences", says, [term], e.before.error, e.before.error, fix=fix,
+            evidence={term: [e.before.error, e.before.error]},
+        )  # fmt: skip
     how = "answers are float32 numbers" if rounded else "the error is as large as float32 arithmetic makes it"
     says = f"computed in single precision: {how}"
     return Finding(

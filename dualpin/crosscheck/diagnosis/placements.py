@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from math import acos, degrees
 
 import numpy as np
@@ -14,6 +15,8 @@ from .hypothesis import Hypothesis, Story
 from .rules.register import ALL, SIX
 
 SEEN = ("fk", *SIX, "com", "com_jacobian", "centroidal_momentum_matrix")
+NOTICED = 1e-6
+"""An offset below this is one of precision, not of place."""
 SAME = 1e-7
 """Poses that are to be the same in all samples may differ by this: what is fitted is confirmed by the prediction."""
 
@@ -27,12 +30,12 @@ def placements(case: Case, term: str, story: Story) -> list[Hypothesis]:
     if p is None or x.shape != p.shape:
         return []
     have = [k for k in range(x.shape[1]) if np.isfinite(x[:, k]).all()]
-    off = [k for k in have if np.abs(x[:, k] - p[:, k]).max() > 1e-9]
+    off = [k for k in have if np.abs(x[:, k] - p[:, k]).max() > NOTICED]
     if not off:
         return []
     found = []
+    found += _base(case, x, p, have)
     if term in SEEN:
-        found += _base(case, x, p, have)
         found += _tools(case, x, p, off)
     if not story:
         found += _origins(case, x, p, have, off)
@@ -52,7 +55,7 @@ def _words(H: np.ndarray) -> str:
 def _base(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int]) -> list[Hypothesis]:
     """The subject's world seen in ours: x = B p, for all frames."""
     B = _constant(np.concatenate([x[:, k] @ np.linalg.inv(p[:, k]) for k in have]))
-    if B is None or np.abs(B - np.eye(4)).max() < 1e-9:
+    if B is None or np.abs(B - np.eye(4)).max() < NOTICED:
         return []
     link = _link_at(case, B)
     words = _words(B) + (f" (the base's pose is given to {link})" if link else "")
@@ -61,20 +64,17 @@ def _base(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int]) -> list
         if link
         else "place the robot's base at the world's origin"
     )
-    says = "the base stands elsewhere"
-    return [
-        Hypothesis(
-            "base_offset",
-            says,
-            SEEN,
-            "change",
-            lambda view, term, x: _moved(term, x, B),
-            fix,
-            (),
-            words,
-            1.0 if link else 1.5,
-        )
-    ]
+    h = Hypothesis(
+        "base_offset", "the base stands elsewhere", SEEN, "change", lambda view, term, x: _moved(term, x, B), fix, (),
+        words, 1.0 if link else 1.5,
+    )  # fmt: skip
+    # a base that does not move carries all that hangs on it; one that floats is seen from elsewhere
+    return [h if case.floating else replace(h, terms=ALL, place="edit", act=lambda d, items: _set(d, B))]
+
+
+def _set(d: Description, B: np.ndarray) -> Description:
+    """The root with all that hangs on it, moved by B."""
+    return d.with_parts(lambda p, _: p.placed(B @ p.pose) if p.parent == d.root else p)
 
 
 def _link_at(case: Case, B: np.ndarray) -> str:

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from .case import Case, Score
-from .fits import fits
+from .fits import fits, pairs_of_forces
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 
 DEPTH = 3
 BEAM = 8
+SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 LARGE = 40  # joints from which pairs of single links are not tried
 
 
@@ -78,6 +79,8 @@ def explain(
     search.consider([tuple(h for h in s if term in h.terms) for s in first])
     whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
+    if found.before.error < SMALL:
+        depth = min(depth, 1)
     for size in range(1, depth + 1):
         if search.good or search.late:
             break
@@ -88,6 +91,8 @@ def explain(
             if size == 1 or (size == 2 and len(case.robot) <= LARGE):
                 more += single
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
+        if size == 1:
+            level += pairs_of_forces(case, term)
         near = search.consider(level)
         if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))

@@ -35,6 +35,19 @@ def rotations(wxyz: np.ndarray) -> np.ndarray:
     return np.stack([np.stack(r, -1) for r in rows], -2)
 
 
+def quaternions(R: np.ndarray) -> np.ndarray:
+    """Unit quaternions (..., 4), w x y z, of rotation matrices; of the two, one whose largest entry is positive."""
+    R = np.asarray(R)
+    xx, yy, zz = (R[..., k, k] for k in range(3))
+    squares = np.stack([1 + xx + yy + zz, 1 + xx - yy - zz, 1 - xx + yy - zz, 1 - xx - yy + zz], -1)
+    a, b, c = (R[..., i, j] - R[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0)))
+    d, e, f = (R[..., i, j] + R[..., j, i] for i, j in ((1, 0), (0, 2), (2, 1)))
+    w, x, y, z = np.moveaxis(squares, -1, 0)
+    rows = np.stack([np.stack(r, -1) for r in ((w, a, b, c), (a, x, d, e), (b, d, y, f), (c, e, f, z))], -2)
+    best = np.take_along_axis(rows, squares.argmax(-1)[..., None, None], axis=-2)[..., 0, :]
+    return np.asarray(best / np.linalg.norm(best, axis=-1, keepdims=True))
+
+
 def cross_matrix(p: np.ndarray) -> np.ndarray:
     """[p] (..., 3, 3) with [p] u = p x u."""
     x, y, z = np.moveaxis(p, -1, 0)

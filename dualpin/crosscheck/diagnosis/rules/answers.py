@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...subjects.layout import cross_matrix, product, rotations, transposed
-from ..case import Case, View
+from ...subjects.layout import cross_matrix, product, quaternions, rotations, transposed
+from ...subjects.questions import QUESTIONS
+from ..case import Case, View, evaluate
 from ..description import Description, homogeneous
 from ..hypothesis import Hypothesis
 from .register import SIX, proposer, rule
@@ -120,6 +121,43 @@ def linear_only(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return x * (rows if term == "frame_velocity" else rows[:, None])
 
 
+@proposer("parent_frame", "frames of the parent links are taken", "ask for the link that its joint moves")
+def parent_frame(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """As where frames are counted from the joint before."""
+
+    def act(view: View, term: str) -> np.ndarray:
+        parents = {p.link: p.parent for p in view.description.parts}
+        frames = [parents.get(f, f) for f in view.frames]
+        inputs = {k: x[None] for k, x in view.states.items()}
+        return evaluate(view.robot, QUESTIONS[term], inputs, frames, view.layout.how.reference)[0]
+
+    return [replace(h, terms=("fk", *SIX), place="formula", act=act, cost=1.1)]
+
+
+@proposer("mixed_axes", "angular and linear rows are in different axes", "turn both alike")
+def mixed_axes(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(local: slice) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            R, out = transposed(view.compute("fk")[..., :3, :3]), x.copy()
+            out[:, :, local] = product(R, x[:, :, local]) if x.ndim == 3 else R @ x[:, :, local]
+            return out
+
+        words = f"{'angular' if local.start == 0 else 'linear'} ones in the frame's own"
+        return replace(h, terms=("jacobian", "frame_velocity"), place="change", act=act, values=words, cost=1.1)
+
+    if case.how.reference != "local_world_aligned":
+        return []
+    return [one(slice(0, 3)), one(slice(3, 6))]
+
+
+@rule("pose_quaternion", "the quaternion of poses is written in the other order", "return qw qx qy qz, or a 4x4 matrix",
+      ("fk",), "change")  # fmt: skip
+def pose_quaternion(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    out, q = x.copy(), quaternions(x[..., :3, :3])
+    out[..., :3, :3] = rotations(np.roll(q, -1, axis=-1))
+    return out
+
+
 # --- rates of Jacobians --------------------------------------------------------------------------
 
 
@@ -195,9 +233,9 @@ def about_origin(view: View, term: str, x: np.ndarray) -> np.ndarray:
 
 
 @rule(
-    "base_counts", "the base link's mass counts", "leave the link that cannot move out of it",
+    "base_counts", "the mass of what cannot move counts", "leave the links that no joint moves out of it",
     ("com", "com_jacobian", "centroidal_momentum_matrix", "potential_energy"), "change",
-    when=lambda case: not case.floating and case.description.base is not None,
+    when=lambda case: not case.floating and _ground(case.description)[0] > 0,
 )  # fmt: skip
 def base_counts(view: View, term: str, x: np.ndarray) -> np.ndarray:
     m, c = _ground(view.description)

@@ -18,13 +18,19 @@ IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_mom
            "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius", "axis_frame",
            "slide_axis_frame")  # fmt: skip
 """Slips that the mass matrix shows too."""
+IN_JACOBIANS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "tangential", "tangential_com",
+                "tangential_link", "slide_radius", "axis_frame", "slide_axis_frame")  # fmt: skip
+"""Those of them that Jacobians have."""
 IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius", "axis_frame",
               "slide_axis_frame")  # fmt: skip
 
 
 Mass = Callable[[NewtonEuler, np.ndarray], np.ndarray]
-MASSES: dict[str, Mass] = {"": NewtonEuler.mass_matrix, "M from Jacobians": NewtonEuler.energy_matrix}
-"""How codes find the mass matrix: from the equations themselves, or from the same slip in the kinetic energy."""
+MASSES: dict[str, Mass] = {
+    "": NewtonEuler.mass_matrix, "M from Jacobians": NewtonEuler.energy_matrix,
+    "M is right": lambda model, q: NewtonEuler(model.robot, model.d, "").energy_matrix(q),
+}  # fmt: skip
+"""How codes find the mass matrix: from the equations, from the same slip in the kinetic energy, or rightly."""
 MOST_STEPS = 12
 """Degrees of freedom up to which C is predicted from dM/dq."""
 
@@ -87,13 +93,14 @@ def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
         if slip in IN_MASS:
             terms = (*terms, "crba", "minv", "kinetic_energy", *steps)
         for merged, (how, mass) in itertools.product((False, True)[: 1 + merges], MASSES.items()):
-            if how and slip not in IN_MASS:
+            if (how and slip not in IN_MASS) or (how == "M from Jacobians" and slip not in IN_JACOBIANS):
                 continue
+            touched = tuple(t for t in terms if t in WEIGHED) if how == "M is right" else terms
             values = ", ".join(x for x in ("of bodies merged from fixed links" if merged else "", how) if x)
             out.append(
                 replace(
-                    h, key=slip, says=says, terms=terms, place="formula", act=newton_euler(slip, merged, mass),
-                    cost=1.15 if how else 1.1, values=values,
+                    h, key=slip, says=says, terms=touched, place="formula", act=newton_euler(slip, merged, mass),
+                    cost=1.1 + 0.05 * bool(how), values=values,
                     fix=f"put it in: {says.replace(' is left out', '')}" if "left out" in says else "turn it round",
                 )
             )  # fmt: skip

@@ -67,6 +67,30 @@ def coriolis_momentum(view: View, term: str, C: np.ndarray) -> np.ndarray:
     return B - 0.5 * transposed(B)
 
 
+SYMBOLS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    "(dM/dt + d(M v)/dq) / 2": lambda rate, B: (rate + B) / 2,
+    "(dM/dt - (d(M v)/dq)^T) / 2": lambda rate, B: (rate - transposed(B)) / 2,
+    "(dM/dt - d(M v)/dq + (d(M v)/dq)^T) / 2": lambda rate, B: (rate - B + transposed(B)) / 2,
+    "d(M v)/dq": lambda rate, B: B,
+    "(d(M v)/dq - (d(M v)/dq)^T) / 2": lambda rate, B: (B - transposed(B)) / 2,
+    "dM/dt - d(M v)/dq / 2": lambda rate, B: rate - B / 2,
+}
+
+
+@proposer(
+    "coriolis_symbols", "Christoffel's symbols lack a term, or one has another sign",
+    "C_ij = (1/2) sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) v_k",
+)  # fmt: skip
+def coriolis_symbols(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str) -> Hypothesis:
+        def act(view: View, term: str, C: np.ndarray) -> np.ndarray:
+            return SYMBOLS[words](C + transposed(C), _momentum_by_q(view))
+
+        return replace(h, terms=("coriolis",), place="change", act=act, values=words, cost=1.1)
+
+    return [one(words) for words in SYMBOLS]
+
+
 def _momentum_by_q(view: View) -> np.ndarray:
     """d(M v)/dq at a given v, in its tangent space."""
     from ....call import evaluate as call

@@ -270,6 +270,14 @@ def a_ignored(view: View) -> States:
     return {**view.states, "a": 0 * view.states["a"]}
 
 
+@rule(
+    "clipped", "positions are cut to the file's limits", "take positions as they are passed", ALL, "state", cost=1.1,
+    when=lambda case: bool((case.robot.lower > -np.inf).any()),
+)  # fmt: skip
+def clipped(view: View) -> States:
+    return {**view.states, "q": np.clip(view.states["q"], view.robot.lower, view.robot.upper)}
+
+
 @rule("q_ignored", "positions are ignored", "pass q, and use it", ALL, "state", cost=1.2)
 def q_ignored(view: View) -> States:
     n = len(view.states["q"])

@@ -1,0 +1,192 @@
+"""Numbers of the file taken in other units, another order, or for another item."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from ..case import Case
+from ..description import Body, Description, Part, turn
+from ..hypothesis import Hypothesis
+from .register import ALL, INERTIAL, MASSIVE, changed, joint_rule, link_rule, proposer, robot_rule
+
+ANGLES = "read rpy as Rz(yaw) Ry(pitch) Rx(roll), in radians"
+Edit = Callable[[Description, Sequence[str]], Description]
+
+
+def _variants(h: Hypothesis, terms: tuple[str, ...], edits: dict[str, Edit], case: Case) -> list[Hypothesis]:
+    """One hypothesis for each edit, in words, that changes anything."""
+    return [
+        replace(h, place="edit", act=edit, terms=terms, values=words, cost=1.05)
+        for words, edit in edits.items() if _changes(case.description, edit(case.description, ()))
+    ]  # fmt: skip
+
+
+def _changes(a: Description, b: Description) -> bool:
+    return any(changed(x, y) for x, y in zip(a.parts, b.parts, strict=True))
+
+
+# --- angles --------------------------------------------------------------------------------------
+
+
+def _product(order: Iterable[int], rpy: np.ndarray) -> np.ndarray:
+    R = np.eye(3)
+    for axis in order:
+        R = R @ turn(axis, rpy[axis])
+    return R
+
+
+def _orders() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
+    """Products of the three turns, but for the right one and its reverse, which have rules of their own."""
+    found: dict[str, Callable[[np.ndarray], np.ndarray]] = {}
+    for order in permutations(range(3)):
+        if order not in ((2, 1, 0), (0, 1, 2)):
+            words = " ".join(f"R{'xyz'[k]}" for k in order)
+            found[words] = lambda rpy, order=order: _product(order, rpy)  # type: ignore[misc]
+    found["yaw pitch roll in the place of roll pitch yaw"] = lambda rpy: _product((2, 1, 0), rpy[::-1])
+    return found
+
+
+@proposer("rpy_order", "rpy of joints is multiplied in another order", ANGLES)
+def rpy_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
+        return lambda d, items: d.with_parts(lambda p, _: replace(p, rotation=R(p.rpy)) if p.rpy.any() else p)
+
+    return _variants(h, ALL, {words: edit(R) for words, R in _orders().items()}, case)
+
+
+@proposer("inertial_rpy_order", "rpy of <inertial> is multiplied in another order", ANGLES)
+def inertial_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
+        return lambda d, items: d.with_bodies(lambda b: replace(b, rotation=R(b.rpy)) if b.rpy.any() else b)
+
+    return _variants(h, MASSIVE, {words: edit(R) for words, R in _orders().items()}, case)
+
+
+@joint_rule("rpy_degrees", "rpy of joints is read as degrees", ANGLES)
+def rpy_degrees(p: Part, d: Description) -> Part:
+    return replace(p, rotation=_product((2, 1, 0), np.radians(p.rpy)))
+
+
+@link_rule("inertial_rpy_degrees", "rpy of <inertial> is read as degrees", ANGLES, MASSIVE)
+def inertial_degrees(b: Body) -> Body:
+    return replace(b, rotation=_product((2, 1, 0), np.radians(b.rpy)))
+
+
+def _snapped(rpy: np.ndarray) -> np.ndarray:
+    near = np.round(rpy / (np.pi / 4)) * (np.pi / 4)
+    return np.where(np.abs(rpy - near) < 1e-3, near, rpy)
+
+
+@joint_rule(
+    "rpy_snapped", "rpy of joints is rounded to the next multiple of pi/4", "take the file's numbers as they are"
+)
+def rpy_snapped(p: Part, d: Description) -> Part:
+    return replace(p, rotation=_product((2, 1, 0), _snapped(p.rpy)))
+
+
+# --- lengths and masses --------------------------------------------------------------------------
+
+THOUSANDS = {"1000": 1e3, "1/1000": 1e-3}
+
+
+@proposer("xyz_units", "xyz of joints is multiplied by a number (other units)", "give <origin xyz> in metres")
+def xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(k: float) -> Edit:
+        return lambda d, items: d.with_parts(lambda p, _: replace(p, position=k * p.position))
+
+    return _variants(h, ALL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+
+
+@proposer("inertial_xyz_units", "xyz of <inertial> is multiplied by a number (other units)", "give it in metres")
+def inertial_xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(k: float) -> Edit:
+        return lambda d, items: d.with_bodies(lambda b: replace(b, com=k * b.com))
+
+    return _variants(h, INERTIAL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+
+
+@proposer("mass_units", "masses are multiplied by a number (other units)", "give <mass> in kg")
+def mass_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(k: float) -> Edit:
+        return lambda d, items: d.with_bodies(lambda b: replace(b, mass=k * b.mass))
+
+    return _variants(h, INERTIAL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+
+
+# --- places --------------------------------------------------------------------------------------
+
+
+@proposer(
+    "inertial_xyz_order", "components of xyz of <inertial> are swapped or have the other sign", "read x y z in order"
+)
+def inertial_xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(P: np.ndarray) -> Edit:
+        return lambda d, items: d.with_bodies(lambda b: replace(b, com=P @ b.com))
+
+    found = {f"{a} and {b} swapped": edit(np.eye(3)[list(p)]) for (a, b), p in SWAPPED.items()}
+    found |= {f"-{'xyz'[k]}": edit(np.eye(3) - 2 * np.diag(np.eye(3)[k])) for k in range(3)}
+    return _variants(h, INERTIAL, found, case)
+
+
+SWAPPED = {("x", "y"): (1, 0, 2), ("y", "z"): (0, 2, 1), ("x", "z"): (2, 1, 0)}
+
+
+@proposer("moments_swapped", "moments of inertia are in each other's place", "read ixx, iyy and izz by name")
+def moments_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """But for ixx and izz, which have a rule of their own, also for single links."""
+
+    def edit(p: Sequence[int]) -> Edit:
+        def moved(b: Body) -> Body:
+            d = np.diag(b.inertia)
+            return replace(b, inertia=b.inertia - np.diag(d) + np.diag(d[list(p)]))
+
+        return lambda d, items: d.with_bodies(moved, items)
+
+    names = ("ixx", "iyy", "izz")
+    orders = [p for p in permutations(range(3)) if p not in ((0, 1, 2), (2, 1, 0))]
+    return _variants(h, MASSIVE, {" ".join(names[k] for k in p): edit(p) for p in orders}, case)
+
+
+def _shifted(step: int) -> Callable[[Description], Description]:
+    """In the file's order, of those that have one."""
+
+    def edit(d: Description) -> Description:
+        carried = [p for p in d.parts if p.body is not None and p.body.mass > 0]
+        carried.sort(key=lambda p: d.listed.index(p.joint))
+        bodies = [p.body for p in carried]
+        new = {p.link: bodies[(k + step) % len(bodies)] for k, p in enumerate(carried)}
+        return d.with_parts(lambda p, _: replace(p, body=new[p.link]) if p.link in new else p)
+
+    return edit
+
+
+robot_rule("inertial_shifted", "every link has the <inertial> of the next", "count links from the same number",
+           INERTIAL, cost=1.1)(_shifted(1))  # fmt: skip
+robot_rule("inertial_shifted", "every link has the <inertial> of the one before", "count links from the same number",
+           INERTIAL, cost=1.1)(_shifted(-1))  # fmt: skip
+
+
+@proposer("axis_other", "the axis of a joint is another", "read <axis> in the joint's own frame, with its sign")
+def axis_other(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    out = []
+    for p, _ in case.parts():
+        for k, sign in ((k, s) for k in range(3) for s in (1.0, -1.0)):
+            axis = sign * np.eye(3)[k]
+            if not p.axial or np.abs(np.abs(p.unit_axis) - np.abs(axis)).max() < 1e-12:
+                continue  # the file's own; reversed has a rule of its own
+
+            def edit(d: Description, items: Sequence[str], name: str = p.joint, axis: np.ndarray = axis) -> Description:
+                return d.with_parts(lambda q, _: replace(q, axis=axis) if q.joint == name else q)
+
+            words = f"{'-' if sign < 0 else ''}{'xyz'[k]}"
+            out.append(
+                replace(h, place="edit", act=edit, terms=ALL, items=(p.joint,), values=words, cost=2.2, single=True)
+            )
+    return out if len(out) <= MOST_AXES else []
+
+
+MOST_AXES = 120
