@@ -65,6 +65,10 @@ class Answers:
         if note.get("history") is not None:
             self.history[term] = float(note["history"])
 
+    def later(self, apart: Mapping[str, float]) -> None:
+        """What was answered otherwise once all other terms had been asked."""
+        self.history |= {t: float(x) for t, x in apart.items() if t in self.terms and t not in self.history}
+
 
 def shaped(answers: Answers, term: str, x: np.ndarray) -> tuple[str, np.ndarray]:
     """The answer in the shape that is compared, or what is wrong with its shape."""

@@ -73,13 +73,16 @@ def ask_here(subject: Any, asking: Asking, tick: Tick) -> Answers:
     who = serve.introduction(subject, serve.kind(subject))
     asking, how, remark = prepared(asking, who["writes"], who["name"])
     answers = _begun(who, how, asking, "; ".join(x for x in (remark, IN_PROCESS) if x))
-    start = time.perf_counter()
+    start, asked = time.perf_counter(), {}
     for term in asking.terms:
         tick(term)
         question = QUESTIONS[term]
         given = [answers.sent[k] for k in question.inputs]
         frames = list(asking.frames) if question.framed else None
+        asked[term] = given
         answers.take(term, *serve.interview(subject, term, given, frames, SECONDS))
+    framed = {t: asking.frames[0] for t in answers.terms if QUESTIONS[t].framed}
+    answers.later(serve.asked_later(subject, asked, framed, answers.terms))
     answers.seconds = time.perf_counter() - start
     return answers
 
@@ -227,6 +230,7 @@ class _Child:
             self._take(answers, waiting, kept)
             now = _json(self.folder / "now.json").get("term")
             (self.folder / "notes.json").unlink(missing_ok=True)
+            answers.later(_json(self.folder / "later.json"))
             if not wrong or not waiting:
                 break
             blamed = now if now in waiting else waiting[0]

@@ -13,6 +13,7 @@ What passes through FOLDER:
     states.npz     its q, v, a, tau, in its own columns; they are there when a line arrives on stdin
     now.json       the term being asked: what a crash is blamed on
     answers/T.npy  the answers of a term, on disk before the next begins
+    later.json     terms that answer their first state otherwise once all terms were asked, and how far off
     notes.json     of each term: seconds, what was not answered and why, whether it depends on its history
 """
 
@@ -160,6 +161,24 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
     return found(**{k: x for k, x in offered.items() if open_ended or k in wants})
 
 
+def asked_later(
+    subject: Any, given: dict[str, list[np.ndarray]], framed: dict[str, str], answers: dict[str, np.ndarray]
+) -> dict[str, float]:
+    """The first state of every term asked once more, after all other terms: where it is answered otherwise, how far.
+
+    `framed` holds, of terms of frames, the frame asked.
+    """
+    batched, found = getattr(subject, "batched", False), {}
+    for term, x in answers.items():
+        frame = framed.get(term)
+        first = x[0] if frame is None else x[0, 0]
+        if not np.isnan(first).any():
+            apart = _again(function(subject, term), given[term], frame, first, batched)
+            if apart is not None:
+                found[term] = apart
+    return found
+
+
 def kind(subject: Any) -> str:
     """What an object is called that does not say its name."""
     return "mapping" if isinstance(subject, dict) else type(subject).__name__
@@ -197,15 +216,18 @@ def main(folder: Path, spec: str) -> None:
     given = dict(np.load(folder / "states.npz"))
     (folder / "answers").mkdir(exist_ok=True)
     notes: dict[str, Any] = {}
+    answered: dict[str, np.ndarray] = {}
+    asked = {term: [given[k] for k in inputs[term] if k != "frame"] for term in ask["terms"]}
     for term in ask["terms"]:
         write(folder / "now.json", {"term": term})
         framed = inputs[term][-1] == "frame"
-        answers, notes[term] = interview(
-            subject, term, [given[k] for k in inputs[term] if k != "frame"], frames if framed else None, ask["seconds"]
-        )
+        answers, notes[term] = interview(subject, term, asked[term], frames if framed else None, ask["seconds"])
         if answers is not None:
             np.save(folder / "answers" / f"{term}.npy", answers)
+            answered[term] = answers
         write(folder / "notes.json", notes)
+    framed_terms = {t: frames[0] for t in answered if inputs[t][-1] == "frame"}
+    write(folder / "later.json", asked_later(subject, asked, framed_terms, answered))
     (folder / "now.json").unlink(missing_ok=True)
 
 
