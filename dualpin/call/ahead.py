@@ -1,15 +1,15 @@
-"""Kernels made ahead: while one is used, Python's part of the next is done in a thread and LLVM's in another.
+"""Kernels made ahead: while one is used, Python's part of the next is done in a thread, and LLVM's in others.
 
-LLVM takes about half of the time to make a kernel and needs none of Python's locks, so that what compiles many
-kernels one after the other takes about half as long on two cores.  Who needs a kernel that is begun waits for it.
+LLVM takes more than half of the time to make a kernel.  It needs no lock of Python's, but lets one thread of a process
+work at a time: so other processes help.  Who needs a kernel that is begun waits for it.
 """
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 
+from ..engine.jit.compiler import Workbench
 from ..engine.jit.host import CompilerError, this_host
 from .evaluator import Evaluator
 
@@ -19,15 +19,14 @@ class Ahead:
 
     def __init__(self, evaluators: Iterable[Evaluator]) -> None:
         self._kernels = [x.kernels for x in evaluators if x.engine in ("auto", "compiled")]
-        self._ended = False
-        self._llvm = ThreadPoolExecutor(1, thread_name_prefix="dualpin-llvm")
+        self._ended, self._bench = False, Workbench()
         self._thread = threading.Thread(target=self._begin, name="dualpin-ahead", daemon=True)
 
     def _begin(self) -> None:
         for kernels in self._kernels:
             if self._ended:
                 return
-            kernels.begin(self._llvm)
+            kernels.begin(self._bench)
 
     def __enter__(self) -> Ahead:
         try:
@@ -42,7 +41,7 @@ class Ahead:
         self._ended = True
         if self._thread.ident:
             self._thread.join()
-        self._llvm.shutdown(wait=False, cancel_futures=True)
+        self._bench.close()
 
 
 __all__ = ["Ahead"]

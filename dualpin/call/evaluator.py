@@ -14,9 +14,10 @@ from ..model import frames
 from .arguments import check_result, rows, separated
 from .kernels import Kernels
 
-ENGINES = ("auto", "compiled", "numpy", "cuda")
+ENGINES = ("auto", "compiled", "tiered", "numpy", "cuda")
 """Compiled where there is a compiler and the term is a straight line, else NumPy; compiled, or an error
-that says why not; the source itself on arrays; kernels of an Nvidia GPU, for arrays on it."""
+that says why not; NumPy until a thread has compiled it; the source itself on arrays; kernels of an Nvidia GPU,
+for arrays on it."""
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 
@@ -50,7 +51,9 @@ class Evaluator:
     def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Arrays (n, size) in, one array (n, *shape) out, whose rows are those of `out` (n, width) if given."""
         kernel = None
-        if self.engine != "numpy":
+        if self.engine == "tiered":
+            kernel = self.kernels.meanwhile(single=len(inputs[0]) == 1)
+        elif self.engine != "numpy":
             kernel = self.kernels.kernel(single=len(inputs[0]) == 1, required=self.engine == "compiled")
         if kernel is not None:
             return kernel.rows(inputs, out).reshape((len(inputs[0]), *self.shape))

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
 import threading
 import warnings
-from concurrent.futures import CancelledError, Executor, Future
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +19,7 @@ from ..model.robot import Robot
 from ..terms import Options, Term
 
 if TYPE_CHECKING:
+    from ..engine.jit.compiler import Workbench
     from ..engine.jit.fast_call import Code
     from ..engine.jit.kernel import Begun, Kernel
 
@@ -34,6 +37,7 @@ class Kernels:
         self._code: Code | None = None
         self._claim, self._claimed_by = threading.Lock(), 0  # by whoever makes the kernel for many samples
         self._begun: Future[Begun | None] = Future()
+        self._asked = [0, 0]  # processes that compile meanwhile
 
     def kernel(self, *, single: bool, required: bool = False) -> Kernel | None:
         """The kernel; None where there is none, or with `required` the error that says why."""
@@ -66,7 +70,19 @@ class Kernels:
                 self._tell(single=True)
             return self._code
 
-    def begin(self, llvm: Executor) -> None:
+    @property
+    def any(self) -> bool:
+        """Whether one of them is compiled."""
+        return any(self.known(single=single) is not None for single in (False, True))
+
+    def meanwhile(self, *, single: bool) -> Kernel | None:
+        """The kernel if it is compiled; if not, another thread begins to, and there is none yet."""
+        if self._found[single] is None and self._asked[single] != os.getpid():
+            self._asked[single] = os.getpid()  # threads do not survive a fork
+            later(lambda: self.kernel(single=single))
+        return self.known(single=single)
+
+    def begin(self, bench: Workbench) -> None:
         """Python's part of the kernel for many samples, here and now; LLVM's is submitted."""
         from ..engine.jit.kernel import begin
 
@@ -74,7 +90,7 @@ class Kernels:
             return
         self._claimed_by = os.getpid()
         try:
-            self._begun.set_result(begin(self.robot, self.term, self.options, self.dtype, llvm))
+            self._begun.set_result(begin(self.robot, self.term, self.options, self.dtype, bench))
         except BaseException:  # whoever needs the kernel is told
             self._begun.set_result(None)
 
@@ -109,6 +125,18 @@ class Kernels:
                 self._found[single] = found
                 self._tell(single)
         return found
+
+
+_pool: dict[int, Executor] = {}  # of a process
+
+
+def later(work: Callable[[], object]) -> None:
+    """Done in a thread of low haste: one for all, since LLVM works for one at a time."""
+    with contextlib.suppress(RuntimeError):  # the interpreter is ending
+        pool = _pool.get(os.getpid()) or _pool.setdefault(
+            os.getpid(), ThreadPoolExecutor(1, thread_name_prefix="dualpin-tiered")
+        )
+        pool.submit(work)
 
 
 @functools.cache

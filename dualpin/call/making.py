@@ -18,7 +18,7 @@ def evaluator_of(
     robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
 ) -> Evaluator:
     """The robot's evaluator for a term whose options are settled; made at first use."""
-    if engine == "auto" and robot.numbers != "double":
+    if engine in ("auto", "tiered") and robot.numbers != "double":
         engine = "numpy"  # constants of more digits are no machine numbers
     kept, key = memory(robot), (term, dtype, *options.values())
     found: Evaluator | None = kept.get((engine, *key))
@@ -43,9 +43,9 @@ def function_of(
 ) -> Evaluator:
     """The same, with the fast call in front where there is one: other code, same arguments, same results."""
     general = evaluator_of(robot, term, options, dtype, engine)
-    if general.engine != "auto":
+    if general.engine not in ("auto", "tiered") or (general.engine == "tiered" and not general.kernels.any):
         return general
-    kept, key = memory(robot), ("function", term, dtype, *options.values())
+    kept, key = memory(robot), ("function", general.engine, term, dtype, *options.values())
     return kept.get(key) or kept.setdefault(key, fast_function(general.kernels, general) or general)
 
 

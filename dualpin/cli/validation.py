@@ -38,7 +38,7 @@ def validate(
     ] = None,
     floating: Floating = False,
     mimic: Mimic = False,
-    engine: Annotated[str, typer.Option("--engine", help="auto, numpy, compiled or cuda.")] = "auto",
+    engine: Annotated[str, typer.Option("--engine", help="auto, numpy, compiled, tiered or cuda.")] = "auto",
     arbitrate: Annotated[
         bool, typer.Option("--arbitrate", help="Ask 50 digits also where a term agrees and is off by more than 1e-13.")
     ] = False,

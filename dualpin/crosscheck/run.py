@@ -48,7 +48,7 @@ def validate(
         Some of `dualpin.crosscheck.CHECKS`; all by default.
     floating, mimic : bool
         As in `dualpin.load`, where a name or path is given.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes dualpin's side.
     arbitrate : bool
         Where a term differs, its definition in 50 digits always says who is nearer; with this also

@@ -48,7 +48,7 @@ def rnea_derivatives(
         Where all three are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -105,7 +105,7 @@ def aba_derivatives(
         Where all three are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -171,7 +171,7 @@ def rnea_jvp(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -230,7 +230,7 @@ def rnea_vjp(
         Where all three are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns

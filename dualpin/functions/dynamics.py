@@ -44,7 +44,7 @@ def rnea(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -104,7 +104,7 @@ def joint_wrenches(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -157,7 +157,7 @@ def bias(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -198,7 +198,7 @@ def gravity(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -252,7 +252,7 @@ def aba(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns

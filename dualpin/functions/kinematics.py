@@ -48,7 +48,7 @@ def fk(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -104,7 +104,7 @@ def jacobian(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -160,7 +160,7 @@ def jacobian_dot(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -214,7 +214,7 @@ def frame_velocity(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -276,7 +276,7 @@ def frame_acceleration(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns

@@ -33,7 +33,7 @@ def crba(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -87,7 +87,7 @@ def coriolis(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -130,7 +130,7 @@ def minv(
         Where the result is written, float64 or float32 and of its shape.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns

@@ -50,7 +50,7 @@ def rnea_hvp(
         Where all three are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -112,7 +112,7 @@ def rnea_hessian(
         Where all four are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns
@@ -173,7 +173,7 @@ def rnea_second_derivatives(
         Where all four are written; what is returned are its parts.
     dtype : float64 or float32
         What it is computed in, and returned as; arrays of another type are converted.
-    engine : "auto", "compiled", "numpy" or "cuda"
+    engine : "auto", "compiled", "tiered", "numpy" or "cuda"
         What computes it.
 
     Returns

@@ -10,10 +10,12 @@ import ctypes
 import itertools
 import json
 import os
+import queue
 import subprocess
 import sys
 import weakref
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -37,23 +39,81 @@ def object_code(text: str, host: Host, quick: bool = False) -> bytes:
         raise CompilerError(f"LLVM: {e}") from e
 
 
+def _about(host: Host, quick: bool) -> bytes:
+    """What a process that compiles is told before the text."""
+    path = [p for p in sys.path if isinstance(p, str)]
+    about = {"path": path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
+    return json.dumps(about).encode()
+
+
+def helpers() -> list[subprocess.Popen[bytes]]:
+    """Processes that compile, as many as may help this one."""
+    found: list[subprocess.Popen[bytes]] = []
+    # in a program that Python is only a part of, `sys.executable` is something else
+    python = Path(sys.executable or "").name.startswith("python")
+    with contextlib.suppress(OSError):  # no more processes
+        for _ in range(min(get_num_threads(), tuning.PROCESSES) - 1 if python else 0):
+            found.append(
+                subprocess.Popen(
+                    [sys.executable, "-I", worker.__file__],
+                    stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                )
+            )  # fmt: skip
+    return found
+
+
+class Workbench:
+    """Places where many programs are compiled, one at a time each: this process and others.  Set up at first use."""
+
+    def __init__(self) -> None:
+        self._places: queue.SimpleQueue[subprocess.Popen[bytes] | None] = queue.SimpleQueue()
+        self._others: list[subprocess.Popen[bytes]] = []
+        self._threads: ThreadPoolExecutor | None = None
+        self._closed = False
+
+    def submit(self, texts: Sequence[str], host: Host, quick: bool) -> Future[list[bytes]]:
+        if self._threads is None:
+            self._others = helpers()
+            for place in (None, *self._others):
+                self._places.put(place)
+            self._threads = ThreadPoolExecutor(1 + len(self._others), thread_name_prefix="dualpin-llvm")
+        return self._threads.submit(lambda: [self._object_code(text, host, quick) for text in texts])
+
+    def _object_code(self, text: str, host: Host, quick: bool) -> bytes:
+        place, code = self._places.get(), b""
+        try:
+            if place is not None:
+                with contextlib.suppress(OSError):
+                    pipe = cast(IO[bytes], place.stdin)
+                    worker.send(pipe, _about(host, quick))
+                    worker.send(pipe, text.encode())
+                    code = worker.receive(cast(IO[bytes], place.stdout))
+            if not code and self._closed:
+                raise CompilerError("nobody waits for it any more")
+            return code or object_code(text, host, quick)
+        finally:
+            self._places.put(place)
+
+    def close(self) -> None:
+        """What is not begun is given up; what this process compiles is finished first."""
+        self._closed = True
+        if self._threads is not None:
+            self._threads.shutdown(wait=False, cancel_futures=True)
+            for process in self._others:
+                process.kill()
+            self._threads.shutdown(wait=True)
+            for process in self._others:
+                with contextlib.suppress(OSError), process:  # which closes its pipes and waits for its end
+                    pass
+
+
 class Compilers:
     """This process and others that help it with a large program: begun early, ended in any case."""
 
     def __init__(self, host: Host, nodes: int) -> None:
         binding()
         self.host = host
-        self.others: list[subprocess.Popen[bytes]] = []
-        if nodes < tuning.PROCESSES_FROM or not Path(sys.executable or "").name.startswith("python"):
-            return  # too small, or a program that Python is only a part of
-        for _ in range(min(get_num_threads(), tuning.PROCESSES) - 1):
-            with contextlib.suppress(OSError):  # no more processes
-                self.others.append(
-                    subprocess.Popen(
-                        [sys.executable, "-I", worker.__file__],
-                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                    )
-                )  # fmt: skip
+        self.others = helpers() if nodes >= tuning.PROCESSES_FROM else []
 
     @property
     def count(self) -> int:
@@ -69,12 +129,11 @@ class Compilers:
 
     def object_codes(self, texts: Sequence[str], quick: bool) -> list[bytes]:
         """The first is compiled here, each of the others by a process, and here where that fails."""
-        host, path = self.host, [p for p in sys.path if isinstance(p, str)]
-        about = {"path": path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
+        host, about = self.host, _about(self.host, quick)
         asked = list(zip(self.others, texts[1:], strict=False))
         for process, text in asked:
             with contextlib.suppress(OSError), cast(IO[bytes], process.stdin) as pipe:
-                worker.send(pipe, json.dumps(about).encode())
+                worker.send(pipe, about)
                 worker.send(pipe, text.encode())
         objects = [object_code(texts[0], host, quick)]
         for process, text in asked:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import copyreg
 import ctypes
+import hashlib
 import platform
 import sys
 import sysconfig
@@ -28,9 +29,11 @@ from ... import memory
 from ...locking import LOCK, Once
 from .. import tuning
 from ..codegen import fast_call as source
+from . import cache as disk
 from . import threads
 from .compiler import loaded, object_code, stores
-from .host import this_host
+from .fingerprint import compiler_key
+from .host import CompilerError, this_host
 from .kernel import Kernel
 
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
@@ -177,7 +180,17 @@ def addresses() -> dict[str, Any]:
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     names = ("entry", "public", "release")
     imports = api | _numpy() | {"forms": ctypes.addressof(forms), "stores": ctypes.addressof(stores)}
-    code = loaded([object_code(source.text(fields, tuning.STACK), this_host())], names, imports)
+    text, host = source.text(fields, tuning.STACK), this_host()
+    key = f"fast call|{hashlib.sha256(text.encode()).hexdigest()}|{compiler_key(host)}"
+    found = disk.load(key)
+    try:
+        code = loaded([found[1]], names, imports) if found else None
+    except CompilerError:  # whatever is wrong with it, it can be made again
+        code = None
+    if code is None:
+        made = object_code(text, host)
+        code = loaded([made], names, imports)
+        disk.store(key, {}, made)
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory
 
 

@@ -83,6 +83,11 @@ def _model_part(value: Any) -> str:
     return "" if hasattr(value, "motion") else repr(value)
 
 
+def compiler_key(host: Host) -> str:
+    """What compiles, and for what machine."""
+    return f"LLVM {'.'.join(map(str, binding().llvm_version_info))}|{host.key}"
+
+
 def key(robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int) -> str | None:
     """Everything a kernel depends on, as text, or None for a kernel that must not be kept."""
     from ... import __version__
@@ -95,6 +100,5 @@ def key(robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host,
         if isinstance(value, Frame):
             value = f"{-1 if value.joint is None else value.joint.index} {_pose(value.placement)}"
         chosen.append(f"{name}={value}")
-    llvm = ".".join(map(str, binding().llvm_version_info))
     made_for = [str(np.dtype(dtype)), f"{lanes} lanes"]
-    return "|".join([__version__, sources(), f"LLVM {llvm}", host.key, mine, term.name, *made_for, *chosen])
+    return "|".join([__version__, sources(), compiler_key(host), mine, term.name, *made_for, *chosen])

@@ -7,7 +7,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, Future
+from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,7 @@ from ..codegen.number import DOUBLE, SINGLE
 from ..graph.schedule import Schedule, schedule
 from ..graph.trace import Trace, trace
 from . import cache as disk
-from .compiler import Compilers, loaded, object_code, split
+from .compiler import Compilers, Workbench, loaded, split
 from .fingerprint import key as kernel_key
 from .host import Host, this_host
 from .threads import spread
@@ -158,8 +158,8 @@ class Begun:
         return self.about | {"objects": [len(x) for x in objects]}, b"".join(objects)
 
 
-def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, llvm: Executor) -> Begun | None:
-    """Trace a kernel for many samples and let `llvm` compile it; None if it is in the cache."""
+def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, bench: Workbench) -> Begun | None:
+    """Trace a kernel for many samples and let others compile it; None if it is in the cache."""
     host = this_host()
     lanes = host.lanes(dtype.itemsize)
     key = kernel_key(robot, term, options, dtype, host, lanes)
@@ -167,7 +167,7 @@ def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, llvm: Exe
         return None
     program = trace(robot, term, options)
     plan, about, texts = _written(program, dtype, host, lanes, lambda: 1)
-    return Begun(about, llvm.submit(lambda: [object_code(x, host, plan.operations > tuning.QUICK_FROM) for x in texts]))
+    return Begun(about, bench.submit(texts, host, plan.operations > tuning.QUICK_FROM))
 
 
 def compiled(

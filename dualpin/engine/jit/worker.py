@@ -1,6 +1,7 @@
 """LLVM at work.  Imported, or run as a process of its own that needs nothing but llvmlite and so begins at once:
 
     python worker.py     in: the arguments of `object_code` and sys.path, as JSON; then IR.  out: object code.
+                         again, until the input ends
 
 All are sent with their lengths: a pipe may have other ends in processes that know nothing of it.
 """
@@ -38,14 +39,15 @@ def receive(pipe: IO[bytes]) -> bytes:
 
 
 def main() -> None:
-    about = json.loads(receive(sys.stdin.buffer))
-    text = receive(sys.stdin.buffer).decode()
-    sys.path[:] = about.pop("path")
-    import llvmlite.binding as llvm
+    while head := receive(sys.stdin.buffer):
+        about = json.loads(head)
+        text = receive(sys.stdin.buffer).decode()
+        sys.path[:] = about.pop("path")
+        import llvmlite.binding as llvm
 
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    send(sys.stdout.buffer, object_code(text, **about))
+        llvm.initialize_native_target()
+        llvm.initialize_native_asmprinter()
+        send(sys.stdout.buffer, object_code(text, **about))
 
 
 if __name__ == "__main__":
