@@ -297,20 +297,20 @@ import dualpin as dp
 from dualpin.model import robot as module
 
 robot, begun = dp.load("ur5"), threading.Event()
-constants = module._constants
+constants = module.constants
 
 def slow(robot):
     begun.set()
     time.sleep(3)
     return constants(robot)
 
-module._constants = slow
+module.constants = slow
 thread = threading.Thread(target=lambda: robot.numbers)
 thread.start()
 begun.wait()
 child = os.fork()
 if not child:
-    module._constants = constants
+    module.constants = constants
     print(dp.load("ur5").numbers, flush=True)
     os._exit(0)
 end, done = time.monotonic() + 20, 0

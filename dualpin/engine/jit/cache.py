@@ -26,10 +26,10 @@ SUFFIX = ".kernel"
 _MAGIC = b"dualpin kernel 1\n"
 
 
-def folder() -> Path:
-    """Where kernels are kept: ``DUALPIN_CACHE_DIR``, or the platform's cache folder for dualpin."""
+def folder(room: str = "kernels") -> Path:
+    """Where kernels are kept, or "calls": in ``DUALPIN_CACHE_DIR``, or the platform's cache folder for dualpin."""
     chosen = os.environ.get("DUALPIN_CACHE_DIR")
-    return (Path(chosen).expanduser() if chosen else _usual_folder()) / "kernels"
+    return (Path(chosen).expanduser() if chosen else _usual_folder()) / room
 
 
 @cache
@@ -63,6 +63,9 @@ def info() -> dict[str, Any]:
 
 def clear() -> dict[str, Any]:
     """Remove every kernel; returns {"folder", "removed" (int), "bytes" (int)}."""
+    for f in _files(folder("calls")):
+        with contextlib.suppress(OSError):
+            f.unlink()
     place, removed, size = folder(), 0, 0
     for f in _files(place):
         with contextlib.suppress(OSError):
@@ -100,9 +103,9 @@ def _announce(message: str) -> None:
     warnings.warn(message, DualpinWarning, stacklevel=4)
 
 
-def load(key: str) -> tuple[dict[str, Any], bytes] | None:
+def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None:
     """What was stored under this key, or None: then it has to be compiled."""
-    place = folder()
+    place = folder(room)
     path = place / _name(key)
     try:
         with path.open("rb") as f:
@@ -133,9 +136,9 @@ def stored(key: str) -> bool:
     return (folder() / _name(key)).exists()
 
 
-def store(key: str, about: dict[str, Any], code: bytes) -> None:
+def store(key: str, about: dict[str, Any], code: bytes, room: str = "kernels") -> None:
     """Keep a kernel; where that is impossible, say so once and go on."""
-    place = folder()
+    place = folder(room)
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         reason = refusal(place)

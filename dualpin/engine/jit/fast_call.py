@@ -182,7 +182,7 @@ def addresses() -> dict[str, Any]:
     imports = api | _numpy() | {"forms": ctypes.addressof(forms), "stores": ctypes.addressof(stores)}
     text, host = source.text(fields, tuning.STACK), this_host()
     key = f"fast call|{hashlib.sha256(text.encode()).hexdigest()}|{compiler_key(host)}"
-    found = disk.load(key)
+    found = disk.load(key, "calls")
     try:
         code = loaded([found[1]], names, imports) if found else None
     except CompilerError:  # whatever is wrong with it, it can be made again
@@ -190,7 +190,7 @@ def addresses() -> dict[str, Any]:
     if code is None:
         made = object_code(text, host)
         code = loaded([made], names, imports)
-        disk.store(key, {}, made)
+        disk.store(key, {}, made, "calls")
     return {name: code[name] for name in names} | {"code": code}  # which keeps the memory
 
 
