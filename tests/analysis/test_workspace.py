@@ -60,22 +60,21 @@ def test_the_index_of_panda_is_that_of_brute_force_with_pinocchio():
     """Pinocchio's poses of its own random configurations, sorted into cells and directions by other code."""
     pin = pytest.importorskip("pinocchio")
     robot = dp.load("panda")
-    found = dp.reach_map(robot, "panda_hand", n=3_000_000, cell=0.3, bands=2)
+    found = dp.reach_map(robot, "panda_hand", n=3_000_000, cell=0.2, bands=5)
     model = pin.buildModelFromUrdf(robot.source)
     data, frame = model.createData(), model.getFrameId("panda_hand", pin.BODY)
-    rng, seen = np.random.default_rng(5), set()
-    low, high = model.lowerPositionLimit, model.upperPositionLimit
-    edges = [np.append(found.centres(k) - found.cell / 2, found.centres(k)[-1] + found.cell / 2) for k in range(3)]
-    for q in rng.uniform(low, high, (600_000, model.nq)):
+    rng, n = np.random.default_rng(5), 3_000_000
+    place, aim = np.empty((n, 3)), np.empty((n, 3))
+    for i in range(n):
+        q = rng.uniform(model.lowerPositionLimit, model.upperPositionLimit)
         pin.forwardKinematics(model, data, q)
         T = pin.updateFramePlacement(model, data, frame)
-        cell = tuple(int(np.searchsorted(e, x, "right")) - 1 for e, x in zip(edges, T.translation, strict=True))
-        x, y, z = T.rotation[:, 2]
-        seen.add((*cell, int(z >= 0), int((np.degrees(np.arctan2(y, x)) + 180) // 90) % 4))
-    truth = np.zeros(found.shape)
-    for i, j, k, *_ in seen:
-        if min(i, j, k) >= 0 and i < truth.shape[0] and j < truth.shape[1] and k < truth.shape[2]:
-            truth[i, j, k] += 1 / 8
+        place[i], aim[i] = T.translation, T.rotation[:, 2]
+    edges = [np.append(found.centres(k) - found.cell / 2, found.centres(k)[-1] + found.cell / 2) for k in range(3)]
+    heading = np.degrees(np.arctan2(aim[:, 1], aim[:, 0]))
+    spread = [*place.T, aim[:, 2], heading]
+    hits, _ = np.histogramdd(np.array(spread).T, [*edges, np.linspace(-1, 1, 6), np.linspace(-180, 180, 11)])
+    truth = (hits > 0).mean(axis=(3, 4))
     some = (truth > 0) | (found.index > 0)
     assert np.corrcoef(truth[some], found.index[some])[0, 1] > 0.99
 

@@ -62,8 +62,8 @@ class ReachMap:
     seconds : float
         What it took.
     coverage : float
-        Of the last configurations, the share that came to a cell and direction seen before: near 1 the map
-        is complete, and the index no longer rises with more samples.
+        Of the last configurations, the share that came to a cell and direction seen before; near 1 only
+        what few configurations reach is still missing.
     """
 
     robot: Robot
