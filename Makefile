@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.installed
 # tests share the cores by files; a benchmark or a campaign takes them alone
 JOBS   ?= 2
 
-.PHONY: help venv validate test lint oldest campaign papers integrators referee dh bench docs wheel clean
+.PHONY: help venv validate test lint oldest faults campaign papers integrators referee dh bench docs wheel clean
 
 help:            ## print the targets
 	@grep -E '^[a-z]+: *[^#]*##' $(MAKEFILE_LIST) | sed -E 's/:[^#]*##/\t/' | expand -t 14
@@ -70,6 +70,9 @@ dh: $(STAMP)         ## all chains of all robots to DH and screws: writes valida
 
 zoo: $(STAMP)        ## any folder of URDFs, DIR=..., read and validated by both libraries: writes out/zoo
 	$(BIN)/python -m validation.zoo $(DIR) --out out/zoo
+
+faults: $(STAMP)     ## what check finds in a folder of URDFs, DIR=..., or in the robots of example-robot-data
+	$(BIN)/python -m validation.check $(DIR)
 
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks

@@ -29,7 +29,7 @@ SUBJECTS = {
 """Suffix -> the subject that reads it, and the module that this needs."""
 
 
-LISTED = 8  # of what was lost
+LISTED = 3  # of what was lost of one kind
 
 
 @dataclass
@@ -130,6 +130,16 @@ def convert(
     return done
 
 
+def _lost(found: Diff) -> list[str]:
+    """What counts, by kind: "limit velocity: of 'joint1', 'joint2', ... (9 in all)"."""
+    kinds: dict[str, list[str]] = {}
+    for c in found.changes:
+        if c.counts:
+            kinds.setdefault(f"{c.about}: {c.what}", []).append(repr(c.item))
+    more = {k: f", ... ({len(x)} in all)" if len(x) > LISTED else "" for k, x in kinds.items()}
+    return [f"{k} differs: {', '.join(x[:LISTED])}{more[k]}" for k, x in kinds.items()]
+
+
 def _quietly(source: Any, floating: bool, mimic: bool = False) -> Robot:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DualpinWarning)
@@ -141,8 +151,7 @@ def _judge(done: Conversion, robot: Robot, path: Path, samples: int, seed: int) 
     subject, module = SUBJECTS[path.suffix.lower()]
     again = _quietly(path, robot.floating and not is_mjcf(path), robot.coupled)
     done.diff = diff(robot, again, samples, seed)
-    lost = [f"{c.about} {c.item!r}: {c.says}" for c in done.diff.changes if c.counts]
-    done.notes += lost[:LISTED] + ([f"{len(lost)} differences in all"] if len(lost) > LISTED else [])
+    done.notes += _lost(done.diff)
     if not robot.nv:
         done.reason = "no joint moves, so there is no term to compare"
         return

@@ -71,9 +71,10 @@ def _show(found: Any) -> None:
             listing.add_row(t.term, f"{t.amount:.3g}", t.unit, f"{t.scaled:.1e}", lines(t.where))
         out.print(listing)
     if found.base_parameters:
-        names = list(found.base_parameters)
-        more = f", ... ({len(names)} in all)" if len(names) > 4 else ""
-        out.print(line(f"base parameters that differ: {', '.join(names[:4])}{more}"), markup=False)
+        listing = table("base parameter", "a>", "b>", title="combinations of parameters that torques show")
+        for name, (x, y) in list(found.base_parameters.items())[:LISTED]:
+            listing.add_row(lines(name), f"{x:.6g}", f"{y:.6g}")
+        out.print(listing)
     if found.reason:
         out.print(f"terms not compared: {found.reason}", markup=False)
     out.print(line(f"{found.a} and {found.b}: {found.verdict}"), markup=False)

@@ -13,7 +13,8 @@ MuJoCo documentation, "Computation: kinematics" and "XML reference".
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -82,16 +83,32 @@ def read_mjcf(
     mujoco = extra("mujoco", "mujoco", "an MJCF file")
     name = source.name if isinstance(source, Path) else name
     try:
-        if isinstance(source, Path):
-            model = mujoco.MjModel.from_xml_path(str(source))
-        else:
-            model = mujoco.MjModel.from_xml_string(source if isinstance(source, str) else source.decode("utf-8"))
+        with _listening(mujoco) as said:
+            if isinstance(source, Path):
+                model = mujoco.MjModel.from_xml_path(str(source))
+            else:
+                model = mujoco.MjModel.from_xml_string(source if isinstance(source, str) else source.decode("utf-8"))
     except (ValueError, UnicodeDecodeError, mujoco.FatalError) as e:
         raise UrdfError(f"{name}: MuJoCo refuses it: {' '.join(str(e).split())[:400]}") from None
     try:
-        return _Reader(mujoco, model, name, without).robot(floating, mimic, source)
+        reader = _Reader(mujoco, model, name, without)
+        for text in said:
+            reader.notes.add(f"MuJoCo: {text}")
+        return reader.robot(floating, mimic, source)
     except ArgumentError as e:
         raise UrdfError(f"{name}: {e}") from None
+
+
+@contextmanager
+def _listening(mujoco: Any) -> Iterator[list[str]]:
+    """What MuJoCo warns of, which it otherwise prints and writes into a file of the current folder."""
+    said: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda text: said.append(" ".join(str(text).split())))
+    try:
+        yield said
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 class _Reader:

@@ -18,6 +18,8 @@ def test_it_runs(path, tmp_path, monkeypatch, capsys):
         pytest.importorskip("pinocchio")  # which brings the robots
     if "symbolic" in text:
         pytest.importorskip("sympy")
+    if "convert" in text:
+        pytest.importorskip("mujoco")
     for library in ("torch", "jax"):
         if f"dualpin.{library}" in text:
             pytest.importorskip(library)

@@ -210,6 +210,13 @@ def test_what_mujoco_refuses_is_refused_with_its_words(text):
         dp.loads(text)
 
 
+def test_what_mujoco_warns_of_is_a_note_and_leaves_no_file(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    robot = dp.load(ASSETS / "half_cheetah.xml")
+    assert any(n.startswith("MuJoCo: ") and "settotalmass" in n for n in robot.notes)
+    assert not list(tmp_path.iterdir()) and capfd.readouterr() == ("", "")
+
+
 def test_sdf_is_left_out_and_says_so():
     with pytest.raises(dp.UrdfError, match="SDF is not URDF and is not read"):
         dp.loads("<sdf version='1.9'/>")

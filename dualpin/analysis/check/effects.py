@@ -39,7 +39,8 @@ class Effects:
 
     def _columns(self, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         inputs = {"q": self.states[0], "v": v, "a": a}
-        return evaluate(self.robot, "joint_torque_regressor", inputs, engine="numpy")
+        Y = evaluate(self.robot, "joint_torque_regressor", inputs, engine="numpy")
+        return np.asarray(Y[..., : 10 * len(self.robot)])  # rotors come after the bodies
 
     @cached_property
     def at_rest(self) -> np.ndarray:

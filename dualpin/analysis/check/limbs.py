@@ -121,6 +121,8 @@ def _relative(x: np.ndarray, y: np.ndarray) -> float:
     Rule("duplicate-inertial", NOTE, "Links of different shape have the same mass, centre and tensor, to the digit.")
 )
 def duplicated(case: Case) -> Iterator[Finding]:
+    if case.about.document is None:
+        return  # without shapes nothing tells a copy from a second part
     same: dict[tuple[float, ...], list[Body]] = defaultdict(list)
     for b in case.about.bodies:
         if b.given and b.mass > LIGHT and b.written.any() and not _round(b):

@@ -22,6 +22,7 @@ from .findings import ERROR, NOTE, WARNING, Finding
 from .rules import Case, Rule, finding, rules
 
 PRINTED = 1e-6  # relative: six printed digits are common
+FEW = 0.05  # of a tensor that was printed with one or two digits: no excuse for more than that
 OSMIUM = 22_590.0  # kg/m^3, the densest element
 LIGHT = 1e-3  # kg; placeholders below a gram change no torque that matters
 FLAT = 0.01  # of the largest second moment: thinner than a tenth of its length, a plate or a rod on paper
@@ -49,9 +50,10 @@ def impossible(case: Case) -> Iterator[Finding]:
         if not size:
             continue
         low, middle, high = b.moments
-        definite = low < -PRINTED * size - b.printed
+        rounding = PRINTED * size + min(b.printed, FEW * size)
+        definite = low < -rounding
         lacking = high - low - middle
-        if not definite and lacking <= PRINTED * size + 2 * b.printed:
+        if not definite and lacking <= rounding:
             continue
         repaired = nearest_physical(b.tensor)
         effect = case.effects.of_body(b, b.mass, b.com, repaired)

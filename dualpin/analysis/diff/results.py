@@ -11,6 +11,9 @@ IDENTICAL, RENAMED, FRAMES, DYNAMICS, COORDINATES, DIFFERENT = (
 )  # fmt: skip
 
 
+LONG = 40  # characters of a regrouped parameter in a line
+
+
 @dataclass(frozen=True)
 class Change:
     """One difference.
@@ -132,9 +135,8 @@ class Diff:
         if self.terms:
             lines.append("largest changes: " + "; ".join(map(str, self.terms.values())))
         if self.base_parameters:
-            lines.append(
-                f"{len(self.base_parameters)} base parameters differ: {', '.join(list(self.base_parameters)[:4])}"
-            )
+            first = [n if len(n) <= LONG else n[: LONG - 4] + " ..." for n in self.base_parameters][:4]
+            lines.append(f"{len(self.base_parameters)} base parameters differ: {', '.join(first)}")
         if self.reason:
             lines.append(f"terms not compared: {self.reason}")
         return "\n".join([*lines, f"{self.a} and {self.b}: {self.verdict}"])
