@@ -23,6 +23,7 @@ from ...model.robot import Joint, Robot
 from ...spatial.pose import Pose
 from .findings import Edit
 
+MICROMETRE = 1e-6  # m
 TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -59,6 +60,11 @@ class Body:
     def moments(self) -> np.ndarray:
         """Principal moments, ascending."""
         return np.linalg.eigvalsh(self.tensor)
+
+    @property
+    def point(self) -> bool:
+        """Whether it has mass and no extent: zeros, or what rounding left of them, a radius below a micrometre."""
+        return self.mass > 0 and float(np.abs(self.written).max()) <= self.mass * MICROMETRE**2
 
     @property
     def item(self) -> str:

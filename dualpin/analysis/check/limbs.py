@@ -125,7 +125,7 @@ def duplicated(case: Case) -> Iterator[Finding]:
         return  # without shapes nothing tells a copy from a second part
     same: dict[tuple[float, ...], list[Body]] = defaultdict(list)
     for b in case.about.bodies:
-        if b.given and b.mass > LIGHT and b.written.any() and not _round(b):
+        if b.given and b.mass > LIGHT and not b.point and not _round(b):
             key = (b.mass, *b.com.tolist(), *b.tensor.ravel().tolist())
             same[key].append(b)
     for first, *others in same.values():

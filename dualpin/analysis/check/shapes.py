@@ -201,7 +201,7 @@ def wrong_frame(case: Case) -> Iterator[Finding]:
         return
     for b in case.about.bodies:
         shapes = case.about.shapes.get(b.name)
-        if not shapes or b.mass <= LIGHT or not b.written.any() or not physical(b.tensor):
+        if not shapes or b.mass <= LIGHT or b.point or not physical(b.tensor):
             continue
         solid = uniform(shapes, b.mass)
         if solid is None or _off(b.tensor, solid) < APART:

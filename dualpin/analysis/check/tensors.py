@@ -47,7 +47,7 @@ def nearest_physical(J: np.ndarray) -> np.ndarray:
 def impossible(case: Case) -> Iterator[Finding]:
     for b in case.about.bodies:
         size = float(np.abs(b.written).max())
-        if not size:
+        if not size or b.point:
             continue
         low, middle, high = b.moments
         rounding = PRINTED * size + min(b.printed, FEW * size)
@@ -127,7 +127,7 @@ def lacking(case: Case) -> Iterator[Finding]:
                 why=why,
                 fix="give the mass, or remove the tensor",
             )
-        elif b.mass > LIGHT and b.given and not b.written.any():
+        elif b.mass > LIGHT and b.given and b.point:
             r = sphere(b.mass)
             J = 0.4 * b.mass * r * r * np.eye(3)
             effect = case.effects.of_body(b, b.mass, b.com, J)
@@ -157,7 +157,7 @@ def sphere(mass: float, density: float = 1000.0) -> float:
 )
 def unlikely(case: Case) -> Iterator[Finding]:
     for b in case.about.bodies:
-        if b.mass <= LIGHT or not b.written.any() or not physical(b.tensor):
+        if b.mass <= LIGHT or b.point or not physical(b.tensor):
             continue
         J, isotropic = b.written, np.array_equal(b.written, b.written[0, 0] * np.eye(3))
         radius = sqrt(float(b.moments[-1]) / b.mass)
