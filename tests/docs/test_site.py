@@ -46,8 +46,9 @@ def test_the_reference_has_every_public_name(site):
             continue
         if hasattr(value, "__qualname__"):
             last = getattr(value, "__qualname__", name.rpartition(".")[2])
-            room = ".".join(value.__module__.split(".")[:2])
-            if not {name, f"{value.__module__}.{last}", f"{room}.{last}"} & entries:
+            parts = value.__module__.split(".")
+            rooms = {".".join([*parts[:k], last]) for k in range(2, len(parts) + 1)}
+            if not {name, *rooms} & entries:
                 missing.append(name)
         elif not re.search(rf"<code>[\w., ]*\b{name.rpartition('.')[2]}(\(\))?</code>", pages):
             missing.append(name)

@@ -5,9 +5,12 @@ import shutil
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from dualpin.report import compare, page, study
+import dualpin as dp
+from dualpin.report import compare, page, robot_page, study
+from dualpin.report.skeleton import skeleton
 
 from . import samples
 
@@ -263,3 +266,50 @@ def test_all_robots_open_quickly(browser, tmp_path):
     start = time.perf_counter()
     opened(browser, path)
     assert time.perf_counter() - start < OPENS_WITHIN
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory):
+    """A robot's data sheet, its workspace in slices."""
+    path = tmp_path_factory.mktemp("sheet") / "sheet.html"
+    path.write_text(robot_page(dp.load("ur5"), "tool0", samples=0, reach=50_000), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
+def test_a_data_sheet_fits_and_reports_no_error(browser, sheet, width, scheme):
+    opened(browser, sheet, width, scheme=scheme)
+    assert [e for e in browser.get_log("browser") if e["level"] in ("SEVERE", "WARNING")] == []
+    assert browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_sliders_move_the_drawing_as_forward_kinematics_says(browser, sheet):
+    opened(browser, sheet)
+    moved = """
+        const input = document.querySelectorAll('.skeleton input')[1];
+        input.value = -1.2;
+        input.dispatchEvent(new Event('input'));
+        const bones = [...document.querySelectorAll('.skeleton line.bone')];
+        return bones.map(e => ['x1', 'y1', 'x2', 'y2'].map(k => +e.getAttribute(k)))"""
+    shown = np.array(browser.execute_script(moved))
+    robot = dp.load("ur5")
+    there = skeleton(robot, np.array([0, -1.2, 0, 0, 0, 0]))
+    truth = np.array([[x.x1, x.y1, x.x2, x.y2] for x in there.lines if x.kind == "bone"])
+    # the page keeps its own centre and scale, so shapes are compared: lengths of lines over the longest
+    length = [np.hypot(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1]) for x in (shown, truth)]
+    assert np.abs(length[0] / length[0].max() - length[1] / length[1].max()).max() < 0.01  # tenths of a pixel
+
+
+def test_slices_follow_their_slider(browser, sheet):
+    opened(browser, sheet)
+    drawn = """
+        const canvas = document.querySelector('canvas.cut'), input = document.querySelector('.cuts input');
+        input.value = arguments[0];
+        input.dispatchEvent(new Event('input'));
+        const d = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+        let n = 0;
+        for (let i = 3; i < d.length; i += 4) { n += d[i] > 0; }
+        return n"""
+    reach = dp.reach_map(dp.load("ur5"), "tool0", n=50_000)
+    for k in (reach.shape[2] // 2, 2, 0):
+        assert browser.execute_script(drawn, k) == int((reach.counts[:, :, k] > 0).sum())
