@@ -237,6 +237,7 @@ def test_what_is_odd_is_answered():
     assert len(dp.base_parameters(still)) == 0 and dp.base_parameters(still).names == []
     for bad, match in [
         ({"friction": "stribeck"}, "viscous"), ({"friction": 3}, "True or False"), ({"rotors": "yes"}, "True or False"),
+        ({"motion": (np.full((3, 6), np.nan),) * 3}, "finite"),
         ({"tolerance": -1}, "tolerance"), ({"motion": np.zeros(3)}, "three arrays"),
     ]:  # fmt: skip
         with pytest.raises(ArgumentError, match=match):

@@ -239,6 +239,8 @@ def test_wrong_data_is_answered(arm, motion):
     ]:  # fmt: skip
         with pytest.raises((ArgumentError, ShapeError), match=match):
             dp.identify(arm, *args)
+    with pytest.raises(ArgumentError, match="only 0 torques"):
+        dp.identify(arm, q, v, a, tau, weights=np.zeros(6))
     with pytest.raises(ShapeError, match="weights"):
         dp.identify(arm, q, v, a, tau, weights=[1, 2])
     with pytest.raises(ArgumentError, match="1 / variance"):

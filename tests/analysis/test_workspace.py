@@ -136,6 +136,9 @@ def test_what_cannot_be_mapped_is_answered(arm, ur5):
         dp.reach_map(ur5, "tool1")
     with pytest.raises(ArgumentError, match="cell="):
         dp.reach_map(ur5, "tool0", cell=0.001)
+    for f in (dp.reach_map, dp.manipulability, dp.singularity, dp.payload_capacity):
+        with pytest.raises(ArgumentError, match="Robot"):
+            f(None, *([] if f is dp.reach_map else [np.zeros(6), "tool0"]))
     with pytest.raises(ArgumentError, match="memory"):
         dp.reach_map(ur5, "tool0", memory=-1)
 

@@ -19,7 +19,7 @@ from math import inf, pi, prod
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import real
+from ...arguments import numbers, real
 from ...errors import ArgumentError
 from ...model.limits import FREE
 from ...model.robot import Robot
@@ -243,8 +243,10 @@ def _states(parameters: Parameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 def _given(motion: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if not isinstance(motion, (tuple, list)) or len(motion) != 3:
         raise ArgumentError("base_parameters: motion: a tuple of three arrays (q, v, a) expected")
-    q, v, a = (np.asarray(x, float) for x in motion)
-    return np.atleast_2d(q), np.atleast_2d(v), np.atleast_2d(a)
+    q, v, a = (np.atleast_2d(numbers(f"base_parameters: {k}", x)) for k, x in zip("qva", motion, strict=True))
+    if not all(np.isfinite(x).all() for x in (q, v, a)):
+        raise ArgumentError("base_parameters: motion: it is not finite everywhere")
+    return q, v, a
 
 
 def _triangle(parameters: Parameters, motion: tuple[np.ndarray, np.ndarray, np.ndarray]) -> np.ndarray:

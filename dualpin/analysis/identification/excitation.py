@@ -183,6 +183,10 @@ def excite(
     """
     minimize = extra("scipy.optimize", "identify", "excite").minimize
     base = base_parameters(robot) if base is None else base
+    if not isinstance(base, BaseParameters) or base.robot is not robot:
+        raise ArgumentError(
+            "excite: base: the base parameters of this robot expected, as dualpin.base_parameters makes them"
+        )
     odd = [j.name for j in robot if not j.model.additive]
     if odd or robot.nv == 0:
         raise ArgumentError(

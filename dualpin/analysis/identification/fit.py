@@ -18,8 +18,8 @@ from .bodies import robot_of
 from .consistency import nearest_bodies
 from .parameters import Parameters
 
-FLOOR = 1e-9
-"""Noise is taken for at least this much of a joint's torques: what rounding leaves of exact ones."""
+FLOOR = 1e-6
+"""Noise is taken for at least this much of a joint's torques; steps of the solver keep one size then."""
 BLOCK = 2_000_000
 """Numbers of a regressor that are held at once."""
 
@@ -158,7 +158,7 @@ def identify(
     given = _weights(weights, tau)
     joints = _triangles(parameters, q, v, a, tau, given)
     base = grouped(parameters, np.vstack([A[:, :-1] for A in joints]), tolerance)
-    k, count = len(base), int(np.isfinite(tau).sum())
+    k, count = len(base), int((np.isfinite(tau) & (True if given is None else given > 0)).sum())
     if count <= k:
         raise ArgumentError(f"identify: {k} base parameters, and only {count} torques measured")
     seen = [A[:, [*base.columns, -1]] for A in joints]

@@ -51,7 +51,7 @@ class Payload:
     @property
     def com(self) -> np.ndarray:
         """Centre of mass in the frame [m], (3,)."""
-        return np.asarray(self.parameters[1:4] / self.mass)
+        return np.asarray(self.parameters[1:4] / self.mass) if self.mass else np.full(3, np.nan)
 
     @property
     def inertia(self) -> np.ndarray:
@@ -67,7 +67,7 @@ class Payload:
     @property
     def com_deviation(self) -> np.ndarray:
         """Of the centre of mass [m], to first order: d c = (d h - c d m) / m."""
-        A = np.column_stack([-self.com, np.eye(3)]) / self.mass
+        A = np.column_stack([-self.com, np.eye(3)]) / (self.mass or np.nan)
         return np.sqrt(np.diag(A @ self.covariance[:4, :4] @ A.T))
 
     @property

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import numbers, real
+from ...call.arguments import check_robot
 from ...errors import ArgumentError, ShapeError
 from ...functions import fk, gravity, jacobian
 from ...model.robot import Frame, Robot
@@ -60,6 +61,7 @@ def static_load(
     >>> static_load(dp.load("ur5"), np.zeros(6), "tool0", payload=5.0).round(3).tolist()
     [-0.0, -0.662, -0.233, -0.0, 0.0, 0.0]
     """
+    check_robot(robot, "static_load")
     if isinstance(payload, Inertia):
         mass, centre = float(payload.mass), np.array([float(x) for x in payload.central[0]])
     else:
@@ -107,6 +109,7 @@ def payload_capacity(
     >>> float(dp.payload_capacity(dp.load("ur5"), np.zeros(6), "tool0").round(2))
     11.33
     """
+    check_robot(robot, "payload_capacity")
     g, u = gravity(robot, q), _unit(robot, q, frame, _point("payload_capacity", com))
     limit = np.broadcast_to(_limits(robot, effort), g.shape)
     # each joint allows masses up to where it reaches the limit on the side that it moves to
@@ -139,7 +142,7 @@ def _limits(robot: Robot, effort: ArrayLike | None) -> np.ndarray:
     if effort is not None:
         x = numbers("effort", effort)
         if x.shape not in ((), (robot.nv,)) or not (x > 0).all():
-            raise ShapeError(f"effort: ({robot.nv},) positive numbers [N m, N] expected, got shape {x.shape}")
+            raise ShapeError(f"effort: ({robot.nv},) positive numbers [N m, N] expected, got {effort!r}")
         return np.broadcast_to(x, (robot.nv,))
     found = np.full(robot.nv, np.inf)
     for j in robot:

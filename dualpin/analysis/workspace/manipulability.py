@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import choice, flag, real
+from ...call.arguments import check_robot
 from ...errors import ArgumentError
 from ...functions import jacobian, minv
 from ...model.memory import memory
@@ -102,6 +103,7 @@ def manipulability(
     >>> float(dp.manipulability(dp.load("ur5"), np.ones(6), "tool0", task="position").condition.round(3))
     10.201
     """
+    check_robot(robot, "manipulability")
     choice("manipulability: kind", kind, KINDS)
     rows = TASKS[choice("manipulability: task", task, tuple(TASKS))]
     at = robot.frame(frame)

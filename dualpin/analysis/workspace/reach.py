@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arguments import choice, count, numbers, real
+from ...call.arguments import check_robot
 from ...delegates import home
 from ...errors import ArgumentError, ShapeError
 from ...files import replacing
@@ -237,6 +238,7 @@ def growing(
     rolls: int, seed: int, memory: float,
 ) -> Iterator[ReachMap]:  # fmt: skip
     """The same map again and again while it grows: what is there when the work is interrupted is a map too."""
+    check_robot(robot, "reach_map")
     at = robot.frames[-1] if frame is None else robot.frame(frame)
     _check(robot, at)
     column = AXES.index(choice("reach_map: axis", axis, AXES))

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...algebra import Motor
 from ...arguments import choice, count, real
+from ...call.arguments import check_robot
 from ...errors import ArgumentError, ShapeError
 from ...functions import fk, integrate, jacobian, jacobian_dot
 from ...model.robot import Frame, Robot
@@ -98,6 +99,7 @@ def singularity(
     >>> float(found.distance.round(12)), np.abs(found.lost.direction).round(3).tolist()
     (0.0, [0.878, 0.0, 0.479])
     """
+    check_robot(robot, "singularity")
     at = robot.frame(frame)
     L = characteristic_length(robot, at) if length is None else real("singularity: length", length, "m", above=0)
     if robot.nv == 0:
