@@ -81,6 +81,10 @@ bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 bench-peers: $(STAMP) ## speed beside every library whose environment is there: writes validation/benchmarks/peers
 	$(BIN)/python -m validation.benchmarks.peers
 
+.PHONY: bench-everyday
+bench-everyday: $(STAMP) ## plain calls, large results, single calls, cold starts; AGAINST=a checkout to compare with
+	$(BIN)/python -m validation.benchmarks.everyday $(if $(AGAINST),--against $(AGAINST))
+
 docs: $(STAMP)       ## the documentation, into site/; a warning is an error
 	$(BIN)/python docs/build.py
 	@echo "open site/index.html, or serve it: python -m http.server -d site"

@@ -1,0 +1,255 @@
+"""Speed as users meet it: plain calls, sizes, single calls and cold starts.
+
+    python -m validation.benchmarks.everyday [--against FOLDER] [--only results sizes single cold validate] [--quick]
+
+Each section runs in processes of its own, one thread; with ``--against`` (a checkout of another commit) in turns with
+processes of that, so that before and after come from one run.  Prints tables, and writes everyday.json and everyday.md
+beside this file.  Checked before timing: plain calls, calls with `out` and NumPy's execution agree.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).parent
+ROUNDS = 3
+SECTIONS = ("results", "sizes", "single", "cold", "validate")
+
+Rows = dict[str, float]
+"""What was measured -> seconds, or microseconds a sample."""
+
+
+def best(calls: dict[str, Callable[[], Any]], seconds: float) -> dict[str, float]:
+    """The shortest run of each, in turns: what disturbs, disturbs them all."""
+    for f in calls.values():
+        f()
+    found = dict.fromkeys(calls, float("inf"))
+    end, turns = time.perf_counter() + seconds, 0
+    while time.perf_counter() < end or turns < 3:
+        turns += 1
+        for name, f in calls.items():
+            f()  # caches and clocks are its own
+            start = time.perf_counter()
+            f()
+            found[name] = min(found[name], time.perf_counter() - start)
+    return found
+
+
+# --- what a process measures ----------------------------------------------------------------------
+
+RESULTS = [("talos", True, "crba"), ("talos", True, "coriolis"), ("panda", False, "fk"), ("panda", False, "crba"),
+           ("panda", False, "coriolis"), ("panda", False, "jacobian"), ("ur5", False, "fk"),
+           ("talos", True, "fk")]  # fmt: skip
+ARMS = ("ur3", "ur5", "ur10", "panda", "kinova", "xarm7", "z1", "bravo7_no_ee", "so100", "talos_arm")
+
+
+def arguments(robot: Any, term: str, n: int | None) -> list[Any]:
+    q, v, a = robot.sample(n, seed=0)
+    frame = max(robot.frames, key=lambda f: len(list(f.joint.chain)) if f.joint else 0)
+    return {"rnea": [q, v, a], "aba": [q, v, a], "crba": [q], "coriolis": [q, v], "fk": [q], "gravity": [q],
+            "jacobian": [q, frame.name]}[term]  # fmt: skip
+
+
+def checked(robot: Any, f: Callable[..., np.ndarray], given: list[Any], out: np.ndarray) -> None:
+    few = [x[:8] if isinstance(x, np.ndarray) and x.ndim > 1 else x for x in given]
+    expected = f(robot, *few, engine="numpy")
+    f(robot, *given, out=out)
+    plain = f(robot, *given)
+    assert np.array_equal(plain, out)
+    assert np.allclose(plain[: len(expected)] if plain.ndim == expected.ndim else plain, expected, rtol=1e-9, atol=1e-9)
+
+
+def results(seconds: float) -> Rows:
+    """The table: microseconds a sample, plain and with `out`, beside NumPy's fill of such an array."""
+    import dualpin as dp
+
+    rows: Rows = {}
+    for name, floating, term in RESULTS:
+        robot, f = dp.load(name, floating=floating), getattr(dp, term)
+        for n in (512, 4096):
+            given = arguments(robot, term, n)
+            out = np.empty_like(f(robot, *given))
+            checked(robot, f, given, out)
+            calls = {
+                "plain": lambda f=f, r=robot, x=given: f(r, *x),
+                "out": lambda f=f, r=robot, x=given, o=out: f(r, *x, out=o),
+                "empty + fill": lambda o=out: np.empty(o.shape).fill(1.0),
+                "fill": lambda o=out: o.fill(1.0),
+            }
+            label = f"{name}{' + floating' if floating else ''} {term} ({out.nbytes // n} B) x {n}"
+            rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
+    return rows
+
+
+def sizes(seconds: float) -> Rows:
+    """Plain calls and calls with `out`, from one sample to 1 GB."""
+    import dualpin as dp
+
+    rows: Rows = {}
+    for name, floating, term in [*RESULTS[:3], ("panda", False, "rnea"), ("ur5", False, "gravity")]:
+        robot, f = dp.load(name, floating=floating), getattr(dp, term)
+        for n in (1, 8, 64, 512, 4096, 32768, 1 << 18, 1 << 20):
+            given = arguments(robot, term, n)
+            if f(robot, *arguments(robot, term, 2)).nbytes // 2 * n > 1.1e9:
+                break
+            out = np.empty_like(f(robot, *given))
+            calls = {
+                "plain": lambda f=f, r=robot, x=given: f(r, *x),
+                "out": lambda f=f, r=robot, x=given, o=out: f(r, *x, out=o),
+            }
+            label = f"{name} {term} {out.nbytes / 1e6:.4g} MB"
+            rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
+    return rows
+
+
+def single(seconds: float) -> Rows:
+    """One configuration: `robot.kernel`, the public function, and Pinocchio's functions."""
+    import pinocchio as pin
+
+    import dualpin as dp
+    from dualpin import bench
+
+    rows: Rows = {}
+    for name in ARMS:
+        try:
+            robot = dp.load(name)
+            pair = bench.Pair(robot, "rnea", 1, 1)
+        except dp.DualpinError:
+            continue  # not among this release's robots
+        model = pair.oracle.free.model
+        data, neutral, rest = model.createData(), pin.neutral(model), np.zeros(model.nv)
+        for term, theirs in (("rnea", [pin.rnea, model, data, neutral, rest, rest]),
+                             ("fk", [pin.forwardKinematics, model, data, neutral]),
+                             ("crba", [pin.crba, model, data, neutral])):  # fmt: skip
+            given, kernel, f = arguments(robot, term, None), robot.kernel(term), getattr(dp, term)
+            kernel(*given), f(robot, *given)
+            loops = [bench.loop(kernel, [given]), bench.loop(f, [[robot, *given]]), bench.loop(theirs[0], [theirs[1:]])]
+            times = bench.alternating(loops, max(5, int(seconds / 0.004)), 0.002)
+            best_of = zip(("kernel", "plain", "pin"), map(min, times), strict=True)
+            rows |= {f"{name} {term} | {k}": 1e6 * t for k, t in best_of}
+    return rows
+
+
+COLD = [("ur5", False, "rnea"), ("panda", False, "rnea"), ("panda", False, "coriolis"), ("panda", False, "aba"),
+        ("panda", False, "rnea_derivatives"), ("panda", False, "joint_torque_regressor"), ("talos", True, "rnea"),
+        ("talos", True, "fk"), ("talos", True, "crba"), ("g1", True, "rnea")]  # fmt: skip
+
+
+def cold(seconds: float) -> Rows:
+    """From the call to its result, in a new process with an empty cache; and from the start of that process."""
+    rows: Rows = {}
+    for name, floating, term in COLD:
+        code = f"""
+import time, dualpin as dp
+robot = dp.load({name!r}, floating={floating})
+q, v, a = robot.sample(seed=0)
+given = {{"rnea": (q, v, a), "aba": (q, v, a), "rnea_derivatives": (q, v, a), "joint_torque_regressor": (q, v, a),
+         "fk": (q,), "crba": (q,), "coriolis": (q, v)}}[{term!r}]
+start = time.perf_counter()
+dp.{term}(robot, *given)
+print(time.perf_counter() - start)
+"""
+        with tempfile.TemporaryDirectory() as folder:
+            env = {**os.environ, "DUALPIN_CACHE_DIR": folder, "PYTHONWARNINGS": "ignore"}
+            start = time.perf_counter()
+            done = subprocess.run([sys.executable, "-c", code], env=env, check=True, capture_output=True, text=True)
+            label = f"{name}{' + floating' if floating else ''} {term}"
+            rows[f"{label} | process"] = time.perf_counter() - start
+            rows[f"{label} | call"] = float(done.stdout)
+    return rows
+
+
+VALIDATED = [("panda", []), ("xarm7", []), ("g1", []), ("icub", ["--floating"])]
+
+
+def validate(seconds: float) -> Rows:
+    """`dualpin validate`, cold and then warm."""
+    rows: Rows = {}
+    for name, more in VALIDATED:
+        with tempfile.TemporaryDirectory() as folder:
+            env = {**os.environ, "DUALPIN_CACHE_DIR": folder, "PYTHONWARNINGS": "ignore", "DUALPIN_NUM_THREADS": ""}
+            for state in ("cold", "warm"):
+                start = time.perf_counter()
+                done = subprocess.run(
+                    [sys.executable, "-m", "dualpin", "validate", name, *more],
+                    env=env,
+                    check=False,
+                    capture_output=True,
+                )
+                if done.returncode in (0, 1):
+                    rows[f"validate {name} {' '.join(more)} | {state}"] = time.perf_counter() - start
+    return rows
+
+
+# --- in turns -------------------------------------------------------------------------------------
+
+
+def measured(section: str, root: Path, seconds: float) -> Rows:
+    """One section in a process that takes dualpin from this folder."""
+    env = {**os.environ, "PYTHONPATH": str(root), "PYTHONWARNINGS": "ignore", "DUALPIN_NUM_THREADS": "1"}
+    command = [sys.executable, str(Path(__file__).resolve()), "--section", section, "--seconds", str(seconds)]
+    done = subprocess.run(command, env=env, cwd=root, check=True, stdout=subprocess.PIPE, text=True)
+    found: Rows = json.loads(done.stdout.splitlines()[-1])
+    return found
+
+
+def table(section: str, rows: dict[str, Rows]) -> str:
+    """The rows of each version side by side."""
+    labels = list(dict.fromkeys(k.partition(" | ")[0] for k in rows["now"]))
+    columns = list(dict.fromkeys(k.partition(" | ")[2] for k in rows["now"]))
+    heads = [f"{c}{f', {version}' if len(rows) > 1 else ''}" for c in columns for version in rows]
+    unit = "seconds" if section in ("cold", "validate") else "microseconds a sample"
+    lines = [f"## {section} ({unit})", "", f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    for label in labels:
+        cells = [rows[v].get(f"{label} | {c}") for c in columns for v in rows]
+        lines.append(f"| {label} | {' | '.join('' if x is None else f'{x:.4g}' for x in cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m validation.benchmarks.everyday")
+    parser.add_argument("--against", type=Path, help="a checkout of another commit, measured in turns")
+    parser.add_argument("--only", nargs="*", choices=SECTIONS)
+    parser.add_argument("--quick", action="store_true", help="one round, short")
+    parser.add_argument("--section", choices=SECTIONS, help=argparse.SUPPRESS)
+    parser.add_argument("--seconds", type=float, default=0.6, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    warnings.simplefilter("ignore")
+    if given.section:
+        print(json.dumps(globals()[given.section](given.seconds)))
+        return
+    from dualpin import bench
+    from dualpin.files import write_text
+
+    roots = ({"before": given.against.resolve()} if given.against else {}) | {"now": HERE.parents[1]}
+    text, everything = [], {"machine": bench.machine(), "date": datetime.now(timezone.utc).strftime("%Y-%m-%d")}
+    for section in given.only or SECTIONS:
+        rows: dict[str, Rows] = {version: {} for version in roots}
+        for _ in range(1 if given.quick else ROUNDS):
+            for version, root in roots.items():
+                for key, x in measured(section, root, 0.05 if given.quick else given.seconds).items():
+                    rows[version][key] = min(x, rows[version].get(key, x))
+        everything[section] = rows
+        text.append(table(section, rows))
+        print(text[-1], flush=True)
+    write_text(HERE / "everyday.json", json.dumps(everything, indent=1) + "\n")
+    made = f"{everything['date']}, {everything['machine']['processor']}"
+    head = f"# Speed as users meet it\n\n{made}. The shortest of all runs.\n\n"
+    write_text(HERE / "everyday.md", head + "\n".join(text))
+
+
+if __name__ == "__main__":
+    main()
