@@ -91,7 +91,7 @@ def explain(
             if size == 1 or (size == 2 and len(case.robot) <= LARGE):
                 more += single
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
-        if size == 1:
+        if size == 2:
             level += pairs_of_forces(case, term)
         near = search.consider(level)
         if size == 1 and not search.good:
