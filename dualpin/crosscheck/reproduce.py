@@ -9,7 +9,11 @@ from .subjects.questions import QUESTIONS
 
 
 def program(term: str, answers: Answers, sample: int, frame: int, got: np.ndarray, expected: np.ndarray) -> str:
-    """Python that asks the subject for its worst state, in its own columns, with what came and what was expected."""
+    """Python that asks the subject for its worst state, in its own columns, with what came and what was expected.
+
+    Where the subject says how it is asked in its own words (`Answers.calls`), these are the calls; robot.urdf is the
+    file that it was given, which ``dualpin ask ROBOT FOLDER`` writes.
+    """
     question = QUESTIONS[term]
     lines = [
         "import numpy as np",
@@ -19,11 +23,13 @@ def program(term: str, answers: Answers, sample: int, frame: int, got: np.ndarra
     if answers.how.q == answers.how.v:
         lines = ["import numpy as np", "# columns: " + " ".join(answers.how.q)]
     lines += [f"{k} = np.array({_numbers(answers.sent[k][sample])})" for k in question.inputs]
-    arguments = [*question.inputs]
     if question.framed:
-        arguments.append(repr(answers.asking.frames[frame]))
+        lines.append(f"frame = {answers.asking.frames[frame]!r}")
         got, expected = got[frame], expected[frame]
-    lines.append(f"subject.{term}({', '.join(arguments)})")
+    if term in answers.calls and not answers.asking.floating:
+        lines += [*answers.calls.get("", "").splitlines(), *answers.calls[term].splitlines()]
+    else:
+        lines.append(f"subject.{term}({', '.join([*question.inputs, *['frame'] * question.framed])})")
     lines += [f"# got      {_numbers(got, 9)}", f"# expected {_numbers(expected, 9)}"]
     return "\n".join(lines)
 

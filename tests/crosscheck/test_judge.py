@@ -60,6 +60,19 @@ def test_the_reproducer_shows_the_difference():
     assert scope["q"].tolist() == worst["q"]
 
 
+def test_a_subject_that_says_how_it_is_asked_is_shown_in_its_own_words():
+    class Arm:
+        def gravity(self, q):
+            return [0.0] * 6
+
+    Arm.calls = {"": "import dualpin as dp\nrobot = dp.load('ur5')", "gravity": "x = dp.gravity(robot, q)"}
+    term = dp.judge("ur5", Arm(), 4, terms=["gravity"], diagnose=False).terms["gravity"]
+    program, scope = term.worst["reproduce"], {}
+    assert len(program.splitlines()) <= 10 and "subject." not in program
+    exec(program, scope)
+    assert np.allclose(scope["x"], json.loads(program.splitlines()[-1].removeprefix("# expected ")), rtol=1e-8)
+
+
 def test_a_crash_is_a_result_and_the_other_terms_are_asked():
     report = apart("Crashes", diagnose=False)
     assert "crashed (SIGABRT)" in report.terms["gravity"].reason

@@ -42,7 +42,7 @@ SUBJECTS = {
     "Brax": f"{EXAMPLES}/brax.py:Subject",
     "MJX": f"{EXAMPLES}/mjx.py:Subject",
 }
-FEW = {title: (("panda", False), ("ur5", False), ("solo12", True)) for title in ("JaxSim", "Brax", "MJX")}
+FEW = dict.fromkeys(("JaxSim", "Brax", "MJX"), (("panda", False), ("ur5", False), ("solo12", True)))
 """Libraries that compile every robot for minutes are asked about some."""
 FIXED = (
     "panda", "ur5", "ur10", "kinova", "xarm7", "z1", "talos_arm", "so101", "TwoDofs", "double_pendulum", "finger_edu",

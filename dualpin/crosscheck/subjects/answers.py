@@ -41,6 +41,8 @@ class Answers:
     refused: str = ""
     """Why it has no answers at all: it does not read the robot."""
     seconds: float = 0.0
+    calls: dict[str, str] = field(default_factory=dict)
+    """How the subject is asked in its own words: of "" what comes first, of each term the call."""
 
     def take(self, term: str, x: np.ndarray | None, note: Mapping[str, Any]) -> None:
         """Keep an answer and what was noted about it."""

@@ -99,6 +99,9 @@ class Subject(Protocol):
     ``jacobian(q, frame)``, ``rnea(q, v, a)``, ``crba(q)``, ...  It is asked one state a call, unless it
     sets ``batched = True`` and takes arrays with a leading axis.  ``fk`` returns a 4x4 matrix, or
     x y z qw qx qy qz.  An exception means "not answered".
+
+    ``calls``, if there is one, says how the subject is asked in its own words: Python, of "" what comes first, and of
+    a term the line that prints it from q, v, a, tau and frame.  Reports show a difference with it.
     """
 
     name: str

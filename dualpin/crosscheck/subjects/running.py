@@ -89,7 +89,7 @@ def ask_here(subject: Any, asking: Asking, tick: Tick) -> Answers:
 
 def _begun(who: Mapping[str, Any], how: Convention, asking: Asking, remark: str = "") -> Answers:
     sent = Layout(asking.robot, how).states(asking.states)
-    answers = Answers(who["name"], who["version"], how, asking, sent)
+    answers = Answers(who["name"], who["version"], how, asking, sent, calls=dict(who.get("calls", {})))
     if remark:
         answers.remarks[""] = remark
     return answers

@@ -13,12 +13,26 @@ from _urdf import LINEAR_FIRST, homogeneous, joint_part, moving, rotation
 
 REQUIRES = ("adam-robotics==0.5.0",)
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
+CALLS = {
+    "": "from adam.numpy import KinDynComputations\n"
+    "k = KinDynComputations('robot.urdf', names)  # names: the columns above\n"
+    "H, still = np.eye(4), np.zeros(6)",
+    "fk": "print(k.forward_kinematics(frame, H, q))",
+    "jacobian": "print(k.jacobian(frame, H, q))",
+    "jacobian_dot": "print(k.jacobian_dot(frame, H, q, still, v))",
+    "gravity": "print(k.gravity_term(H, q))",
+    "bias": "print(k.bias_force(H, q, still, v))",
+    "crba": "print(k.mass_matrix(H, q))",
+    "com": "print(k.CoM_position(H, q))",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
     """One robot in adam, whose base always floats: on a fixed base the joints' part is answered."""
 
     name = "adam"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any, option: str = "") -> None:
         from adam.numpy import KinDynComputations

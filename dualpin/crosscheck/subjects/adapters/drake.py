@@ -14,12 +14,25 @@ from _urdf import root
 
 REQUIRES = ("drake==1.51.1",)
 BASE_Q, BASE_V = ("qw", "qx", "qy", "qz", "x", "y", "z"), ("wx", "wy", "wz", "vx", "vy", "vz")
+CALLS = {
+    "": "import pydrake.all as pd\np = pd.MultibodyPlant(0.0)\npd.Parser(p).AddModels('robot.urdf')\n"
+    "p.Finalize(); c = p.CreateDefaultContext(); f = pd.MultibodyForces(p)  # weld a root that is not the world",
+    "fk": "p.SetPositions(c, q); print(p.EvalBodyPoseInWorld(c, p.GetBodyByName(frame)).GetAsMatrix4())",
+    "gravity": "p.SetPositions(c, q); print(-p.CalcGravityGeneralizedForces(c))",
+    "bias": "p.SetPositions(c, q); p.SetVelocities(c, v); print(p.CalcBiasTerm(c) - p.CalcGravityGeneralizedForces(c))",
+    "rnea": "p.SetPositions(c, q); p.SetVelocities(c, v); p.CalcForceElementsContribution(c, f)\n"
+    "print(p.CalcInverseDynamics(c, a, f))",
+    "crba": "p.SetPositions(c, q); print(p.CalcMassMatrix(c))",
+    "com": "p.SetPositions(c, q); print(p.CalcCenterOfMassPositionInWorld(c))",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
     """One robot in Drake: angular first, the base's velocity in world axes."""
 
     name = "drake"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any, option: str = "") -> None:
         import pydrake.all as pd

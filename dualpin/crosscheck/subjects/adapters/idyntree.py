@@ -11,12 +11,25 @@ from _urdf import LINEAR_FIRST, homogeneous, joint_part, moving, rotation
 
 REQUIRES = ("idyntree==15.1.0",)
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
+CALLS = {
+    "": "import idyntree.bindings as idt\nl = idt.ModelLoader(); l.loadModelFromFile('robot.urdf')\n"
+    "k = idt.KinDynComputations(); k.loadRobotModel(l.model()); n = len(q)\n"
+    "t, g = idt.FreeFloatingGeneralizedTorques(k.model()), np.array([0, 0, -9.81])  # on a fixed base",
+    "fk": "k.setRobotState(q, 0 * q, g); print(k.getWorldTransform(frame))",
+    "gravity": "k.setRobotState(q, 0 * q, g); k.generalizedGravityForces(t); print(t.jointTorques().toNumPy())",
+    "bias": "k.setRobotState(q, v, g); k.generalizedBiasForces(t); print(t.jointTorques().toNumPy())",
+    "crba": "k.setRobotState(q, 0 * q, g); M = idt.MatrixDynSize(n + 6, n + 6)\n"
+    "k.getFreeFloatingMassMatrix(M); print(M)",
+    "com": "k.setRobotState(q, 0 * q, g); print(k.getCenterOfMassPosition())",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
     """One robot in iDynTree, whose base always floats: on a fixed base the joints' part is answered."""
 
     name = "idyntree"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any) -> None:
         import idyntree.bindings as idt

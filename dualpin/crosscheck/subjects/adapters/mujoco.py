@@ -15,6 +15,17 @@ from _urdf import LINEAR_FIRST, homogeneous
 
 REQUIRES = ("mujoco==4.0.0", "numpy")
 OFF = ("CONTACT", "LIMIT", "FRICTIONLOSS", "EQUALITY", "DAMPER", "SPRING", "ACTUATION")
+CALLS = {
+    "": "import mujoco as mj\nm = mj.MjModel.from_xml_path('robot.urdf')\nd = mj.MjData(m)",
+    "fk": "d.qpos[:] = q; mj.mj_kinematics(m, d); print(d.body(frame).xpos, d.body(frame).xmat)",
+    "gravity": "d.qpos[:] = q; mj.mj_forward(m, d); print(d.qfrc_bias)",
+    "bias": "d.qpos[:], d.qvel[:] = q, v; mj.mj_forward(m, d); print(d.qfrc_bias)",
+    "rnea": "d.qpos[:], d.qvel[:], d.qacc[:] = q, v, a; mj.mj_inverse(m, d); print(d.qfrc_inverse)",
+    "aba": "d.qpos[:], d.qvel[:], d.qfrc_applied[:] = q, v, tau; mj.mj_forward(m, d); print(d.qacc)",
+    "crba": "d.qpos[:] = q; mj.mj_forward(m, d); M = np.zeros((m.nv, m.nv)); mj.mj_fullM(m, d, M); print(M)",
+    "com": "d.qpos[:] = q; mj.mj_forward(m, d); print(d.subtree_com[0])",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
@@ -24,6 +35,7 @@ class Subject:
     """
 
     name = "mujoco"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any, option: str = "") -> None:
         import mujoco as mj

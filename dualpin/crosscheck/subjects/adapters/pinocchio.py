@@ -9,12 +9,25 @@ import numpy as np
 REQUIRES = ("pin==4.1.0",)
 BASE_Q = ("x", "y", "z", "qx", "qy", "qz", "qw")
 BASE_V = ("vx", "vy", "vz", "wx", "wy", "wz")
+CALLS = {
+    "": "import pinocchio as pin\nm = pin.buildModelFromUrdf('robot.urdf'); d = m.createData()",
+    "fk": "pin.framesForwardKinematics(m, d, q); print(d.oMf[m.getBodyId(frame)])",
+    "gravity": "print(pin.computeGeneralizedGravity(m, d, q))",
+    "bias": "print(pin.nonLinearEffects(m, d, q, v))",
+    "rnea": "print(pin.rnea(m, d, q, v, a))",
+    "aba": "print(pin.aba(m, d, q, v, tau))",
+    "crba": "print(pin.crba(m, d, q))",
+    "coriolis": "print(pin.computeCoriolisMatrix(m, d, q, v))",
+    "com": "print(pin.centerOfMass(m, d, q))",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
     """One robot in Pinocchio."""
 
     name = "pinocchio"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any) -> None:
         import pinocchio as pin  # here, so that this file can be read without it

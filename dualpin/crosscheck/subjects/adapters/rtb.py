@@ -9,12 +9,26 @@ import numpy as np
 from _urdf import LINEAR_FIRST, joints
 
 REQUIRES = ("roboticstoolbox-python==1.5.0",)
+CALLS = {
+    "": "import os\nfrom roboticstoolbox import Robot\n"
+    "r = Robot.URDF(os.path.abspath('robot.urdf')); r.gravity = [0, 0, -9.81]",
+    "fk": "print(r.fkine(q, end=frame))",
+    "jacobian": "print(r.jacob0(q, end=frame))",
+    "gravity": "print(r.gravload(q))",
+    "bias": "print(r.rne(q, v, 0 * v))",
+    "rnea": "print(r.rne(q, v, a))",
+    "crba": "print(r.inertia(q))",
+    "coriolis": "print(r.coriolis(q, v))",
+    "aba": "print(r.accel(q, v, tau))",
+}
+"""The same in the library's own words, for reports."""
 
 
 class Subject:
     """One robot in the toolbox: linear first."""
 
     name = "rtb"
+    calls = CALLS
 
     def __init__(self, urdf: str, floating: bool, gravity: Any) -> None:
         from roboticstoolbox import Robot

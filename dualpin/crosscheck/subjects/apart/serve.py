@@ -192,7 +192,12 @@ def introduction(subject: Any, spec: str) -> dict[str, Any]:
         words = ("q", "v", "rows", "angular", "linear", "reference")
         writes = {k: getattr(writes, k) for k in words if hasattr(writes, k)}
     writes = {k: list(x) if isinstance(x, (list, tuple)) else x for k, x in writes.items()}
-    return {"name": str(get("name") or spec), "version": str(get("version") or ""), "writes": writes}
+    return {
+        "name": str(get("name") or spec),
+        "version": str(get("version") or ""),
+        "writes": writes,
+        "calls": dict(get("calls") or {}),
+    }
 
 
 def write(path: Path, data: Any) -> None:
