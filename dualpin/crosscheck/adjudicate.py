@@ -88,7 +88,7 @@ class Court:
     def _options(self, question: Question, frames: tuple[str, ...]) -> list[dict]:
         if not question.framed:
             return [{}]
-        options: dict = {} if question.term == "fk" else {"reference": self.layout.how.reference}
+        options = question.options(self.layout.how.reference)
         return [{"frame": self.robot.frame(f), **options} for f in frames]
 
     def _truth(self, question: Question, states: dict, frames: tuple[str, ...]) -> np.ndarray:

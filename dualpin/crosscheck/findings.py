@@ -9,6 +9,7 @@ CONVENTIONS = frozenset({
     "rows", "reference_world", "reference_local", "reference_local_world_aligned", "order", "quaternion",
     "base_order",
     "angular_body", "angular_world", "linear_body", "linear_world", "linear_origin", "base_at_com", "in_base", "mimic",
+    "spatial_acceleration",
     "no_gravity_in_bias", "about_origin", "base_counts", "potential_offset", "coriolis_other", "same_cv",
     "same_product", "upper", "lower", "inverse_pose", "at_com",
 })  # fmt: skip

@@ -247,7 +247,7 @@ def _where(term: str, answers: Answers, frame: int, entry: int) -> str:
     of = f"; frame {answers.asking.frames[frame]}" if question.framed else ""
     if term == "fk":
         return f"{entry // 4}, {entry % 4}{of}"
-    if term == "frame_velocity":
+    if question.form == "twist":
         return f"{answers.how.rows[entry]}{of}"
     if term.endswith("_energy"):
         return ""

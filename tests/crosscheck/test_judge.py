@@ -73,6 +73,21 @@ def test_a_subject_that_says_how_it_is_asked_is_shown_in_its_own_words():
     assert np.allclose(scope["x"], json.loads(program.splitlines()[-1].removeprefix("# expected ")), rtol=1e-8)
 
 
+def test_accelerations_of_frames_are_asked_and_the_spatial_one_is_named():
+    arm = dp.load("ur5")
+
+    def spatial(q, v, a, frame):
+        return dp.frame_acceleration(arm, q, v, a, frame=frame, reference="local_world_aligned")
+
+    def classical(q, v, a, frame):
+        return dp.frame_acceleration(arm, q, v, a, frame=frame, reference="local_world_aligned", classical=True)
+
+    assert dp.judge(arm, {"frame_acceleration": classical}, 4).terms["frame_acceleration"].status == "agrees"
+    report = dp.judge(arm, {"frame_acceleration": spatial}, 4)
+    assert [f.key for f in report.findings] == ["spatial_acceleration"]
+    assert report.terms["frame_acceleration"].verdict.startswith("agrees under another convention")
+
+
 def test_a_crash_is_a_result_and_the_other_terms_are_asked():
     report = apart("Crashes", diagnose=False)
     assert "crashed (SIGABRT)" in report.terms["gravity"].reason

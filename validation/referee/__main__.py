@@ -49,13 +49,13 @@ FIXED = (
     "baxter", "tiago", "talos",
 )  # fmt: skip
 FLOATING = ("solo12", "go2", "anymal_c", "bolt", "hextilt", "g1")
+CASES = [*((name, False) for name in FIXED), *((name, True) for name in FLOATING)]
 LIMIT = 120.0
 """Seconds that a term of one robot may take before the library counts as hanging."""
 KEPT = ("sample", "where", "against_50_digits", "n_eps_cond")
 
 
 def main(folder: Path = Path("out/referee")) -> int:
-    cases = [*((name, False) for name in FIXED), *((name, True) for name in FLOATING)]
     folder.mkdir(parents=True, exist_ok=True)
     reports: dict[str, dict[str, Any]] = {}
     for title, subject in SUBJECTS.items():
@@ -67,20 +67,43 @@ def main(folder: Path = Path("out/referee")) -> int:
                 print(f"{title}: left out ({e})", file=sys.stderr)
                 continue
         reports[title] = {}
-        for robot, floating in FEW.get(title, cases):
+        for robot, floating in FEW.get(title, CASES):
             label = f"{robot} floating" if floating else robot
             print(f"{title}: {label} {time.strftime('%T')}", file=sys.stderr, flush=True)
             reports[title][label] = judged(subject, adapter, robot, floating, folder)
-        (HERE / "results.json").write_text(json.dumps(reports, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-        (HERE / "README.md").write_text(page(reports), encoding="utf-8")
+        write(reports)
     return 0
+
+
+def write(reports: dict[str, dict[str, Any]]) -> None:
+    (HERE / "results.json").write_text(json.dumps(reports, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    (HERE / "README.md").write_text(page(reports), encoding="utf-8")
+
+
+def kept_only(folder: Path) -> int:
+    """The page of what is judged so far: `python -m validation.referee --page`."""
+    reports: dict[str, dict[str, Any]] = {}
+    for title, subject in SUBJECTS.items():
+        adapter = environments.environment(subject.partition(":")[0])
+        for robot, floating in FEW.get(title, CASES):
+            path = place(subject, adapter, robot, floating, folder)
+            if path.exists():
+                label = f"{robot} floating" if floating else robot
+                reports.setdefault(title, {})[label] = json.loads(path.read_text(encoding="utf-8"))
+    write(reports)
+    return 0
+
+
+def place(subject: str, adapter: environments.Environment, robot: str, floating: bool, folder: Path) -> Path:
+    """Where a judgement is kept: another version of the library, of dualpin or of the adapter is another one."""
+    source = adapter.adapter.read_text(encoding="utf-8")
+    of = f"{subject} {adapter.requires} {robot} {floating} {dp.__version__} {source}"
+    return folder / f"{hashlib.sha256(of.encode()).hexdigest()[:24]}.json"
 
 
 def judged(subject: str, adapter: environments.Environment, robot: str, floating: bool, folder: Path) -> dict[str, Any]:
     """The judgement as plain data, from `folder` where it is there already."""
-    source = adapter.adapter.read_text(encoding="utf-8")
-    of = f"{subject} {adapter.requires} {robot} {floating} {dp.__version__} {source}"
-    kept = folder / f"{hashlib.sha256(of.encode()).hexdigest()[:24]}.json"
+    kept = place(subject, adapter, robot, floating, folder)
     if kept.exists():
         return dict(json.loads(kept.read_text(encoding="utf-8")))
     found = shortened(dp.judge(robot, subject, floating=floating, limit=LIMIT))
@@ -113,4 +136,4 @@ def shortened(report: Report) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(kept_only(Path("out/referee")) if "--page" in sys.argv else main())

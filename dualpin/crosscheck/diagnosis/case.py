@@ -279,9 +279,7 @@ def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[
     term = TERMS[question.source]
     variants: list[dict[str, Any]] = [{}]
     if question.framed:
-        variants = [{"frame": robot.frame(f)} for f in frames]
-        if question.term != "fk":
-            variants = [{**o, "reference": reference} for o in variants]
+        variants = [{"frame": robot.frame(f), **question.options(reference)} for f in frames]
     columns = [list(np.moveaxis(inputs[k], -1, 0)) for k in question.inputs]
     h, n = columns[0][0].shape
     answers = []

@@ -91,7 +91,8 @@ def shaped(answers: Answers, term: str, x: np.ndarray) -> tuple[str, np.ndarray]
 def _tail(term: str, answers: Answers) -> tuple[int, ...]:
     nv = len(answers.how.v)
     return {
-        "fk": (4, 4), "jacobian": (6, nv), "jacobian_dot": (6, nv), "frame_velocity": (6,), "com": (3,),
+        "fk": (4, 4), "jacobian": (6, nv), "jacobian_dot": (6, nv), "frame_velocity": (6,), "frame_acceleration": (6,),
+        "com": (3,),
         "com_jacobian": (3, nv), "centroidal_momentum_matrix": (6, nv), "kinetic_energy": (), "potential_energy": (),
         "crba": (nv, nv), "minv": (nv, nv), "coriolis": (nv, nv),
     }.get(term, (nv,))  # fmt: skip

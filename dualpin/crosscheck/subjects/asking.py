@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from lxml import etree
@@ -209,7 +208,7 @@ def compute(robot: Robot, question: Question, s: States, frames: Sequence[str], 
     inputs = {k: s[k] for k in question.inputs}
     if not question.framed:
         return call(robot, question.source, inputs, engine="numpy")
-    options: dict[str, Any] = {} if question.term == "fk" else {"reference": reference}
+    options = question.options(reference)
     answers = [call(robot, question.source, inputs, engine="numpy", frame=robot.frame(f), **options) for f in frames]
     return np.stack(answers, axis=1)
 

@@ -34,6 +34,7 @@ ENTRIES = {
     "kinetic_energy": ("value",),
     "potential_energy": ("value",),
     "frame_velocity": BASE_V,
+    "frame_acceleration": BASE_V,
 }
 ROWS = {
     "jacobian": BASE_V, "jacobian_dot": BASE_V, "centroidal_momentum_matrix": BASE_V, "com_jacobian": ("x", "y", "z")
@@ -206,7 +207,7 @@ def _answer(term: str, path: Path, answers: Answers) -> tuple[np.ndarray, str]:
         raise ArgumentError(f"{path.name} is empty; a header {','.join(header(term, v))} and rows expected")
     index = v if term in SQUARE else list(answers.how.rows) if ROWS.get(term) is BASE_V else list(ROWS.get(term, ()))
     entries = list(ENTRIES.get(term, v))
-    if term == "frame_velocity":
+    if ENTRIES.get(term) is BASE_V:
         entries = list(answers.how.rows)
     if term == "fk":
         entries = list(POSE) if "qw" in rows[0] else ["x", "y", "z", *MATRIX]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ...errors import ArgumentError, nearest
 
@@ -34,6 +35,16 @@ class Question:
     framed: bool = False
     solves: bool = False
 
+    def options(self, reference: str) -> dict[str, Any]:
+        """What `dualpin.terms.TERMS` is asked besides the frame.
+
+        The acceleration is the rate of the velocity: at the frame in world axes, that of its origin (classical).
+        """
+        if not self.framed or self.term == "fk":
+            return {}
+        aligned = reference == "local_world_aligned"
+        return {"reference": reference} | ({"classical": aligned} if self.term == "frame_acceleration" else {})
+
 
 # in the order in which a diagnosis looks at them: from positions to forces
 QUESTIONS = {
@@ -43,6 +54,7 @@ QUESTIONS = {
         Question("jacobian", "jacobian", ("q",), "six", framed=True),
         Question("frame_velocity", "frame_velocity", ("q", "v"), "twist", framed=True),
         Question("jacobian_dot", "jacobian_dot", ("q", "v"), "six_rate", framed=True),
+        Question("frame_acceleration", "frame_acceleration", ("q", "v", "a"), "twist", framed=True),
         Question("gravity", "gravity", ("q",), "force"),
         Question("crba", "crba", ("q",), "matrix"),
         Question("com", "com", ("q",), "plain"),

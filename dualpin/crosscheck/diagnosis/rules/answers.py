@@ -158,6 +158,23 @@ def pose_quaternion(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return out
 
 
+@rule(
+    "spatial_acceleration", "the acceleration is the spatial one, not that of the frame's origin (w x v is missing)",
+    "add w x v to the linear part", ("frame_acceleration",), "change", cost=0.9,
+    when=lambda case: case.how.reference == "local_world_aligned",
+)  # fmt: skip
+def spatial_acceleration(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    twist, out = view.compute("frame_velocity"), x.copy()
+    out[..., 3:] -= np.cross(twist[..., :3], twist[..., 3:])
+    return out
+
+
+@rule("velocity_product_ignored", "J a alone: the rate of the Jacobian is left out", "add dJ/dt v",
+      ("frame_acceleration",), "change")  # fmt: skip
+def velocity_product_ignored(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    return x - np.einsum("nfij,nj->nfi", view.compute("jacobian_dot"), view.states["v"])
+
+
 # --- rates of Jacobians --------------------------------------------------------------------------
 
 

@@ -15,6 +15,7 @@ from ..description import Description
 from ..hypothesis import Hypothesis, Wording
 from .register import ALL, SIX, proposer, rule
 
+OF_FRAMES = (*SIX, "frame_acceleration")
 SAY = "say so in the subject's Convention"
 LINEAR = ("body", "world", "origin")
 SEEN = {
@@ -33,7 +34,13 @@ def _saying(h: Hypothesis, terms: tuple[str, ...], **words: Any) -> Hypothesis:
     return replace(h, terms=terms, place="word", act=act)
 
 
-@rule("rows", "six-vectors have their other part first", f"{SAY} (rows=)", (*SIX, "centroidal_momentum_matrix"), "word")
+@rule(
+    "rows",
+    "six-vectors have their other part first",
+    f"{SAY} (rows=)",
+    (*SIX, "frame_acceleration", "centroidal_momentum_matrix"),
+    "word",
+)
 def rows(w: Wording) -> Wording:
     r = w.how.rows
     return replace(w, how=replace(w.how, rows=(*r[3:], *r[:3])))
@@ -45,7 +52,7 @@ def rows(w: Wording) -> Wording:
 )  # fmt: skip
 def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(_saying(h, SIX, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
+        replace(_saying(h, OF_FRAMES, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
         for r, seen in SEEN.items() if r != case.how.reference
     ]  # fmt: skip
 
@@ -258,14 +265,14 @@ def millimetres(view: View) -> States:
     "v_ignored",
     "velocities are ignored",
     "pass v, and use it",
-    ("frame_velocity", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"),
+    ("frame_velocity", "frame_acceleration", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"),
     "state",
 )
 def v_ignored(view: View) -> States:
     return {**view.states, "v": 0 * view.states["v"]}
 
 
-@rule("a_ignored", "accelerations are ignored", "pass a, and use it", ("rnea",), "state")
+@rule("a_ignored", "accelerations are ignored", "pass a, and use it", ("frame_acceleration", "rnea"), "state")
 def a_ignored(view: View) -> States:
     return {**view.states, "a": 0 * view.states["a"]}
 

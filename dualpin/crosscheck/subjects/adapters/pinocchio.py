@@ -79,6 +79,12 @@ class Subject:
             self.pin.getFrameVelocity(self.m, self.d, self._frame(frame), self.pin.LOCAL_WORLD_ALIGNED).vector
         )
 
+    def frame_acceleration(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, frame: str) -> np.ndarray:
+        self.pin.forwardKinematics(self.m, self.d, self._q(q), v, a)
+        self.pin.updateFramePlacements(self.m, self.d)
+        at = self.pin.LOCAL_WORLD_ALIGNED
+        return np.array(self.pin.getFrameClassicalAcceleration(self.m, self.d, self._frame(frame), at).vector)
+
     def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         return np.array(self.pin.rnea(self.m, self.d, self._q(q), v, a))
 
