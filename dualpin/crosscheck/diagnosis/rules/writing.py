@@ -52,7 +52,9 @@ def rows(w: Wording) -> Wording:
 )  # fmt: skip
 def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(_saying(h, OF_FRAMES, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}")
+        replace(
+            _saying(h, OF_FRAMES, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}"
+        )
         for r, seen in SEEN.items() if r != case.how.reference
     ]  # fmt: skip
 
