@@ -17,10 +17,12 @@ ANGLES = "read rpy as Rz(yaw) Ry(pitch) Rx(roll), in radians"
 Edit = Callable[[Description, Sequence[str]], Description]
 
 
-def _variants(h: Hypothesis, terms: tuple[str, ...], edits: dict[str, Edit], case: Case) -> list[Hypothesis]:
+def _variants(
+    h: Hypothesis, terms: tuple[str, ...], edits: dict[str, Edit], case: Case, cost: float = 1.05
+) -> list[Hypothesis]:
     """One hypothesis for each edit, in words, that changes anything."""
     return [
-        replace(h, place="edit", act=edit, terms=terms, values=words, cost=1.05)
+        replace(h, place="edit", act=edit, terms=terms, values=words, cost=cost)
         for words, edit in edits.items() if _changes(case.description, edit(case.description, ()))
     ]  # fmt: skip
 
@@ -129,7 +131,7 @@ def inertial_xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
     found = {f"{a} and {b} swapped": edit(np.eye(3)[list(p)]) for (a, b), p in SWAPPED.items()}
     found |= {f"-{'xyz'[k]}": edit(np.eye(3) - 2 * np.diag(np.eye(3)[k])) for k in range(3)}
-    return _variants(h, INERTIAL, found, case)
+    return _variants(h, INERTIAL, found, case, cost=1.15)  # the other sign of all says more
 
 
 SWAPPED = {("x", "y"): (1, 0, 2), ("y", "z"): (0, 2, 1), ("x", "z"): (2, 1, 0)}
