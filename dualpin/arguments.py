@@ -36,9 +36,13 @@ def entries(what: str, value: Any) -> np.ndarray:
         raise ShapeError(f"{what}: not an array ({e})") from None
     if x.dtype.kind != "O" or not any(map(is_symbol, x.flat)):
         return numbers(what, value)
+    if is_symbol(value) and x.ndim == 2 and x.shape[1] == 1:
+        x = x[:, 0]  # a column of SymPy is a vector
     found = np.empty(x.shape, dtype=object)
     for i, entry in np.ndenumerate(x):
         found[i] = entry if is_symbol(entry) else float(numbers(what, entry))
+        if getattr(entry, "is_number", False) and not (entry.is_real and entry.is_finite):
+            raise ArgumentError(f"{what}: a finite real number or a formula expected, got {entry}")
     return found
 
 

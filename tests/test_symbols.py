@@ -92,6 +92,17 @@ def test_a_robot_of_symbols_has_the_equations_that_are_printed_in_symbols():
     assert np.abs(got - dp.crba(number, [0.3, -0.7])).max() < 1e-14
 
 
+def test_whole_numbers_leave_no_floats_behind():
+    l = sympy.Symbol("l")
+    T = dp.symbolic(
+        dp.from_dh([(0, 0, 0, 0), (0, 0, l, sympy.pi / 2)], convention="modified"), "frame_pose", frame="tool"
+    )
+    assert not T.atoms(sympy.Float)
+    assert dp.mechanisms.TwoC(l, 2 * l).chain.position(dp.Dual([0, 0], [l, 0])).tolist() == [3 * l, 0, l]
+    g = dp.from_dh([(0, 0, l, 0)], gravity=sympy.Matrix([0, -l, 0])).gravity
+    assert (g.y, len(list(g))) == (-l, 3)
+
+
 def test_only_gravity_is_a_decimal_where_the_rest_are_symbols():
     m, l = sympy.symbols("m l")
     rod = dp.from_dh([(0, 0, l, 0)], gravity=(0, -9.81, 0), inertias=[{"mass": m}])
@@ -141,6 +152,12 @@ def test_the_input_output_equation_in_symbols():
     (lambda x: dp.fk(dp.from_dh([(0, 0, x, 0)]), [0.0]), r"dualpin\.symbolic"),
     (lambda x: dp.mechanisms.body(x, [0, 0], np.eye(3)), r"com of shape \(3,\)"),
     (lambda x: dp.from_dh([(0, 0, 1, 0)], gravity=(0, x)), "gravity"),
+    (lambda x: dp.from_dh([(0, 0, x * sympy.oo, sympy.nan)]), "finite real number"),
+    (lambda x: dp.from_dh([(0, 0, 1, 0)], inertias=[{"mass": sympy.Integer(-1)}]), "mass is -1"),
+    (lambda x: dp.from_dh([(0, 0, x, 0)]).to_urdf(), "to_urdf: .* symbols"),
+    (lambda x: dp.to_dh(dp.from_dh([(0, 0, x, 0)])), "symbols"),
+    (lambda x: dp.mechanisms.principal_screws(dp.mechanisms.body(x, [0, 0, 0], np.eye(3))), "numbers"),
+    (lambda x: dp.mechanisms.TwoC(x, 1.0).inverse_kinematics(np.eye(4)), "symbols"),
 ])  # fmt: skip
 def test_bad_input(call, match):
     with pytest.raises(dp.DualpinError, match=match):

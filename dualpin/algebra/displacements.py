@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import is_symbol
 from ..dual import Dual, atan, stack, tan
 from ..errors import ArgumentError, DualDivisionError, ShapeError
 from ..parts import array
+from ..scalars import ZERO, Exact
 from ..spatial import Matrix3, Quaternion, Rotation, Vector3, compose, from_matrix, inverse
 from ..spatial import log as twist_of
 from .arguments import EPSILON, matrices, where
@@ -176,10 +178,17 @@ def screw_matrix(axis: Any, angle: Any) -> Dual:
 
 def stacked(R: Matrix3) -> Dual:
     """The entries of a matrix of dual numbers as one dual array, shape (..., 3, 3)."""
-    entries = [x if isinstance(x, Dual) else Dual(x, 0.0) for row in R.rows for x in row]
+    entries = [x if isinstance(x, Dual) else Dual(x, ZERO) for row in R.rows for x in row]
+    if any(is_symbol(part) for x in entries for part in (x.real, x.dual)):  # whole numbers leave no 1.0 behind
+        return Dual(*(np.array([_whole(getattr(x, p)) for x in entries], dtype=object).reshape(3, 3)
+                      for p in ("real", "dual")))  # fmt: skip
     shape = np.broadcast_shapes(*(x.shape for x in entries))
     return Dual(*(np.stack([_entry(getattr(x, part), shape) for x in entries], axis=-1).reshape(*shape, 3, 3)
                   for part in ("real", "dual")))  # fmt: skip
+
+
+def _whole(x: Any) -> Any:
+    return x.n if type(x) is Exact else x
 
 
 def _entry(x: Any, shape: tuple[int, ...]) -> np.ndarray:

@@ -52,7 +52,7 @@ class Motor:
 
     def __init__(self, real: ArrayLike, dual: ArrayLike | None = None) -> None:
         whole = real if dual is None else Dual(np.asarray(real), np.asarray(dual))
-        a, b = dual_array(type(self).__name__, whole, 1)
+        a, b = dual_array(type(self).__name__, whole, 1, symbols=True)
         if a.shape[-1] != 3:
             raise ShapeError(f"{type(self).__name__}: parts of shape (..., 3) expected, got {a.shape}")
         self.real, self.dual = a, b

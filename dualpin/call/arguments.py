@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import numbers
 from ..errors import ArgumentError, ArgumentTypeError, ShapeError
-from ..model.robot import Robot, expect_robot
+from ..model.robot import Robot, expect_numbers
 from ..terms import Input, Shape, Term
 
 _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
@@ -22,12 +22,7 @@ _UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any roundin
 
 def check_robot(robot: Robot, term: str) -> None:
     """A robot whose constants are numbers, or an error that says what came instead."""
-    expect_robot(term, robot)
-    if robot.numbers == "symbolic":
-        raise ArgumentError(
-            f"{term}: the constants of {robot.name} are symbols; arrays of numbers need numbers. "
-            "dualpin.symbolic and the functions of dualpin.algorithms take symbols"
-        )
+    expect_numbers(term, robot)
 
 
 def separated(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..arguments import count
 from ..errors import DualpinError
 from ..machine import versions
-from ..model.robot import Robot
+from ..model.robot import Robot, expect_numbers
 from .checks import CHECKS, Case, Check, chosen
 from .compare import compare, used_engine
 from .merge import merged
@@ -80,6 +80,8 @@ def validate(
     >>> dp.validate("panda", samples=3, terms=["rnea", "crba"]).passed
     True
     """
+    if isinstance(robot, Robot):
+        expect_numbers("validate", robot)
     case = Case(robot, floating, mimic, against, oracle=oracle)
     checks = chosen(terms)
     samples = count("validate: samples", samples, 1)

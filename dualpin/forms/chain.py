@@ -19,7 +19,7 @@ from ..dual import EPS, Dual
 from ..errors import ArgumentError, ShapeError
 from ..functions import fk
 from ..model.joints import Axial, Floating, Planar
-from ..model.robot import Frame, Joint, Robot, expect_robot
+from ..model.robot import Frame, Joint, Robot, expect_numbers
 from ..scalars import ONE, ZERO, Scalar
 from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import UX, UY, UZ, ZERO_VECTOR, Vector3, motor
@@ -135,7 +135,7 @@ def chain(robot: Robot, base: str | Frame | None = None, tip: str | Frame | None
     ArgumentError
         If the robot branches and no tip is given, or a floating joint lies on the way.
     """
-    expect_robot(what, robot)
+    expect_numbers(what, robot)
     start = root(robot) if base is None else robot.frame(base)
     end = _only_leaf(robot, what) if tip is None else robot.frame(tip)
     up, down = _ways(start.joint, end.joint)

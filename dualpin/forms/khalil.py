@@ -18,7 +18,7 @@ from ..errors import FrameNotFoundError, nearest
 from ..functions import fk
 from ..model.builder import Builder
 from ..model.joints import Floating
-from ..model.robot import Frame, Robot, expect_robot
+from ..model.robot import Frame, Robot, expect_numbers
 from ..renamed import Renamed
 from ..scalars import Scalar
 from ..spatial.pose import IDENTITY_POSE, Pose
@@ -242,7 +242,7 @@ class _Tree:
 
 def khalil_table(robot: Robot, rules: Rules) -> KhalilTable:
     """Frames for every joint of the tree, parents first, and one for every leaf link."""
-    expect_robot("to_dh", robot)
+    expect_numbers("to_dh", robot)
     start = root(robot)
     still = {start.joint} if start.joint and isinstance(start.joint.model, Floating) else set()
     joints = [j for j in robot if j not in still]

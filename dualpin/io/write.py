@@ -16,7 +16,7 @@ from lxml import etree
 from ..errors import ArgumentError, DualpinWarning, UrdfError
 from ..files import write_text
 from ..model.joints import Written
-from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot
+from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot, expect_numbers
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
 from .transmissions import REDUCTION
@@ -40,7 +40,7 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     Raises
     ------
     ArgumentError
-        For what URDF cannot hold: helical and spherical joints, names with characters that XML cannot hold.
+        For what URDF cannot hold: helical and spherical joints, symbols, names with characters that XML cannot hold.
 
     Warns
     -----
@@ -57,6 +57,7 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     >>> arm.to_urdf().splitlines()[1]
     '<robot name="arm">'
     """
+    expect_numbers("to_urdf", robot)
     writer = _Writer(robot)
     text = writer.text()
     if writer.notes:

@@ -19,6 +19,7 @@ from ..errors import ArgumentError, ShapeError
 from ..model import Builder, cylindrical
 from ..model.robot import STANDARD_GRAVITY, Robot, gravity_vector
 from ..parts import array, joined
+from ..scalars import exact
 from ..spatial import UX, UZ, Inertia, Matrix3, Pose, Rotation, Vector3
 
 
@@ -113,8 +114,8 @@ class DualChain:
             raise ShapeError(f"DualChain: one body for each of {len(a)} links expected, got {len(bodies)}")
         self.bodies = bodies
         self._ends = [f"link{i + 1}_end" for i in range(len(a) - 1)] + ["tip"] * (len(a) > 0)
+        self._links = [Pose.about(UX, Dual(x, y)).snapped for x, y in zip(a.tolist(), b.tolist(), strict=True)]
         self.robot = self._robot(name)
-        self._links = [Rotation.about(UX, Dual(x, y)) for x, y in zip(a.tolist(), b.tolist(), strict=True)]
 
     def __len__(self) -> int:
         return len(self._links)
@@ -123,11 +124,13 @@ class DualChain:
         a, b = dual_array(what, x, 1, symbols=True)
         if a.shape[-1] != len(self):
             raise ShapeError(f"{what} of shape (..., {len(self)}) expected, got {a.shape}")
-        return [Dual(a[..., i], b[..., i]) for i in range(len(self))]
+        columns = ((a[..., i][()], b[..., i][()]) for i in range(len(self)))
+        symbols = object in (a.dtype, b.dtype)  # then 0 and 1 are exact, and leave no 1.0 behind
+        return [Dual(exact(x), exact(y)) if symbols else Dual(x, y) for x, y in columns]
 
     def steps(self, q: Any) -> list[Rotation]:
         """M_i of each joint, as dual rotations."""
-        return [Rotation.about(UZ, t) @ X for t, X in zip(self._columns("q", q), self._links, strict=True)]
+        return [Rotation.about(UZ, t) @ X.dual_matrix for t, X in zip(self._columns("q", q), self._links, strict=True)]
 
     def matrices(self, q: Any) -> list[Dual]:
         """M_i of each joint, dual arrays (..., 3, 3)."""
@@ -270,8 +273,7 @@ class DualChain:
         for i, end in enumerate(self._ends):
             joint = f"C{i + 1}"
             b.joint(joint, cylindrical(), on=on)
-            distal = Pose.about(UX, Dual(self.alpha.real.tolist()[i], self.alpha.dual.tolist()[i]))
-            b.fixed(end, on=joint, placement=distal, inertia=None if self.bodies is None else self.bodies[i])
+            b.fixed(end, on=joint, placement=self._links[i], inertia=None if self.bodies is None else self.bodies[i])
             on = end
         return b.robot()
 

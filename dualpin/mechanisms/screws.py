@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from .. import functions
 from ..algebra.motors import Motor
+from ..arguments import is_symbol
 from ..errors import ArgumentError
 from ..model.robot import Frame, Robot
 from ..spatial import Inertia
@@ -127,6 +128,8 @@ def principal_screws(body: Inertia | Robot, link: str | None = None) -> Principa
             body.frame(link if link is not None else "")  # raises, with the nearest names
             raise ArgumentError(f"principal_screws: {link!r} is a frame of {body.name} without a link")
         body = named[0].inertia
+    if any(map(is_symbol, body.parameters)):
+        raise ArgumentError("principal_screws: a body of numbers is needed; its axes solve an eigenvalue problem")
     m = float(body.mass)
     if not m > 0:
         raise ArgumentError(f"principal_screws: a body with mass is needed, got {m} kg")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..algebra.displacements import dual_matrix
 from ..dual import Dual, atan2
 from ..errors import ArgumentError, DualDivisionError
-from ..model.robot import STANDARD_GRAVITY
+from ..model.robot import STANDARD_GRAVITY, expect_numbers
 from ..spatial import UX, Inertia, Rotation, Vector3
 from .chain import DualChain
 from .locked import Locked
@@ -79,6 +79,7 @@ class TwoC:
         DualDivisionError
             If the joint axes are parallel.
         """
+        expect_numbers("TwoC.inverse_kinematics", self.robot)
         M = T if isinstance(T, Dual) else dual_matrix(T)
         alpha1, alpha2 = self.alpha
         side = float(np.sign(np.sin(alpha1.real)))

@@ -231,6 +231,16 @@ def expect_robot(what: str, robot: object) -> None:
         raise ArgumentError(f"{what}: a Robot expected, got {type(robot).__name__}{hint}")
 
 
+def expect_numbers(what: str, robot: Robot) -> None:
+    """Refuse what is no robot, and a robot whose constants are symbols."""
+    expect_robot(what, robot)
+    if robot.numbers == "symbolic":
+        raise ArgumentError(
+            f"{what}: the constants of {robot.name} are symbols; arrays of numbers need numbers. "
+            "dualpin.symbolic and the functions of dualpin.algorithms take symbols; Robot.lift puts numbers in"
+        )
+
+
 def constants(robot: Robot) -> Iterator[Scalar]:
     """Every number a result can depend on."""
     yield from robot.gravity
@@ -257,5 +267,5 @@ def gravity_vector(gravity: Sequence[float]) -> Vector3:
 
 __all__ = [
     "BASE", "STANDARD_GRAVITY", "Frame", "Joint", "Limits", "Link", "Mimic", "Robot", "Rotor", "constants",
-    "expect_robot", "gravity_vector",
+    "expect_numbers", "expect_robot", "gravity_vector",
 ]  # fmt: skip

@@ -127,8 +127,8 @@ IDENTITY_POSE = Pose()
 
 
 def _kept(x: Scalar, scale: float, values: tuple[int, ...]) -> Scalar:
-    """A number snapped, a symbol as it is; SymPy's own -1, 0 and 1 are as exact as ours."""
-    if is_symbol(x):
+    """A number snapped, a formula as it is: an exact number of SymPy too, as sqrt(3)/2, unless it is -1, 0 or 1."""
+    if is_symbol(x) and not getattr(x, "is_Float", False):
         return next((exact(n) for n in values if x == n), x)
     return _snapped(float(x), scale, values)
 

@@ -39,7 +39,7 @@ def commands():
     Lines that stood in an earlier block are left out, unless a later line of theirs needs what they write.
     """
     found, seen = [], set()
-    for path in sorted(DOCS.glob("*.md")):
+    for path in sorted(DOCS.rglob("*.md")):
         for code in blocks(path, "sh"):
             lines = []
             for line in code.splitlines():

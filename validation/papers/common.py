@@ -138,6 +138,10 @@ class Page:
         bad = [r for r in self.rows if r.wrong]
         lines = [f"# {self.title}", "", f"*{self.citation}*", "", self.intro, "", f"{READ} Verdicts: see the "]
         lines[-1] += f"[index](README.md). {len(self.rows)} rows: {self.counts}; {len(bad)} open."
+        lines += [
+            "",
+            "Where a formula is printed, it was evaluated at one set of numbers; *computed* is dualpin's value there.",
+        ]
         lines += ["", "| where | what | printed | computed | verdict |", "|---|---|---|---|---|"]
         for r in self.rows:
             verdict = (r.verdict if not r.wrong else f"OPEN: {r.wrong}") + (f": {r.note}" if r.note else "")
