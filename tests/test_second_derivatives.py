@@ -148,6 +148,28 @@ def test_the_hessian_in_exponential_coordinates_is_the_mean():
     assert scaled(np.einsum("ijk,j,k->i", qq, x, x), expected) < 1e-5  # h^2, and rounding / h^2
 
 
+@pytest.mark.campaign
+@pytest.mark.parametrize("name", ["ur5", "panda", "talos"])
+def test_like_pinocchios(name, tmp_path):
+    """Its wheel does not bind them: its headers are compiled in the environment of the peer, for minutes."""
+    from dualpin.peers.process import AbsentError, Process, write_robot
+
+    robot = dp.load(name)
+    q, v, a = robot.sample(64, seed=8)
+    write_robot(robot, tmp_path, {"q": q, "v": 3 * v, "a": a})
+    try:
+        peer = Process("pinocchio_native", tmp_path)
+    except AbsentError as e:
+        pytest.skip(str(e))
+    try:
+        theirs = peer.check("rnea_second_derivatives", True)
+    finally:
+        peer.close()
+    ours = np.stack(dp.rnea_second_derivatives(robot, q, 3 * v, a, engine="numpy"), axis=1)
+    for T, ref in zip(np.moveaxis(ours, 1, 0), np.moveaxis(theirs, 1, 0), strict=True):
+        assert scaled(T, ref) < TIGHT
+
+
 NEW = ("rnea_jvp", "rnea_vjp", "rnea_hvp", "rnea_hessian", "rnea_second_derivatives", "rnea_derivatives")
 
 

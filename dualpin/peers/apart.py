@@ -76,7 +76,8 @@ class Peer:
 
     def ordered(self, term: str, x: np.ndarray) -> np.ndarray:
         """In the robot's order of joints."""
-        for axis in {"rnea": (-1,), "aba": (-1,), "fk": (-3,)}.get(term, (-1, -2)):
+        axes = {"rnea": (-1,), "aba": (-1,), "fk": (-3,), "rnea_second_derivatives": (-1, -2, -3)}
+        for axis in axes.get(term, (-1, -2)):
             x = np.take(x, self.back, axis)
         return x
 

@@ -12,7 +12,7 @@ import numpy as np
 
 REQUIRES = ("pin==4.1.0", "cmeel-eigen", "cmeel-boost", "cmeel-cppad", "cmeel-cppadcodegen")
 MODULE = ""
-TERMS = ("rnea", "aba", "crba", "coriolis", "fk", "minv", "rnea_derivatives")
+TERMS = ("rnea", "aba", "crba", "coriolis", "fk", "minv", "rnea_derivatives", "rnea_second_derivatives")
 FLAGS = [
     "-std=c++17", "-DNDEBUG", "-DBOOST_FUSION_INVOKE_MAX_ARITY=10", "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
     "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
@@ -37,6 +37,8 @@ def robot(found: ctypes.CDLL, model: Any) -> ctypes.c_void_p:
 def shape(term: str, joints: int, nv: int) -> tuple[int, ...]:
     if term == "fk":
         return (joints, 4, 4)
+    if term == "rnea_second_derivatives":
+        return (4, nv, nv, nv)
     return {"rnea": (nv,), "aba": (nv,), "rnea_derivatives": (3, nv, nv)}.get(term, (nv, nv))
 
 
@@ -54,7 +56,7 @@ def made(folder: Path) -> dict[str, Any]:
         def stored(Q: Any, V: Any, A: Any) -> np.ndarray:
             out = np.empty((len(Q), *shape(term, n, Q.shape[1])))
             run(Q, V, A, 1, out)
-            return out
+            return np.swapaxes(out, -1, -3) if out.ndim == 5 else out  # tensors come with their first index fastest
 
         return stored, lambda Q, V, A, times: run(Q, V, A, times, None)
 
