@@ -77,6 +77,11 @@ faults: $(STAMP)     ## what check finds in a folder of URDFs, DIR=..., or in th
 bench: $(STAMP)      ## speed beside Pinocchio: writes validation/benchmarks
 	$(BIN)/python -m validation.benchmarks
 
+.PHONY: bench-frameworks
+bench-frameworks: torch ## gradients in PyTorch and JAX beside adam, frax and autograd: writes validation/benchmarks
+	.venv-torch/bin/python -m pip install --quiet adam-robotics frax
+	.venv-torch/bin/python -m validation.benchmarks.frameworks
+
 .PHONY: bench-peers
 bench-peers: $(STAMP) ## speed beside every library whose environment is there: writes validation/benchmarks/peers
 	$(BIN)/python -m validation.benchmarks.peers

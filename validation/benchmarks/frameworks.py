@@ -1,6 +1,6 @@
 """Gradients of a loss with inverse dynamics in it, in PyTorch and JAX, beside what else computes them, in one run:
 
-    python -m validation.benchmarks.frameworks          where torch, jax, adam-robotics and frax are installed, or some
+    python -m validation.benchmarks.frameworks       where torch, jax, adam-robotics and frax are installed, or some
 
 Writes frameworks.json and frameworks.md beside this file.  The loss is the mean square torque of 4096 states of a robot;
 what is timed is its gradient by q, v and a.  All give the same gradient, before and after, or are not timed.
@@ -142,7 +142,7 @@ def measured(name: str, repetitions: int) -> list[dict[str, Any]]:
                 importlib.import_module(NEEDS.get(part, "dualpin"))
             found[what] = way(robot, states)
             rows[what] |= _checked(found[what], right)
-        except Exception as e:  # noqa: BLE001 - why it is left out
+        except Exception as e:  # whatever a library raises is why it is left out
             rows[what]["skipped"] = f"{type(e).__name__}: {e}"[:200]
             found.pop(what, None)
         print(name, rows[what], file=sys.stderr, flush=True)
@@ -177,10 +177,11 @@ def markdown(run: dict[str, Any]) -> str:
     m = run["machine"]
     lines = [
         "# Gradients in PyTorch and JAX\n",
-        f"Measured {run['date']} by `python -m validation.benchmarks.frameworks`: {m['processor']}, Python {m['python']}, "
-        f"{', '.join(f'{k} {v}' for k, v in run['libraries'].items())}; load {run['load']}.\n",
-        f"The gradient by q, v and a of the mean square torque of {BATCH} states, double precision, one thread for PyTorch and "
-        "dualpin, XLA as it comes; milliseconds, medians of runs in turns. Times: as long as dualpin in the same library.\n",
+        f"Measured {run['date']} by `python -m validation.benchmarks.frameworks`: {m['processor']}, Python "
+        f"{m['python']}, {', '.join(f'{k} {v}' for k, v in run['libraries'].items())}; load {run['load']}.\n",
+        f"The gradient by q, v and a of the mean square torque of {BATCH} states, double precision, one thread for\n"
+        "PyTorch and dualpin, XLA as it comes; milliseconds, medians of runs in turns. Times: as long as dualpin in\n"
+        "the same library.\n",
         "| robot | | ms | spread | times |", "|---|---|---|---|---|",
     ]  # fmt: skip
     for r in run["rows"]:
@@ -206,7 +207,8 @@ def main() -> None:
     rows = [row for name in given.robots for row in measured(name, given.repetitions)]
     run = {
         "date": versions()["date"], "machine": bench.machine(), "load": [round(x, 2) for x in os.getloadavg()],
-        "libraries": {k: package(k) for k in ("dualpin", "torch", "jax", "adam-robotics", "frax", "numpy")}, "rows": rows,
+        "libraries": {k: package(k) for k in ("dualpin", "torch", "jax", "adam-robotics", "frax", "numpy")},
+        "rows": rows,
     }  # fmt: skip
     write_text(HERE / "frameworks.json", json.dumps(run, indent=1) + "\n")
     write_text(HERE / "frameworks.md", markdown(run))
