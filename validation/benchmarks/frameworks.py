@@ -2,8 +2,8 @@
 
     python -m validation.benchmarks.frameworks       where torch, jax, adam-robotics and frax are installed, or some
 
-Writes frameworks.json and frameworks.md beside this file.  The loss is the mean square torque of 4096 states of a robot;
-what is timed is its gradient by q, v and a.  All give the same gradient, before and after, or are not timed.
+Writes frameworks.json and frameworks.md beside this file.  The loss is the mean square torque of 4096 states of a
+robot; what is timed is its gradient by q, v and a.  All give the same gradient, before and after, or are not timed.
 """
 
 from __future__ import annotations
