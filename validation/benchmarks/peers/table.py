@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import statistics
 from typing import Any
 
 
@@ -59,7 +60,7 @@ def _run(run: dict[str, Any]) -> str:
 def _table(rows: list[dict[str, Any]]) -> str:
     terms = list(dict.fromkeys(r["term"] for r in rows))
     names = list(dict.fromkeys(r["peer"] for r in rows))
-    ours = {t: min(r["us"] for r in rows if r["term"] == t) for t in terms}
+    ours = {t: statistics.median(r["us"] for r in rows if r["term"] == t) for t in terms}
     lines = ["| | how | " + " | ".join(f"`{t}`" for t in terms) + " |", "|" + "---|" * (len(terms) + 2)]
     lines += ["| **dualpin** | `robot.kernel(term)` | " + " | ".join(f"**{ours[t]:.3g}**" for t in terms) + " |"]
     for name in names:
