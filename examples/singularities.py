@@ -3,7 +3,7 @@
 import numpy as np
 
 import dualpin as dp
-from dualpin.analysis.workspace.singularity import nearest_singularity
+from dualpin.analysis.workspace import nearest_singularity
 
 arm = dp.load("ur5")
 q = np.array([0.3, -1.0, 1.2, 0.4, 0.15, 0.7])  # the fifth joint is nearly straight

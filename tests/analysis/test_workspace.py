@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.analysis.workspace import reach, static_load
-from dualpin.analysis.workspace.singularity import nearest_singularity
+from dualpin.analysis.workspace import nearest_singularity, reach, static_load
 from dualpin.errors import ArgumentError, FrameNotFoundError, ShapeError
 from dualpin.model import Builder, prismatic, revolute
 from dualpin.spatial import Pose, Vector3

@@ -225,6 +225,8 @@ def excite(
     found = start
     if count("excite: iterations", iterations):
         found = minimize(cost, start, method="L-BFGS-B", options={"maxiter": iterations, "maxfun": 10**9}).x
+    if progress is None and sys.stderr.isatty():
+        print(file=sys.stderr)
     condition = float(np.linalg.cond(regressor(found)))
     if not condition < SHOWN:
         raise ArgumentError(f"excite: no motion within these limits shows all {len(base)} base parameters")

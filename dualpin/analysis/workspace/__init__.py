@@ -1,11 +1,12 @@
 """Where a robot's frame can be, how well it moves there, what it can carry there, and where it cannot move."""
 
+from .ellipsoids import Manipulability, characteristic_length, manipulability
 from .loads import payload_capacity, static_load
-from .manipulability import Manipulability, characteristic_length, manipulability
 from .reach import ReachMap, reach_map
-from .singularity import Singularity, singularity
+from .singular import Singularity, nearest_singularity, singularity
 
 __all__ = [
-    "Manipulability", "ReachMap", "Singularity", "characteristic_length", "manipulability", "payload_capacity",
+    "Manipulability", "ReachMap", "Singularity", "characteristic_length", "manipulability", "nearest_singularity",
+    "payload_capacity",
     "reach_map", "singularity", "static_load",
 ]  # fmt: skip

@@ -18,7 +18,7 @@ from ...call.arguments import check_robot
 from ...errors import ArgumentError, ShapeError
 from ...functions import fk, integrate, jacobian, jacobian_dot
 from ...model.robot import Frame, Robot
-from .manipulability import TASKS, characteristic_length, slides
+from .ellipsoids import TASKS, characteristic_length, slides
 
 FULL = 1e-6
 """Of the largest singular value over random configurations: what is below is none, and lost everywhere."""
@@ -142,7 +142,7 @@ def nearest_singularity(
     Examples
     --------
     >>> import numpy as np, dualpin as dp
-    >>> from dualpin.analysis.workspace.singularity import nearest_singularity
+    >>> from dualpin.analysis.workspace import nearest_singularity
     >>> arm = dp.from_dh([(0, 0, 0, -np.pi / 2), (0, 0, 1, 0), (0, 0, 1, 0)], joints="RRR")
     >>> found, distance = nearest_singularity(arm, [0, 0.5, 0.2], -1, "position")
     >>> round(float(abs(found[2])), 6), round(distance, 6)
