@@ -21,6 +21,7 @@ cause is below, by name, or said to be unknown. *Silent*: the library refused th
 A file is given to a library as it is; what it does by default with damping, friction or `<mimic>` counts as its answer,
 and is worded as what it is: another meaning of "inverse dynamics", not a fault of arithmetic.
 Libraries with a compiler of their own (JaxSim, Brax, MJX) were asked about three robots, since each takes minutes.
+Where numbers of a library add up to fewer robots than these, the others were not run.
 What dualpin itself lacks, and some of these libraries have: contacts, closed loops, soft bodies, actuators, tendons,
 collision, simulation; see "Where dualpin is not the best choice" in the documentation. `make referee` makes this page;
 `dualpin judge ROBOT SUBJECT` shows one pair in full, with a state and a call that reproduces the difference. Faults of
