@@ -111,7 +111,7 @@ def _run(folder: Path, words: tuple[str, ...]) -> Outcome:
     log, name = tempfile.mkstemp(dir=folder, suffix=".log")
     errors = Path(name)
     with os.fdopen(log, "wb"):
-        ran = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=log)
+        ran = subprocess.Popen(command, cwd=folder, env=environment, stdout=log, stderr=subprocess.STDOUT)
         try:
             code = _served(ran, errors) if words[0] == "view" else ran.wait(LIMIT)
         except subprocess.TimeoutExpired:
@@ -121,10 +121,11 @@ def _run(folder: Path, words: tuple[str, ...]) -> Outcome:
             ran.wait()
     said = errors.read_text(encoding="utf-8", errors="replace").strip().splitlines()
     seconds, last = round(time.perf_counter() - begun, 1), said[-1] if said else ""
+    missing = next((x for x in said if "pip install" in x), "")
     if code == 0:
         return Outcome(" ".join(words), PASSED, seconds)
-    if code in (1, 2) and "pip install" in last:
-        return Outcome(" ".join(words), SKIPPED, seconds, last)
+    if code in (1, 2) and missing:
+        return Outcome(" ".join(words), SKIPPED, seconds, missing)
     if words in AFTER and not (folder / words[-1]).exists():
         return Outcome(" ".join(words), SKIPPED, seconds, f"{words[-1]} was not written")
     return Outcome(" ".join(words), FAILED, seconds, last or ("took too long" if code is None else f"exit code {code}"))
