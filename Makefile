@@ -94,6 +94,11 @@ docs: $(STAMP)       ## the documentation, into site/; a warning is an error
 	$(BIN)/python docs/build.py
 	@echo "open site/index.html, or serve it: python -m http.server -d site"
 
+.PHONY: asv
+asv: $(STAMP)        ## speed of this commit for the record over versions: writes benchmarks/asv/results
+	$(BIN)/python -m pip install --quiet asv
+	$(BIN)/python benchmarks/asv/record.py
+
 wheel: $(STAMP)      ## build the wheel and the source distribution
 	$(BIN)/python -m build
 
