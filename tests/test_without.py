@@ -78,3 +78,21 @@ except dp.DualpinError as e:
     warned, refused = done(("llvmlite",), code).splitlines()
     assert warned.count("no compiler on this machine") == 1 and "slower" in warned
     assert refused.startswith("CompilerError") and "llvmlite" in refused and "pip install llvmlite" in refused
+
+
+def test_files_that_need_an_extra_say_which():
+    code = """
+for names, make in (("xacro", lambda: dp.load(path)), ("mujoco", lambda: dp.loads("<mujoco/>"))):
+    try:
+        make()
+    except dp.DualpinError as e:
+        assert f"pip install 'dualpin[{names}]'" in str(e), e
+    else:
+        raise AssertionError(names)
+assert dp.check("urdf/puma560/puma560.urdf").links and dp.load("urdf/pa10/pa10.urdf").to_mjcf()
+print("works")
+"""
+    before = (
+        "import tempfile, os\npath = os.path.join(tempfile.mkdtemp(), 'a.xacro'); open(path, 'w').write('<robot/>')\n"
+    )
+    assert done(("xacro", "xacrodoc", "mujoco"), before + code).endswith("works\n")

@@ -130,7 +130,7 @@ def test_every_kind_of_joint_shifted_turned_and_with_references_agrees():
     m, d = compiled(ODD)
     d.qpos[:] = q = robot.sample(seed=3)[0]
     mujoco.mj_kinematics(m, d)
-    np.testing.assert_allclose(dp.fk(robot, q, frame="eye")[:3, 3], d.site("eye").xpos, atol=1e-14)
+    np.testing.assert_allclose(dp.fk(robot, q, frame="eye", engine="numpy")[:3, 3], d.site("eye").xpos, atol=1e-14)
     assert robot.joint("hinge").armature == (0.3,)
 
 
@@ -158,7 +158,7 @@ def test_it_is_validated_against_pinocchio_joint_by_joint(tmp_path):
     file.write_text(
         WORLD.format(f'<body><joint axis="0 1 0"/>{BALL}<body pos="0 0 1"><joint type="ball"/>{BALL}</body></body>', "")
     )
-    assert dp.validate(str(file), samples=3).passed
+    assert dp.validate(str(file), samples=3, engine="numpy").passed
 
 
 @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ def test_they_can_be_left_out_by_name_and_linear_ones_followed(tmp_path):
     d.qpos[:] = 0.3 + 2 * (0.9 - 0.5), 0.9
     mujoco.mj_kinematics(m, d)
     for body in ("a", "b"):
-        X = dp.fk(geared, np.array([0.9]), frame=body)
+        X = dp.fk(geared, np.array([0.9]), frame=body, engine="numpy")
         np.testing.assert_allclose(X[:3, :3], d.body(body).xmat.reshape(3, 3), atol=1e-14)
 
 
@@ -225,9 +225,7 @@ def test_sdf_is_left_out_and_says_so():
 # --- writing ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "floating"), [("panda", False), ("ur5", False), ("talos", False), ("solo12", True), ("kinova", False)]
-)
+@pytest.mark.parametrize(("name", "floating"), [("panda", False), ("solo12", True), ("kinova", False)])
 def test_what_is_written_is_the_same_robot_in_mujoco(name, floating):
     robot = dp.load(name, floating)
     text = robot.to_mjcf()
@@ -236,9 +234,9 @@ def test_what_is_written_is_the_same_robot_in_mujoco(name, floating):
     again = dp.loads(text)
     assert again.joint_names == robot.joint_names and set(robot.link_names) <= {*again.link_names}
     q, v, a = robot.sample(3, seed=1)
-    assert scaled(dp.rnea(again, q, v, a), dp.rnea(robot, q, v, a)) < BOUND
+    assert scaled(dp.rnea(again, q, v, a, engine="numpy"), dp.rnea(robot, q, v, a, engine="numpy")) < BOUND
     for link in robot.link_names:
-        assert scaled(dp.fk(again, q, frame=link), dp.fk(robot, q, frame=link)) < BOUND
+        assert scaled(dp.fk(again, q, frame=link, engine="numpy"), dp.fk(robot, q, frame=link, engine="numpy")) < BOUND
     np.testing.assert_allclose(again.lower, robot.lower, atol=1e-15)
 
 
@@ -253,8 +251,8 @@ def test_joints_that_urdf_does_not_have_are_written():
     again = dp.loads(robot.to_mjcf())
     assert again.joint_names == ["both", "both_slide", "ball", "back"]
     q, v, a = robot.sample(3, seed=1)
-    assert scaled(dp.rnea(again, q, v, a), dp.rnea(robot, q, v, a)) < BOUND
-    assert scaled(dp.fk(again, q, frame="tip"), dp.fk(robot, q, frame="tip")) < BOUND
+    assert scaled(dp.rnea(again, q, v, a, engine="numpy"), dp.rnea(robot, q, v, a, engine="numpy")) < BOUND
+    assert scaled(dp.fk(again, q, frame="tip", engine="numpy"), dp.fk(robot, q, frame="tip", engine="numpy")) < BOUND
 
 
 def test_what_mujoco_does_not_take_is_an_error_that_names_it():
@@ -277,4 +275,4 @@ def test_a_follower_becomes_an_equality_and_is_read_as_one():
     again = dp.loads(text, mimic=True)
     q, v, a = robot.sample(3, seed=1)
     assert again.nv == robot.nv == 8
-    assert scaled(dp.rnea(again, q, v, a), dp.rnea(robot, q, v, a)) < BOUND
+    assert scaled(dp.rnea(again, q, v, a, engine="numpy"), dp.rnea(robot, q, v, a, engine="numpy")) < BOUND

@@ -57,7 +57,7 @@ def package(tmp_path: Path) -> Path:
 def test_a_file_within_its_package_expands_without_being_told_anything(package):
     robot = dp.load(package / "urdf" / "arm.urdf.xacro")
     assert robot.name == "arm" and robot.joint_names == ["joint1", "joint2"] and robot.mass == 4.0
-    X = dp.fk(robot, np.zeros(2), frame="link2")
+    X = dp.fk(robot, np.zeros(2), frame="link2", engine="numpy")
     # two turns of 90 degrees about x, the second 0.2 m along the z of the first, which points along -y
     np.testing.assert_allclose(X, [[1, 0, 0, 0], [0, -1, 0, -0.2], [0, 0, -1, 0.1], [0, 0, 0, 1]], atol=1e-15)
 
@@ -84,7 +84,7 @@ def test_packages_are_found_by_name_by_the_environment_or_not_at_all(package, tm
 
 
 def test_it_is_validated_like_any_other_robot(package):
-    assert dp.validate(str(package / "urdf" / "arm.urdf.xacro"), samples=5).passed
+    assert dp.validate(str(package / "urdf" / "arm.urdf.xacro"), samples=5, engine="numpy").passed
 
 
 def test_meshes_of_packages_are_known_by_their_place(package):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import UrdfError
+from ...errors import ArgumentError, UrdfError
 from ...io.catalogue import find
 from ...io.document import Document
 from ...io.expand import is_xacro
@@ -175,6 +176,8 @@ def described(target: str | Path | Robot) -> Description:
     """
     if isinstance(target, Robot):
         return Description(target.name, target)
+    if not isinstance(target, (str, os.PathLike)):
+        raise ArgumentError(f"check: a name, a path or a Robot expected, got {type(target).__name__}")
     path = find(target)
     if is_mjcf(path):
         return Description(str(target), load(path), path=path)

@@ -112,7 +112,7 @@ def names(case: Case) -> Iterator[Finding]:
             fix="name them apart, for instance with _link and _joint",
         )
     for name in ("universe", "root_joint"):
-        if name in joints and joints[name].type != "fixed":
+        if described and name in joints and joints[name].type != "fixed":
             yield finding(
                 case,
                 "name-reserved",
