@@ -53,7 +53,7 @@ def screws_text(poe: Screws, format: str, degrees: bool, digits: int | None) -> 
     def tidied(row: Any) -> list[str]:
         return [text.tidy(x, poe.residual, digits) for x in row]
 
-    cells = [[name, *tidied(s)] for name, s in zip(poe.joint_names, S.T, strict=True)]
+    cells = [[name, *tidied(s)] for name, s in zip(poe.joint_names, S, strict=True)]
     matrix = text.aligned(["M", "", "", ""], [tidied(row) for row in poe.home])
     return f"{title}\n{order}\n{text.aligned(header, cells)}\n\n{matrix}"
 

@@ -145,7 +145,7 @@ def comparison_html(found: Comparison) -> str:
 def screws_html(found: Screws) -> str:
     """Home pose and screws."""
     head = ["joint", "wx", "wy", "wz", "vx", "vy", "vz"]
-    rows = [(name, *(tidy(x) for x in s)) for name, s in zip(found.joint_names, found.screws.T, strict=True)]
+    rows = [(name, *(tidy(x) for x in s)) for name, s in zip(found.joint_names, found.screws, strict=True)]
     rows.extend((f"home, row {k + 1}", *(tidy(x) for x in row), "", "") for k, row in enumerate(found.home))
     return table_html(head, rows, f"{found.chain.robot.name}: screws in the {found.frame} frame")
 

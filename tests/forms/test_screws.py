@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import types
 
 import numpy as np
@@ -185,3 +186,16 @@ def test_a_pitch_that_the_numbers_state_stays() -> None:
         for S in (np.r_[0, 0, 1, 0, 0, pitch], np.r_[w, moment + pitch * w]):
             (joint,) = dp.from_screws(np.eye(4), S[None])
             assert joint.kind == "helical" and not dp.from_screws(np.eye(4), S[None]).notes
+
+
+@pytest.mark.parametrize("frame", ["space", "body"])
+def test_what_people_see_is_a_row_for_each_joint(frame):
+    """Also of six joints, where rows and columns cannot be told apart by their number."""
+    found = dp.to_screws(dp.load("ur5"), tip="tool0", frame=frame)
+    lines = found.export("table").splitlines()[4:10]
+    shown = np.array([[float(x) for x in row.split()[1:]] for row in lines])
+    assert [row.split()[0] for row in lines] == list(found.joint_names)
+    assert np.abs(shown - found.screws).max() < 1e-6
+    cells = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", found._repr_html_())
+    first = cells.index(found.joint_names[0])
+    assert [float(x) for x in cells[first + 1 : first + 7]] == pytest.approx(found.screws[0], abs=1e-6)
