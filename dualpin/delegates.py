@@ -29,6 +29,7 @@ HOMES = {
     "numpy.linalg": "dualpin.algebra",
     "numpy.ufunc": "dualpin.ufuncs.on_duals",
     "Report._repr_html_": "dualpin.report.notebook.report_html",
+    "ReachMap._repr_html_": "dualpin.report.notebook.workspace_html",
     "ReachMap.plot": "dualpin.analysis.workspace.plots.slices",
     "Report.badge": "dualpin.crosscheck.badge.badge",
     "Report.plot": "dualpin.report.figures.validation",

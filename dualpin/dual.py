@@ -67,7 +67,8 @@ class Dual(Parts):
         self.real, self.dual = real, dual
 
     def __repr__(self) -> str:
-        return f"Dual({shown(self.real)}, {shown(self.dual)})"
+        text = f"Dual({shown(self.real)}, {shown(self.dual)})"
+        return text if text.count("\n") < MOST_LINES else f"<Dual of shape {np.shape(self.real)}>"
 
     # the ring
 
@@ -216,6 +217,7 @@ class Dual(Parts):
 
 
 EPS = Dual(ZERO, ONE)
+MOST_LINES = 9  # of a repr: longer arrays are named by their shape
 
 
 def stack(items: Sequence[Any], axis: int = 0) -> Dual:

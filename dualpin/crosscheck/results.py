@@ -23,7 +23,7 @@ VERDICTS = {
 """How a difference is named, by who is nearer to the value with 50 digits."""
 
 
-@dataclass
+@dataclass(repr=False)
 class TermResult:
     """One term of one robot.
 
@@ -86,6 +86,10 @@ class TermResult:
         else:
             self._of_version_0_1()
 
+    def __repr__(self) -> str:
+        figures = f", error {self.max_scaled_error:.1e} of {self.tolerance:.1e}" if self.compared else ""
+        return f"<TermResult: {self.verdict}{figures}, {self.compared} samples>"
+
     def _of_version_0_1(self) -> None:
         """Records of version 0.1 had two outcomes, and the reason of the tolerance in `reason`."""
         if not (self.compared or self.tolerance):
@@ -126,7 +130,7 @@ class TermResult:
         return "; ".join(dict.fromkeys(x for x in (self.reason, self.note, nearer) if x))
 
 
-@dataclass
+@dataclass(repr=False)
 class RobotResult:
     """All terms of one robot, or why there are none.
 
@@ -170,6 +174,9 @@ class RobotResult:
     def __post_init__(self) -> None:
         self.passed = self.passed and not self.error and all(t.passed for t in self.terms.values())
         self.status = self.status or overall(t.status for t in self.terms.values())
+
+    def __repr__(self) -> str:
+        return f"<RobotResult {self.label!r}: {self.verdict}, {len(self.terms)} terms, {self.samples} samples>"
 
     @property
     def label(self) -> str:
@@ -224,7 +231,7 @@ class Refusal:
     by_pinocchio: bool
 
 
-@dataclass
+@dataclass(repr=False)
 class Report:
     """The outcome of a validation.
 
@@ -240,6 +247,10 @@ class Report:
     refused: list[Refusal] = field(default_factory=list)
     versions: dict[str, str] = field(default_factory=dict)
     partial: bool = False
+
+    def __repr__(self) -> str:
+        refused = f", {len(self.refused)} refused" if self.refused else ""
+        return f"<Report: {self.verdict}: {self.headline or 'no robots'}{refused}>"
 
     @property
     def passed(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from io import StringIO
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from .figures import drawn
 from .matrix import Matrix, short
 
 if TYPE_CHECKING:
+    from ..analysis.workspace.reach import ReachMap
     from ..crosscheck.results import Report
     from ..forms.screws import Screws
     from ..forms.table import DHTable
@@ -80,8 +81,12 @@ def dh_html(table: DHTable) -> str:
 
 def drawing(of: Any, size: tuple[float, float] = (9.0, 3.6)) -> str:
     """The drawing of a result as SVG, or what is needed to have one."""
+    return _svg(lambda: drawn(of, size))
+
+
+def _svg(figured: Callable[[], Any]) -> str:
     try:
-        figure = drawn(of, size)
+        figure = figured()
     except DualpinError as e:
         return f"<p>{escape(str(e))}</p>"
     text = StringIO()
@@ -140,6 +145,14 @@ def comparison_html(found: Comparison) -> str:
     notes = [f"{name}: {old} -> {new}" for name, old, new in found.versions]
     html = table_html(["", "what", "where", "old", "new"], rows, f"{verdict}; {found.compared} figures compared", notes)
     return html + (drawing(found) if any(c.factor != 1.0 for c in found.changes) else "")
+
+
+def workspace_html(found: ReachMap) -> str:
+    """Where a frame can be: volume, index, and slices."""
+    row = (found.frame.name, f"{found.volume:.3g}", f"{found.cell:.3g}", f"{found.mean:.3f}", found.samples,
+           f"{found.coverage:.3f}")  # fmt: skip
+    head = ["frame", "volume [m^3]", "cell [m]", "mean index", "samples", "coverage"]
+    return table_html(head, [row], f"{found.robot.name}: workspace") + _svg(found.plot)
 
 
 def screws_html(found: Screws) -> str:

@@ -34,7 +34,7 @@ class Curve:
         return [(self.end * (k + 1) / n, y) for k, y in enumerate(self.values) if y is not None]
 
 
-@dataclass
+@dataclass(repr=False)
 class Study:
     """One result file, read.
 
@@ -67,6 +67,10 @@ class Study:
     title: str = ""
     notes: list[str] = field(default_factory=list)
     kind = Renamed("subject")
+
+    def __repr__(self) -> str:
+        held = repr(self.report) if self.report is not None else f"{len(self.rows)} rows in {len(self.tables)} tables"
+        return f"<Study {self.name!r}: {self.subject}, {held}>"
 
     @property
     def rows(self) -> list[Row]:

@@ -60,13 +60,13 @@ class Reach:
         return np.where(miss > allowed, miss, 0.0)
 
 
-def reach(robot: Robot, frame: Frame, task: Any = "pose") -> Reach | None:
+def reach(robot: Robot, frame: str | int | Frame, task: Any = "pose") -> Reach | None:
     """The bound for a frame; None where the chain has no axis, or a joint travels without limit.
 
     Parameters
     ----------
     robot : Robot
-    frame : Frame
+    frame : str, int or Frame
     task : str or six booleans
         What is asked of the frame, see `dualpin.track`.  A turn that is left free is one more joint at the frame.
 
@@ -78,17 +78,18 @@ def reach(robot: Robot, frame: Frame, task: Any = "pose") -> Reach | None:
     ------
     ArgumentError
         For a task that is not known.
+    FrameNotFoundError
 
     Examples
     --------
     >>> import dualpin as dp
     >>> from dualpin.tracking import reach
     >>> robot = dp.load("ur5")
-    >>> bound = reach(robot, robot.frame("tool0"))
+    >>> bound = reach(robot, "tool0")
     >>> bound.first, bound.last, round(bound.farthest, 3)
     ('shoulder_pan_joint', 'wrist_3_joint', 0.919)
     """
-    return reach_of(robot, frame, rows_of("reach", task))
+    return reach_of(robot, robot.frame(frame), rows_of("reach", task))
 
 
 def reach_of(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:

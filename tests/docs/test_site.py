@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import dualpin as dp
+from tests.first_hour.hour import LOOKS, chromium, opened
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -100,3 +101,33 @@ def test_the_navigation_names_every_page():
     named = re.findall(r'"([\w/-]+\.md)"', (ROOT / "zensical.toml").read_text(encoding="utf-8"))
     pages = {p.relative_to(DOCS).as_posix() for p in DOCS.rglob("*.md")}
     assert pages <= set(named)
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    driver = chromium(tmp_path_factory.mktemp("profile"))
+    yield driver
+    driver.quit()
+
+
+@pytest.mark.parametrize("page", ["index.html", "gallery.html", "cli.html", "api/functions.html", "reports.html"])
+def test_pages_fit_a_screen_and_a_phone_by_day_and_by_night(page, site, browser):
+    """Opened from the disk: nothing overflows, nothing is missing, the console is silent."""
+    for width, scheme in LOOKS:
+        opened(browser, site / page, width, scheme)
+
+
+def test_search_and_dark_mode_work_from_the_disk(site, browser):
+    support = pytest.importorskip("selenium.webdriver.support.ui")
+    opened(browser, site / "index.html", 1280, "light")
+    browser.find_element("css selector", "[data-md-color-media='(prefers-color-scheme: light)'] ~ label").click()
+    assert browser.execute_script("return document.body.dataset.mdColorScheme") == "slate"
+    browser.find_element("css selector", ".md-search__button").click()
+    field = "document.querySelector('input[role=combobox], .md-search input, input[type=search], input[type=text]')"
+    support.WebDriverWait(browser, 20).until(lambda b: b.execute_script(f"return !!{field}"))
+    browser.switch_to.active_element.send_keys("cylindroid")
+    support.WebDriverWait(browser, 30).until(
+        lambda b: b.execute_script(
+            "return [...document.querySelectorAll('a')].some(a => /gallery.*cylindroid/.test(a.href))"
+        )
+    )

@@ -161,6 +161,9 @@ class ReachMap:
         """Slices through the middle of the index, and of surveys of the same grid given by name."""
         return home("ReachMap.plot")(self, path, **more)
 
+    def _repr_html_(self) -> str:
+        return str(home("ReachMap._repr_html_")(self))
+
     def __repr__(self) -> str:
         return (
             f"<reach of {self.frame.name!r} of {self.robot.name!r}: {self.volume:.3g} m^3, cells of {self.cell:.3g} m, "
