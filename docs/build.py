@@ -44,16 +44,20 @@ def stage() -> None:
     for path in sorted(DOCS.rglob("*")):
         if path.is_file() and path.suffix not in (".py", ".pyc", ".md") and THEME not in path.parents:
             _copy(path)
-    waiting = [*DOCS.rglob("*.md"), *(ROOT / p for p in PAGES), *(ROOT / EVIDENCE).rglob("*.md")]
+    waiting = sorted([*DOCS.rglob("*.md"), *(ROOT / p for p in PAGES), *(ROOT / EVIDENCE).rglob("*.md")])
     (STAGE / COMMANDS).write_text(command_line(), encoding="utf-8")
     _summary()
-    for page in sorted({p for p in waiting if p.exists()}):
+    for page in waiting:  # grows by the pages that pages link to
         text = page.read_text(encoding="utf-8")
         _write(page, _moved(text, page))
         outside = FENCE.sub("", text)
         for target in [m[1] for m in LINK.findall(outside)] + [m[0] for m in EVIDENT.findall(outside)]:
             found = _target(page, target)
-            if found and found.is_file() and found.suffix != ".md" and found.stat().st_size < BIGGEST:
+            if found is None or not found.is_file():
+                continue
+            if found.suffix == ".md":
+                waiting += [found] * (found not in waiting)
+            elif found.stat().st_size < BIGGEST:
                 _copy(found)
 
 
