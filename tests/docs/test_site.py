@@ -5,6 +5,7 @@ import inspect
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -118,16 +119,15 @@ def test_pages_fit_a_screen_and_a_phone_by_day_and_by_night(page, site, browser)
 
 
 def test_search_and_dark_mode_work_from_the_disk(site, browser):
+    webdriver = pytest.importorskip("selenium.webdriver")
     support = pytest.importorskip("selenium.webdriver.support.ui")
     opened(browser, site / "index.html", 1280, "light")
     browser.find_element("css selector", "[data-md-color-media='(prefers-color-scheme: light)'] ~ label").click()
     assert browser.execute_script("return document.body.dataset.mdColorScheme") == "slate"
     browser.find_element("css selector", ".md-search__button").click()
-    field = "document.querySelector('input[role=combobox], .md-search input, input[type=search], input[type=text]')"
-    support.WebDriverWait(browser, 20).until(lambda b: b.execute_script(f"return !!{field}"))
-    browser.switch_to.active_element.send_keys("cylindroid")
-    support.WebDriverWait(browser, 30).until(
-        lambda b: b.execute_script(
-            "return [...document.querySelectorAll('a')].some(a => /gallery.*cylindroid/.test(a.href))"
-        )
-    )
+    time.sleep(1.0)  # the field appears in the page's own time
+    webdriver.ActionChains(browser).send_keys("cylindroid").perform()
+    found = """
+        const roots = [document, ...[...document.querySelectorAll('*')].map(e => e.shadowRoot).filter(r => r)];
+        return roots.flatMap(r => [...r.querySelectorAll('a')]).some(a => /gallery.html.*cylindroid/.test(a.href))"""
+    support.WebDriverWait(browser, 30).until(lambda b: b.execute_script(found))

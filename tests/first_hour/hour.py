@@ -69,6 +69,8 @@ def opened(browser, path, width, scheme):
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", device)
     feature = {"name": "prefers-color-scheme", "value": scheme}
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
+    browser.get(Path(path).as_uri())
+    browser.execute_script("localStorage.clear()")  # a scheme that was chosen before
     browser.get_log("browser")
     browser.get(Path(path).as_uri())
     assert [e["message"] for e in browser.get_log("browser") if e["level"] in ("SEVERE", "WARNING")] == []
