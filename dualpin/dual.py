@@ -68,7 +68,7 @@ class Dual(Parts):
 
     def __repr__(self) -> str:
         text = f"Dual({shown(self.real)}, {shown(self.dual)})"
-        return text if text.count("\n") < MOST_LINES else f"<Dual of shape {np.shape(self.real)}>"
+        return text if text.count("\n") < 9 else f"<Dual of shape {np.shape(self.real)}>"
 
     # the ring
 
@@ -217,7 +217,6 @@ class Dual(Parts):
 
 
 EPS = Dual(ZERO, ONE)
-MOST_LINES = 9  # of a repr: longer arrays are named by their shape
 
 
 def stack(items: Sequence[Any], axis: int = 0) -> Dual:
