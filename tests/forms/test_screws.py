@@ -151,6 +151,9 @@ def test_screws_are_exported_in_full_and_as_code() -> None:
     assert np.allclose([s["screw"] for s in in_degrees["screws"]], poe.Slist.T * np.pi / 180)
     for format in ("table", "markdown", "latex", "yaml"):
         assert "wrist_3" in poe.export(format, digits=3).replace("\\", "")
+    first = next(x for x in poe.export().splitlines() if x.split()[:1] == [poe.joint_names[1]]).split()[1:]
+    assert np.allclose([float(x) for x in first], poe.screws[1], atol=1e-3)  # of the six, one a row
+    assert [x.split(",")[1:] for x in lines[1:7]] == [[repr(float(v) + 0.0) for v in s] for s in poe.Slist.T]
     tree = dp.to_screws(dp.load("allegro_left"))
     assert set(json.loads(tree.export("json"))) == set(tree)
     assert isinstance(types.SimpleNamespace(t=tree.export()).t, str)

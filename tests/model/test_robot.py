@@ -255,6 +255,7 @@ def test_symbolic_robots_say_that_they_are():
 
 
 def test_what_is_computed_for_a_robot_is_kept_beside_it_and_goes_with_it():
+    pytest.importorskip("llvmlite")  # kernels are part of it
     robot = dp.load("ur5")
     before = set(vars(robot))
     dp.rnea(robot, *robot.sample(seed=0))
