@@ -132,7 +132,6 @@ def test_nobody_writes_files_in_another_way():
     """Every file leaves through `dualpin.files`, but for the cache of kernels, logs that grow, and passing files."""
     allowed = {
         "files.py", "cli/stdin.py", "crosscheck/adjudicate.py", "crosscheck/ledger.py", "io/expand.py",
-
     }  # fmt: skip
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()

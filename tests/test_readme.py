@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import dualpin as dp
+
 pytest.importorskip("pinocchio")
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
@@ -31,12 +33,47 @@ def commands():
     return [line[1:] for line in lines if line[:1] == ["dualpin"] and "--all" not in line]
 
 
-@pytest.mark.parametrize("arguments", commands(), ids=" ".join)
-def test_every_command_of_the_readme_runs(arguments, tmp_path):
+CODE = """
+import dualpin as dp
+
+class Arm:
+    def __init__(self, urdf):
+        self.robot = dp.load(urdf)
+        self.joints = self.robot.joint_names
+
+    def rnea(self, q, v, a):
+        return dp.rnea(self.robot, q, v, a)
+"""
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    """A folder with the files that the README's reader has, and what commands before wrote."""
+    folder = tmp_path_factory.mktemp("readme")
+    body = {"mass": 2.0, "com": (0.1, 0.0, 0.0), "inertia": ((0.02, 0, 0), (0, 0.03, 0), (0, 0, 0.03))}
+    rows = [(0, 0.1, 0.5, 1.5), (0, 0, 0.4, 0)]
+    for name in ("my_robot.urdf", "my_arm.urdf", "old.urdf", "arm.urdf.xacro"):
+        dp.from_dh(rows, inertias=[body, body], name="arm").to_urdf(folder / name)
+    dp.from_dh(rows, inertias=[body, {**body, "mass": 3.0}], name="arm").to_urdf(folder / "new.urdf")
+    (folder / "my_code.py").write_text(CODE)
+    (folder / "q.csv").write_text("0,0,0,0,0,0\n0.1,0,0,0,0,0\n")
+    report = dp.validate("panda", samples=3)
+    for name in ("baseline", "out"):
+        report.write(folder / name)
+    study = [sys.executable, "-m", "dualpin", "integrate", "ur5", "--frame", "tool0", "--dt", "1", "--turns", "1"]
+    subprocess.run([*study, "--out", "study"], cwd=folder, capture_output=True, timeout=300, check=True)
+    return folder
+
+
+@pytest.mark.parametrize("arguments", [c for c in commands() if "view" not in c or "--record" in c], ids=" ".join)
+def test_every_command_of_the_readme_runs(arguments, own):
+    for package in {"convert": ("mujoco", "xacro"), "view": ("viser",)}.get(arguments[0], ()):
+        pytest.importorskip(package)
     command = [sys.executable, "-m", "dualpin", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=300, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+    done = subprocess.run(command, capture_output=True, text=True, cwd=own, timeout=300, check=False)
+    expected = {"check": (0, 1), "diff": (1,)}.get(arguments[0], (0,))
+    assert done.returncode in expected, done.stderr
+    assert done.stdout or "wrote" in done.stderr
 
 
 def test_its_links_lead_somewhere():

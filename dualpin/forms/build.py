@@ -237,8 +237,9 @@ def _body(what: str, given: Any) -> Inertia:
             raise ArgumentError(
                 f"{what}: {key}: finite numbers expected, got {x[~_finite(x)].flat[0] if x.ndim else x}"
             )
-    if mass.item().is_negative if is_symbol(mass.item()) else mass < 0:
-        raise ArgumentError(f"{what}: mass is {mass.item()} kg; zero or more expected")
+    m = mass.item()
+    if m.is_negative if is_symbol(m) else mass < 0:
+        raise ArgumentError(f"{what}: mass is {m if is_symbol(m) else format(m, 'g')} kg; zero or more expected")
     off = J - J.T
     if J.dtype == object:
         if any(x != 0 for x in off.flat):

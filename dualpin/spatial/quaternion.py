@@ -180,7 +180,7 @@ def displaced(r: Quaternion, t: Vector3) -> Quaternion:
     --------
     >>> from dualpin.spatial import Quaternion, Vector3, displaced
     >>> displaced(Quaternion(1.0, 0.0, 0.0, 0.0), Vector3(2.0, 0.0, 0.0)).dual
-    Quaternion(0.0, 1.0, 0.0, 0.0)
+    Quaternion(-0.0, 1.0, 0.0, 0.0)
     """
     moved = Quaternion(ZERO, *t) * r
     return Quaternion(*(Dual(a, b / 2) for a, b in zip(r, moved, strict=True)))

@@ -107,7 +107,7 @@ def dh_rotation(theta: Scalar, alpha: Scalar, convention: str = "standard") -> R
     >>> from dualpin import Dual
     >>> from dualpin.spatial import dh_rotation
     >>> dh_rotation(Dual(0.0, 0.3), Dual(0.0, 0.0)).rows[0].y
-    Dual(0.0, -0.3)
+    Dual(-0.0, -0.3)
     """
     check_convention(convention)
     Z, X = Rotation.about(UZ, theta), Rotation.about(UX, alpha)
