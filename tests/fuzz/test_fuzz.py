@@ -161,6 +161,13 @@ def test_robots_of_one_joint(kind, armature):
     assert not examine(Spec("one", (JointSpec(kind, axis=(0.6, 0.0, 0.8), armature=armature, **body),))).error
 
 
+def test_an_inertia_that_pinocchio_refuses_is_not_compared():
+    spec = Spec("odd", (JointSpec("revolute", mass=1.0, tensor=(-1.0, 0.0, 0.0, 1.0, 0.0, 1.0)),))
+    found = examine(spec)
+    assert (found.status, found.passed) == ("not compared", True)
+    assert "refuses the inertia of j000" in found.reason
+
+
 def test_more_robots_take_up_what_the_store_has(tmp_path):
     path, seen = tmp_path / "f.sqlite", []
     few = fuzz(2, seed=SEED, store=path, small=0)

@@ -100,7 +100,10 @@ def _inertia(pin: Any, joint: Joint) -> Any:
     mass, h = float(joint.inertia.mass), np.array([float(x) for x in joint.inertia.moment])
     J = np.array([[float(x) for x in row] for row in joint.inertia.rotational.rows])
     c = h / mass if mass else 0 * h
-    return pin.Inertia(mass, c, J - mass * (c @ c * np.eye(3) - np.outer(c, c)))
+    try:
+        return pin.Inertia(mass, c, J - mass * (c @ c * np.eye(3) - np.outer(c, c)))
+    except RuntimeError as e:  # of a tensor or mass that no body has
+        raise OracleError(f"Pinocchio refuses the inertia of {joint.name}: {e}") from None
 
 
 def _joint(pin: Any, joint: Joint) -> Any:
