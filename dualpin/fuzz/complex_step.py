@@ -44,4 +44,5 @@ def along(
 
 def gradient(robot: Robot, name: str, q: np.ndarray, **options: Any) -> np.ndarray:
     """The derivative of a term of q along each velocity; the last axis is that of v."""
-    return np.stack([along(robot, name, q, e, **options) for e in np.eye(robot.nv)], axis=-1)
+    columns = [along(robot, name, q, e, **options) for e in np.eye(robot.nv)]
+    return np.stack(columns, axis=-1) if columns else np.zeros((*TERMS[name].shape(robot, **options), 0))

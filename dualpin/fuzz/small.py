@@ -87,7 +87,7 @@ def _found(spec: Spec, term: str) -> TermResult | None:
     try:
         robot = spec.robot()
         if term in IDENTITIES:
-            return identities(robot, 0)[term]
+            return identities(robot, 0, [term])[term]
         return compare(Case(robot), SAMPLES, 0, [CHECKS[term]], "numpy").terms[term]
     except DualpinError:
         return None

@@ -168,6 +168,12 @@ def test_an_inertia_that_pinocchio_refuses_is_not_compared():
     assert "refuses the inertia of j000" in found.reason
 
 
+def test_a_robot_without_joints_has_identities_too():
+    found = examine(Spec("rigid", (JointSpec("fixed", mass=1.0, tensor=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0)),)))
+    assert not found.error
+    assert found.passed
+
+
 def test_more_robots_take_up_what_the_store_has(tmp_path):
     path, seen = tmp_path / "f.sqlite", []
     few = fuzz(2, seed=SEED, store=path, small=0)
