@@ -68,6 +68,9 @@ referee: $(STAMP)    ## libraries judged on twenty robots: writes validation/ref
 dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
 	$(BIN)/python validation/dh/campaign.py
 
+fuzz: $(STAMP)       ## random robots, hours of them, resumable: writes out/fuzz
+	$(BIN)/dualpin fuzz --robots 100000 --seed 7 --store out/fuzz.sqlite --out out/fuzz
+
 zoo: $(STAMP)        ## any folder of URDFs, DIR=..., read and validated by both libraries: writes out/zoo
 	$(BIN)/python -m validation.zoo $(DIR) --out out/zoo
 

@@ -82,6 +82,6 @@ def error(ball: Any, x: float) -> tuple[float, float]:
     before, flint.ctx.dps = flint.ctx.dps, DIGITS
     try:
         distance = abs(ball - flint.arb(x))
-        return float(distance.lower()), float(distance.upper())
+        return max(0.0, float(distance.lower())), float(distance.upper())
     finally:
         flint.ctx.dps = before
