@@ -36,7 +36,8 @@ NASTY = [
     "\x85evil = 1",
     "\x0cevil = 1", "printf", "main", "a__b", "_A", "\u200f", "//", "${x}", "$(x)", "a/b", "../../x", "x,y", "x;y",
 ]  # fmt: skip
-ANY = st.one_of(st.sampled_from(NASTY), st.text(max_size=20))
+# Hypothesis also draws words of the sources: those that `named` gives to other frames are left out
+ANY = st.one_of(st.sampled_from(NASTY), st.text(max_size=20)).filter(lambda name: name not in ("end", "universe"))
 slow = settings(deadline=None, suppress_health_check=list(HealthCheck), max_examples=60)
 
 
