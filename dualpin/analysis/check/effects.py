@@ -14,6 +14,8 @@ import numpy as np
 from ...call import evaluate
 from ...model.robot import Robot
 from ...spatial.inertia import Inertia
+from ...spatial.pose import Pose
+from ...spatial.vector import Twist
 from .description import Body, placed
 from .findings import Effect
 
@@ -115,10 +117,10 @@ def _parameters(inertia: Inertia) -> np.ndarray:
     return np.array([float(x) for x in inertia.parameters])
 
 
-def _length(X: object) -> float:
-    return float(np.linalg.norm([float(x) for x in X.position]))  # type: ignore[attr-defined]
+def _length(X: Pose) -> float:
+    return float(np.linalg.norm([float(x) for x in X.position]))
 
 
-def _slides(screw: object) -> bool:
+def _slides(screw: Twist) -> bool:
     """Whether a motion is a pure translation."""
-    return not any(float(c) for c in screw.real)  # type: ignore[attr-defined]
+    return not any(float(c) for c in screw.real)
