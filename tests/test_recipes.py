@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,10 @@ import pytest
 import dualpin as dp
 from dualpin.algorithms.jacobian import jacobian
 from dualpin.call import evaluate
+from dualpin.call.public import ask, public
+from dualpin.crosscheck.arbiter import defined
+from dualpin.crosscheck.check import compared
+from dualpin.crosscheck.checks import CHECKS
 from dualpin.crosscheck.exact import truth
 from dualpin.crosscheck.oracles import ORACLES, Oracle
 from dualpin.crosscheck.reading import describe
@@ -62,6 +67,64 @@ def test_a_new_term_needs_its_algorithm_and_one_line(monkeypatch, seed):
         robot.kernel(NULL_SPACE.name, fram=frame)
     with pytest.raises(dp.ShapeError, match="frame_jacobian_null_space: q"):
         kernel(q[:, 1:])
+
+
+# --- shown: its public function ------------------------------------------------------------------
+
+
+@public
+def null_space(robot, q, frame, *, out=None, dtype="float64", engine="auto"):
+    return ask((NULL_SPACE, frame), q)
+
+
+def test_a_public_term_needs_its_function():
+    robot = dp.load("panda")
+    q = robot.sample(5, seed=1)[0]
+    N = null_space(robot, q, "panda_link8")
+    assert np.array_equal(null_space(robot, q=q, frame="panda_link8", out=np.empty_like(N)), N)
+    assert np.allclose(null_space(robot, q.tolist(), "panda_link8", engine="numpy"), N, atol=1e-12)
+    with pytest.raises(dp.FrameNotFoundError, match="did you mean 'panda_link8'"):
+        null_space(robot, q, "panda_lnk8")
+
+
+# --- compared: its definition, and what the oracle says of it ------------------------------------
+
+
+@compared(adds=lambda x: x.reach**2, enters=frozenset(), form="matrix")
+def null_space_defined(d, frame):
+    """1 - J^T (J J^T)^-1 J, the projector by its normal equations; J of a floating base has full rank."""
+    J = d.jacobian(d.zeros(), frame, "world")
+    inverse = np.array((d.mp.matrix((J @ J.T).tolist()) ** -1).tolist(), object)
+    return np.array([d.unit(k) for k in range(d.robot.nv)]) - J.T @ inverse @ J
+
+
+def null_space_of_pinocchio(pin, m, d, frame):
+    J = pin.getFrameJacobian(m, d, frame, pin.LOCAL)
+    return np.eye(m.nv) - np.linalg.pinv(J) @ J
+
+
+def test_a_compared_term_needs_its_definition_and_the_oracles_question(monkeypatch):
+    pytest.importorskip("pinocchio")
+    from dualpin.crosscheck.oracles.pinocchio import QUESTIONS, Question
+
+    name = NULL_SPACE.name
+    monkeypatch.setitem(TERMS, name, NULL_SPACE)
+    monkeypatch.setitem(CHECKS, name, replace(null_space_defined, term=name))
+    validate = lambda n: dp.validate("ur5", samples=n, floating=True, terms=[name], engine="numpy", arbitrate=True)  # noqa: E731
+    without = validate(2).terms[name]
+    assert without.status == "not compared" and without.reason == "Pinocchio does not answer it"
+    jacobians = lambda pin, m, d, s: (pin.computeJointJacobians(m, d, s["q"]), pin.updateFramePlacements(m, d))  # noqa: E731
+    monkeypatch.setitem(QUESTIONS, name, Question(jacobians, null_space_of_pinocchio))
+    found = validate(20).terms[name]
+    assert found.status == "agrees" and found.max_scaled_error < 1e-12
+    robot = dp.load("ur5", floating=True)
+    q = robot.sample(seed=3)[0]
+    exact = defined(robot, name, {"q": q}, (12, 12), frame=robot.frame("tool0"))
+    assert np.abs(exact - null_space(robot, q, "tool0")).max() < 1e-13
+    wrong = lambda pin, m, d, frame: null_space_of_pinocchio(pin, m, d, frame) * (1 + 1e-9)  # noqa: E731
+    monkeypatch.setitem(QUESTIONS, name, Question(jacobians, wrong))
+    verdict = validate(2).terms[name]
+    assert verdict.status == "differs" and verdict.nearer == "dualpin"
 
 
 # --- an oracle: one class, and its line in the table ---------------------------------------------

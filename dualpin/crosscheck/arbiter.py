@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..model.robot import Robot
-from .checks import Check
+from .checks import CHECKS, Check
 from .definitions import WORKING_DIGITS, Definitions, UndecidedError
 from .results import DUALPIN, NEITHER, ORACLE, UNDECIDED
 
@@ -34,7 +34,7 @@ def arbitrate(
     Raises
     ------
     UndecidedError
-        If there is no definition, it has no value (M is singular), or time is over.
+        If it has no value (M is singular), or time is over.
 
     Examples
     --------
@@ -49,11 +49,9 @@ def arbitrate(
     """
     import mpmath
 
-    if "frame" in options:
-        options["frame"] = robot.frames.index(options["frame"])
     with mpmath.workdps(WORKING_DIGITS):
         try:
-            truth = Definitions(robot, state, seconds).entry(check.term, index, options)
+            truth = check.entry(Definitions(robot, state, seconds), index, options)
         except ZeroDivisionError:
             raise UndecidedError("it has no value: M is singular") from None
 
@@ -93,11 +91,9 @@ def defined(
     """
     import mpmath
 
-    if "frame" in options:
-        options["frame"] = robot.frames.index(options["frame"])
     with mpmath.workdps(WORKING_DIGITS):
         try:
-            return Definitions(robot, state, seconds).whole(term, shape, options).astype(float)
+            return CHECKS[term].whole(Definitions(robot, state, seconds), shape, options).astype(float)
         except ZeroDivisionError:
             raise UndecidedError("it has no value: M is singular") from None
 

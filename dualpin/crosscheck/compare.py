@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,9 @@ import numpy as np
 from ..call import evaluate, made_ahead
 from ..model.robot import Robot
 from ..terms import TERMS
-from . import tolerance
 from .arbiter import SECONDS, nearer, worst_of
 from .arbiter import arbitrate as by_definition
-from .checks import Case, Check
+from .check import GRAVITY, INERTIA, Case, Check
 from .definitions import UndecidedError
 from .extent import Extent
 from .fingerprint import fingerprint
@@ -23,9 +23,9 @@ from .oracles import Oracle
 from .pairing import Pair, paired
 from .reading import Difference
 from .results import AGREES, DIFFERS, NOT_COMPARED, UNDECIDED, RobotResult, TermResult
-from .sampling import batches, planar_angles, states
+from .sampling import batches, states
 from .tally import Tally
-from .tolerance import MassMatrices
+from .tolerance import Reference
 from .where import locate
 
 LAST_DIGITS = 1e-13
@@ -113,50 +113,29 @@ class _Comparison:
             largest = max(int(np.prod(self._shape(c, variants[c.term][0]), dtype=int)) for c in together)
             for part in batches(self.samples, largest):
                 batch = {key: x[part] for key, x in given.items()}
-                mass = MassMatrices(*self.oracle.compute("crba", {"q": batch["q"]})) if together[0].solves else None
+                reference = Reference(self.robot, batch, extent.part(part), partial(self._asked, batch))
                 for check in together:
-                    self._gather(tallies[check], check, variants[check.term], batch, mass, extent.part(part))
+                    self._gather(tallies[check], check, variants[check.term], reference)
 
     def _shape(self, check: Check, options: dict[str, Any]) -> tuple[int, ...]:
         return TERMS[check.term].shape(self.robot, **options)
 
-    def _gather(
-        self, tally: Tally, check: Check, variants: list[dict[str, Any]], batch: dict[str, np.ndarray],
-        mass: MassMatrices | None, extent: Extent,
-    ) -> None:  # fmt: skip
+    def _asked(self, batch: dict[str, np.ndarray], term: str) -> np.ndarray:
+        (found,) = self.oracle.compute(term, {key: batch[key] for key in TERMS[term].inputs})
+        return found
+
+    def _gather(self, tally: Tally, check: Check, variants: list[dict[str, Any]], reference: Reference) -> None:
+        batch = reference.states
         inputs = {name: batch[name] for name in check.inputs.values()}
         named = {key: batch[name] for key, name in check.inputs.items()}
         answers = self.oracle.compute(check.term, inputs, variants)
         n = len(batch["q"])
         for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
             ours = evaluate(self.robot, check.term, named, engine=self.engine, **options)
-            bound = self._bound(check.term, batch, theirs, mass, extent)
-            left_out = None if mass is None else mass.hopeless
+            bound = check.bound(reference, theirs)
+            left_out = reference.mass.hopeless if check.solves else None
             tally.add(ours.reshape(n, -1), theirs.reshape(n, -1), bound.value, batch["sample"], variant, left_out)
             tally.reason = bound.reason
-
-    def _bound(
-        self, term: str, batch: dict[str, np.ndarray], theirs: np.ndarray, mass: MassMatrices | None, extent: Extent
-    ) -> tolerance.Tolerance:
-        """How far the two may be apart, sample by sample.
-
-        What it depends on comes from the oracle: a wrong M of ours would widen its own bound.
-        """
-        robot, oracle = self.robot, self.oracle
-        if term == "difference":
-            return tolerance.logarithm(robot, theirs[:, planar_angles(robot)])
-        if term == "potential_energy":
-            return tolerance.weighing(robot, extent.positions, theirs)
-        if mass is None:
-            return tolerance.recursion(robot, len(theirs), extent.of(term), theirs)
-        if term == "minv":
-            return tolerance.inverse(robot, mass, extent)
-        (bias,) = oracle.compute("bias", {key: batch[key] for key in ("q", "v")})
-        forces = np.abs(batch["tau"]) + np.abs(bias)
-        if term == "aba_derivatives":
-            (a,) = oracle.compute("aba", {key: batch[key] for key in ("q", "v", "tau")})
-            return tolerance.derivatives(robot, mass, forces, a, theirs, extent)
-        return tolerance.solution(robot, mass, forces, theirs, extent)
 
     def _judged(
         self, check: Check, tally: Tally, variants: list[dict[str, Any]], given: dict[str, np.ndarray], arbitrate: bool
@@ -208,7 +187,7 @@ def _hindrance(check: Check, pair: Pair, variants: list[dict[str, Any]]) -> str:
     if not variants:
         return "the oracle has none of the frames"
     links = [name for d in pair.apart for name in d.unread]
-    if not (check.inertial and links and pair.oracle):
+    if not (INERTIA in check.enters and links and pair.oracle):
         return ""
     complaints = [c for c in pair.oracle.description.complaints if "Could not parse" not in c]
     heard = f" ({'; '.join(complaints[:3])})" if complaints else ""
@@ -217,7 +196,7 @@ def _hindrance(check: Check, pair: Pair, variants: list[dict[str, Any]]) -> str:
 
 def _matters(difference: Difference, check: Check) -> bool:
     """Whether a difference of two robots enters a term."""
-    return {"joint": True, "gravity": check.dynamic}.get(difference.about, check.inertial)
+    return difference.about == "joint" or (GRAVITY if difference.about == "gravity" else INERTIA) in check.enters
 
 
 def _said(apart: Sequence[Difference], most: int = 3) -> str:

@@ -1,10 +1,10 @@
-"""Every term by its definition, in as many digits as asked: the judge where two libraries differ.
+"""What terms are defined by, in as many digits as asked: the judge where two libraries differ.
 
 Nothing here is an algorithm of `dualpin.algorithms` or of the oracle.  There are only the poses of the
 bodies, as products of matrices, and what the terms mean: momentum is what inertia makes of a
 velocity, force is the rate of momentum, and derivatives are differences over a step of 1e-30, taken
 with 130 digits.  So a mistake in a recursion, of either library, cannot hide here, and
-the price is paid at one entry of one sample only.
+the price is paid at one entry of one sample only.  The terms themselves stand in `checks`.
 
 A body moves along the curve  T(t) = T_parent P X(q) exp(S (v t + a t^2 / 2)),  whose velocity in the
 joint's own coordinates is v + a t: this holds for every joint, whatever its coordinates are.
@@ -27,8 +27,6 @@ from .rigid import (
     carried_wrench,
     displacement,
     exact,
-    inverse,
-    logarithm,
     momentum,
     number,
     pose,
@@ -43,20 +41,12 @@ WORKING_DIGITS = 130
 STEP = "1e-30"
 
 
-SELECTED = {
-    "fk": (0,), "joint_wrenches": (0,), "coriolis": (1,), "minv": (1,), "com_jacobian": (1,),
-    "centroidal_momentum_matrix": (1,), "joint_torque_regressor": (1,), "rnea_derivatives": (0, 2),
-    "aba_derivatives": (0, 2), "difference": (0,),
-}  # fmt: skip
-"""Of terms that are not found as a whole: the axes whose indices say which part is found at once."""
-
-
 class UndecidedError(DualpinError):
-    """There is no definition of the term, or no time left to evaluate it."""
+    """The term has no value there, or there is no time left to evaluate it."""
 
 
 class Definitions:
-    """The terms of one robot in one state.
+    """One robot in one state, by what its terms are defined by.
 
     Parameters
     ----------
@@ -76,7 +66,7 @@ class Definitions:
     def __init__(self, robot: Robot, state: Mapping[str, Array], seconds: float = 10.0) -> None:
         import mpmath
 
-        self.mp, self.robot = mpmath, robot.lift(mpmath.mpf)
+        self.mp, self.given, self.robot = mpmath, robot, robot.lift(mpmath.mpf)
         # of this thread: what else the machine does is no reason to give up
         self.deadline = time.thread_time() + seconds
         self.h = mpmath.mpf(STEP)
@@ -213,56 +203,18 @@ class Definitions:
     def _factored(self) -> Any:
         return self.mp.mp.LU_decomp(self.mp.matrix(self.mass_matrix().tolist()))
 
-    # --- the terms ---------------------------------------------------------------------------------
-    #
-    # A function of a term returns as much as is found at once: a column, say, for the indices in SELECTED.
+    # --- frames, directions, sums --------------------------------------------------------------------
 
-    def entry(self, term: str, index: tuple[int, ...], options: Mapping[str, Any]) -> Any:
-        """One entry of a term."""
-        selected = SELECTED.get(term, ())
-        rest = tuple(i for axis, i in enumerate(index) if axis not in selected)
-        return self._found(term, options, *(index[axis] for axis in selected))[rest]
-
-    def whole(self, term: str, shape: tuple[int, ...], options: Mapping[str, Any]) -> Array:
-        """All entries of a term."""
-        out, selected = np.empty(shape, object), SELECTED.get(term, ())
-        for chosen in np.ndindex(*(shape[axis] for axis in selected)):
-            at = dict(zip(selected, chosen, strict=True))
-            place = tuple(at.get(axis, slice(None)) for axis in range(len(shape)))
-            out[place] = self._found(term, options, *chosen)
-        return out
-
-    def _found(self, term: str, options: Mapping[str, Any], *chosen: int) -> Array:
-        if term.startswith("frame_") or term in ("jacobian", "jacobian_dot"):
-            return self.of_frame(term, self.robot.frames[options["frame"]], options)
-        found = getattr(self, f"_{term}", None)
-        if found is None:
-            raise UndecidedError(f"there is no definition of {term} to evaluate with 50 digits")
-        return np.asarray(found(*chosen), object)
-
-    def of_frame(self, term: str, frame: Frame, options: Mapping[str, Any]) -> Array:
-        s, how = self.state, options.get("reference", "world")
-        if term == "frame_pose":
-            return self.frame(self.poses(), frame)
-        if term == "jacobian":
-            return self.seen_jacobian(self.zeros(), frame, how)
-        if term == "jacobian_dot":
-            return self.rate(lambda step, _: self.seen_jacobian(step, frame, how), s["v"])
-        J = lambda step: self.seen_jacobian(step, frame, "world")  # noqa: E731
-        here = self.frame(self.poses(), frame)
-        twist = seen(here, J(self.zeros()) @ s["v"], how)
-        if term == "frame_velocity":
-            return twist
-        A = seen(here, self.rate(lambda step, velocity: J(step) @ velocity, s["v"], s["a"]), how)
-        if options.get("classical"):
-            A[3:] = A[3:] + np.cross(twist[:3], twist[3:])
-        return A
+    def lifted(self, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Options, with the frame of this robot instead of the given one's."""
+        frame = {"frame": self.robot.frames[self.given.frames.index(options["frame"])]} if "frame" in options else {}
+        return {**options, **frame}
 
     def frame(self, T: list[Array], frame: Frame) -> Array:
         X = pose(self.mp, frame.placement)
         return T[frame.joint.index] @ X if frame.joint else X
 
-    def seen_jacobian(self, step: Array, frame: Frame, reference: str) -> Array:
+    def jacobian(self, step: Array, frame: Frame, reference: str) -> Array:
         T = self.poses(step)
         J = np.array([exact(self.mp, [0] * 6) for _ in range(self.robot.nv)]).reshape(self.robot.nv, 6)
         columns = self.columns(T)
@@ -271,40 +223,6 @@ class Definitions:
                 J[k] = J[k] + column
         here = self.frame(T, frame)
         return np.array([seen(here, column, reference) for column in J]).reshape(-1, 6).T
-
-    def _fk(self, joint: int) -> Array:
-        return self.poses()[joint]
-
-    def _rnea(self) -> Array:
-        return self.torques(self.state["v"], self.state["a"])
-
-    def _joint_wrenches(self, joint: int) -> Array:
-        T, forces = self.transmitted(self.state["v"], self.state["a"])
-        R, p, (n, f) = T[joint][:3, :3], T[joint][:3, 3], np.split(forces[joint], 2)
-        return np.concatenate([R.T @ (n - np.cross(p, f)), R.T @ f])
-
-    def _rnea_f_ext(self) -> Array:
-        f_ext = self.state["f_ext"].reshape(-1, 6)
-        return self.torques(self.state["v"], self.state["a"], f_ext=f_ext)
-
-    def _bias(self) -> Array:
-        return self.torques(self.state["v"], self.zeros())
-
-    def _gravity(self) -> Array:
-        return self.torques(self.zeros(), self.zeros())
-
-    def _crba(self) -> Array:
-        return self.mass_matrix()
-
-    def _coriolis(self, j: int) -> Array:
-        """M nabla_v u of the metric's connection at u = e_j: half of what is symmetric in v and u, and of M [v, u].
-
-        Of the bodies: rotors are no part of it.
-        """
-        v, u, none = self.state["v"], self.unit(j), self.zeros()
-        both, of_v, of_u = (self.torques(w, none, gravity=False) for w in (v + u, v, u))
-        symmetric = both - of_v - of_u
-        return (symmetric + self.torques(none, self.bracket(v, j), gravity=False, rotors=False)) / 2
 
     def unit(self, j: int) -> Array:
         e = self.zeros()
@@ -322,78 +240,14 @@ class Definitions:
             found[k] = W @ S[n] / (S[n] @ S[n])  # the screws of such a joint are along the axes
         return found
 
-    def _accelerations(self) -> Array:
-        return self.solved(self.state["tau"] - self.torques(self.state["v"], self.zeros()))
-
-    def _aba(self) -> Array:
-        return self._accelerations()
-
-    def _minv(self, j: int) -> Array:
-        return self.solved(self.unit(j))
-
-    def _kinetic_energy(self) -> Any:
-        T = self.poses()
-        V = self.twists(T, self.state["v"])
-        rotors = sum(
-            self.armature(i, n) * self.state["v"][k] ** 2 for i, ks in enumerate(self.indices) for n, k in enumerate(ks)
-        )
-        return (sum(W @ P for W, P in zip(V, self.momenta(T, V), strict=True)) + rotors) / 2
-
-    def first_moments(self, T: list[Array]) -> tuple[Array, Any]:
+    def first_moments(self) -> tuple[Array, Any]:
         """sum m c in the world, and sum m."""
+        T = self.poses()
         return sum(body[0] * X[:3, 3] + X[:3, :3] @ body[1:4] for X, body in zip(T, self.bodies, strict=True)), sum(
             body[0] for body in self.bodies
         )
 
-    def _potential_energy(self) -> Any:
-        return -(self.field @ self.first_moments(self.poses())[0])
-
-    def _com(self) -> Array:
-        moments, mass = self.first_moments(self.poses())
-        return moments / mass
-
-    def _com_jacobian(self, j: int) -> Array:
-        return self._total_momentum(j)[3:] / self.first_moments(self.poses())[1]
-
-    def _total_momentum(self, j: int) -> Array:
+    def total_momentum(self, v: Array) -> Array:
+        """[l0; p] of the robot."""
         T = self.poses()
-        return sum(self.momenta(T, self.twists(T, self.unit(j))))
-
-    def _centroidal_momentum_matrix(self, j: int) -> Array:
-        moments, mass = self.first_moments(self.poses())
-        P = self._total_momentum(j)
-        return np.concatenate([P[:3] - np.cross(moments / mass, P[3:]), P[3:]])
-
-    def _joint_torque_regressor(self, column: int) -> Array:
-        body, parameter = divmod(column, 10)
-        if body >= len(self.joints):  # rotors follow the bodies
-            rotors = [(b, k) for b, ks in enumerate(self.indices) for k in ks]
-            b, k = rotors[column - 10 * len(self.joints)]
-            return self.unit(k) * self.state["a"][k] * self.multiplier(b) ** 2
-        bodies = [exact(self.mp, [0] * 10) for _ in self.joints]
-        bodies[body][parameter] = self.mp.mpf(1)
-        return self.torques(self.state["v"], self.state["a"], rotors=False, bodies=bodies)
-
-    def _by(self, block: int, j: int, a: Array) -> Array:
-        """d tau / dq_j or d tau / dv_j."""
-        v, e, h, none = self.state["v"], self.unit(j), self.h, self.zeros()
-        if block == 0:
-            after, before = (self.torques(v, a, at=e * t) for t in (h, -h))
-            return (after - before) / (2 * h)
-        # quadratic in v, so that a difference over any step is exact
-        return (self.torques(v + e, none) - self.torques(v - e, none)) / 2
-
-    def _rnea_derivatives(self, block: int, j: int) -> Array:
-        return self._crba()[:, j] if block == 2 else self._by(block, j, self.state["a"])
-
-    def _aba_derivatives(self, block: int, j: int) -> Array:
-        return self._minv(j) if block == 2 else -self.solved(self._by(block, j, self._accelerations()))
-
-    def _difference(self, i: int) -> Any:
-        q1 = self.state["q1"]
-        (joint,) = [j for j in self.joints if i in range(j.v.start, j.v.stop) and j.mimic is None]
-        X0, X1 = (displacement(self.mp, joint, x[joint.q]) for x in (self.q, q1))
-        if joint.model.nq == joint.model.nv and len(joint.model.screws) < 3:  # coordinates of an axis add
-            return q1[joint.q][i - joint.v.start] - self.q[joint.q][i - joint.v.start]
-        s = self.screws[joint.index][i - joint.v.start]
-        return (s @ logarithm(self.mp, inverse(X0) @ X1)) / (s @ s)
+        return sum(self.momenta(T, self.twists(T, v)))

@@ -12,7 +12,7 @@ M are no larger than D_i D_j, and forces no larger than D_i times the accelerati
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
@@ -93,47 +93,11 @@ class Extent:
         """Accelerations, as D weighs them."""
         return np.linalg.norm(self.weights * a, axis=-1)
 
-    def of(self, term: str) -> Array:
-        """How large what adds up in a term is, shape (n,), as a multiple of what is ordinary."""
-        return np.broadcast_to(SIZES[term](self) / ORDINARY, self.reach.shape)
+    @property
+    def efforts(self) -> Array:
+        """All accelerations together, as D weighs them."""
+        return self.push(self.states["a"]) + self.swing + self.fall
 
     def f_ext(self) -> Array:
         wrenches = np.linalg.norm(self.states["f_ext"].reshape(len(self.reach), -1, 6), axis=-1)
         return (wrenches * (1 + self.distance)).sum(axis=-1)
-
-
-def _rnea(x: Extent) -> Array:
-    return x.heaviest * (x.push(x.states["a"]) + x.swing + x.fall)
-
-
-def _wrenches(x: Extent) -> Array:
-    # every direction counts, not only that of a joint's screw: D of a unit twist is at most this
-    return x.mass**0.5 * np.maximum(1.0, x.reach) * (x.push(x.states["a"]) + x.swing + x.fall)
-
-
-def _moving(x: Extent) -> Array:
-    return x.reach * (x.acceleration + x.speed**2)
-
-
-SIZES: dict[str, Callable[[Extent], Array]] = {
-    "fk": lambda x: x.reach,
-    "frame_pose": lambda x: x.reach,
-    "jacobian": lambda x: x.reach,
-    "jacobian_dot": lambda x: x.reach * x.speed,
-    "frame_velocity": lambda x: x.reach * x.speed,
-    "frame_acceleration": _moving,
-    "rnea": _rnea,
-    "rnea_f_ext": lambda x: _rnea(x) + x.f_ext(),
-    "joint_wrenches": _wrenches,
-    "bias": lambda x: x.heaviest * (x.swing + x.fall),
-    "gravity": lambda x: x.heaviest * x.fall,
-    "crba": lambda x: x.heaviest**2,
-    "coriolis": lambda x: x.heaviest**2 * x.speed,
-    "kinetic_energy": lambda x: x.push(x.states["v"]) ** 2,
-    "com": lambda x: x.reach,
-    "com_jacobian": lambda x: x.heaviest / x.mass**0.5,
-    "centroidal_momentum_matrix": lambda x: x.heaviest * x.reach * x.mass**0.5,
-    "joint_torque_regressor": lambda x: x.reach * (_moving(x) + x.gravity),
-    "rnea_derivatives": lambda x: _rnea(x) + x.heaviest**2 * (1 + x.speed),
-}
-"""What adds up in each term that solves nothing."""

@@ -12,12 +12,15 @@ from typing import Any
 import numpy as np
 
 from ..arguments import count
+from ..call import evaluate
 from ..errors import DualpinWarning
-from ..functions import bias, crba, fk
+from ..functions import fk
 from ..machine import versions
 from ..model.robot import Robot
+from ..terms import TERMS
 from . import tolerance
 from .adjudicate import Court, nearer
+from .checks import CHECKS
 from .definitions import UndecidedError
 from .extent import Extent
 from .findings import Finding
@@ -31,7 +34,7 @@ from .subjects.layout import Layout, States
 from .subjects.questions import QUESTIONS, wanted
 from .subjects.resolve import Asker, resolve
 from .tally import QUANTILES, scaled_error
-from .tolerance import EPS, MassMatrices
+from .tolerance import EPS
 
 LINE = 1e-9
 """Where agreement ends: other algorithms, about other points, round up to 1e-12 or so apart; constants in single
@@ -266,34 +269,26 @@ class _Bounds:
 
     def __init__(self, robot: Robot, states: States) -> None:
         self.robot, self.states, self.n = robot, states, len(states["q"])
-        self.mass = MassMatrices(crba(robot, states["q"], engine="numpy"))
-        self.extent = Extent(robot, fk(robot, states["q"], engine="numpy")[..., :3, 3], states)
+        extent = Extent(robot, fk(robot, states["q"], engine="numpy")[..., :3, 3], states)
+        self.reference = tolerance.Reference(robot, states, extent, self._ours)
+
+    def _ours(self, term: str) -> np.ndarray:
+        return evaluate(self.robot, term, {k: self.states[k] for k in TERMS[term].inputs}, engine="numpy")
 
     def of(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
-        found = self._derived(term, ours)
+        found = CHECKS[QUESTIONS[term].source].bound(self.reference, ours)
         value = np.maximum(LINE, found.value)
         return tolerance.Tolerance(
             value, f"{LINE:g}, since the subject's algorithm may be any; or, if that is more, {found.reason}"
         )
 
-    def _derived(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
-        robot, s = self.robot, self.states
-        if term == "minv":
-            return tolerance.inverse(robot, self.mass, self.extent)
-        if term == "aba":
-            forces = np.abs(s["tau"]) + np.abs(bias(robot, s["q"], s["v"], engine="numpy"))
-            return tolerance.solution(robot, self.mass, forces, ours, self.extent)
-        if term == "potential_energy":
-            return tolerance.weighing(robot, self.extent.positions, ours)
-        return tolerance.recursion(robot, self.n, self.extent.of(term), ours)
-
     def unit(self, term: str, sample: int) -> float:
         """n eps, times cond(M) where a system is solved with it."""
         unit = max(1, len(self.robot)) * EPS
-        return unit * float(self.mass.condition[sample]) if QUESTIONS[term].solves else unit
+        return unit * float(self.reference.mass.condition[sample]) if QUESTIONS[term].solves else unit
 
     def hopeless(self, term: str) -> np.ndarray:
-        return self.mass.hopeless if QUESTIONS[term].solves else np.zeros(self.n, bool)
+        return self.reference.mass.hopeless if QUESTIONS[term].solves else np.zeros(self.n, bool)
 
 
 def _explain(terms: dict[str, TermResult], answers: Answers, tick: Tick) -> list[str]:

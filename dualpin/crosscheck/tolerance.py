@@ -8,6 +8,7 @@ recursion (each of `depth` bodies multiplies by a rotation, adding some eps), wh
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -89,6 +90,31 @@ def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Toleran
 
 SINGULAR = 1 / (64 * EPS)
 """A scaled condition number from which M is singular to working precision: nothing is left to compare."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What bounds depend on in a batch of states: on one side alone, since a wrong M would widen its own bound.
+
+    Attributes
+    ----------
+    ask : callable
+        term -> the reference's values of it in these states.
+    """
+
+    robot: Robot
+    states: Mapping[str, np.ndarray]
+    extent: Extent
+    ask: Callable[[str], np.ndarray]
+
+    @cached_property
+    def mass(self) -> MassMatrices:
+        return MassMatrices(self.ask("crba"))
+
+    @cached_property
+    def forces(self) -> np.ndarray:
+        """What cancels in  tau - bias."""
+        return np.abs(self.states["tau"]) + np.abs(self.ask("bias"))
 
 
 class MassMatrices:

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..crosscheck.checks import CHECKS
 from ..crosscheck.extent import ORDINARY, Extent
 from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, ORACLE, TermResult
 from ..crosscheck.sampling import states
@@ -50,7 +51,7 @@ class State:
         return Extent(self.robot, poses[..., :3, 3], given)
 
     def size(self, term: str) -> float:
-        return float(self.extent.of(term)[0])
+        return float(CHECKS[term].size(self.extent)[0])
 
     @property
     def tau(self) -> Array:

@@ -9,7 +9,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.call import evaluate
-from dualpin.crosscheck import definitions
+from dualpin.crosscheck import checks, definitions, rigid
 from dualpin.crosscheck.arbiter import arbitrate, nearer
 from dualpin.crosscheck.checks import CHECKS
 from dualpin.crosscheck.definitions import WORKING_DIGITS, Definitions, UndecidedError
@@ -43,8 +43,8 @@ def test_every_term_is_what_its_definition_says(name, term):
 
 
 def test_definitions_use_no_algorithm():
-    tree = ast.parse(Path(definitions.__file__).read_text())
-    modules = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
+    trees = [ast.parse(Path(room.__file__).read_text()) for room in (definitions, checks, rigid)]
+    modules = {n.module for tree in trees for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
     assert not any("algorithms" in (m or "") or m in ("terms", "functions") for m in modules)
 
 

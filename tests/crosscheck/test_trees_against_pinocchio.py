@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.crosscheck.checks import CHECKS
 from dualpin.crosscheck.oracles.pinocchio import QUESTIONS, Pinocchio
 from dualpin.model import Robot
 from tests.random_robots import tree
@@ -41,7 +42,7 @@ def theirs(robot: Robot, term: str, state: dict[str, np.ndarray]) -> np.ndarray:
     d = question.data(pin, layout.model)
     found = question.run(pin, layout.model, d, {k: x[0] for k, x in rows.items()})
     value = found if question.read is None else question.read(pin, layout.model, d)
-    return layout.read(question.form, question.whole(np.asarray(value)[None], layout), {})[0]
+    return layout.read(CHECKS[term].form, question.whole(np.asarray(value)[None], layout), {})[0]
 
 
 @pytest.mark.parametrize("armature", [False, True], ids=["plain", "armature"])

@@ -25,6 +25,7 @@ from ...errors import nearest
 from ...model.robot import Frame, Joint, Robot
 from ...terms import TERMS
 from .. import subjects
+from ..checks import CHECKS
 from ..reading import Description
 from ..subjects.algebra import Change
 from ..subjects.convention import Convention, names_of
@@ -170,14 +171,14 @@ class Pinocchio(Oracle):
         n = len(states["q"])
         if 0 in shapes[0]:  # a robot without joints: Pinocchio 4.1 crashes on Jacobians without columns
             return [np.zeros((n, *shape)) for shape in shapes]
-        if self.robot.coupled and QUESTIONS[term].solves:
+        if self.robot.coupled and CHECKS[term].solves:
             return [self._solved(term, states)]
         layout = self.coupled if self._native(term) and self.coupled is not None else self.free
         m, question = layout.model, QUESTIONS[term]
         d = layout.data(self.pin, term)
         choices = [self._chosen(m, options) for options in variants]
         answers: list[np.ndarray] = []
-        rows = layout.of(states, coupled=self.robot.coupled)
+        rows = layout.of({k: states[k] for k in CHECKS[term].inputs.values()}, coupled=self.robot.coupled)
         with np.errstate(all="ignore"):  # a singular M gives nan, which the comparison knows
             for k, one in enumerate(zip(*rows.values(), strict=True)):
                 found = question.run(self.pin, m, d, dict(zip(rows, one, strict=True)))
@@ -191,7 +192,7 @@ class Pinocchio(Oracle):
                 answers = [
                     a.reshape(n, *shape[:-1], -1) if shape else a for a, shape in zip(answers, shapes, strict=True)
                 ]
-            found = [layout.read(question.form, question.whole(a, layout), {}) for a in answers]
+            found = [layout.read(CHECKS[term].form, question.whole(a, layout), {}) for a in answers]
             return [x.reshape(n, *shape) for x, shape in zip(found, shapes, strict=True)]
 
     def offers(self, options: Mapping[str, Any]) -> bool:
@@ -245,8 +246,8 @@ def _solve(M: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 # --- the questions -------------------------------------------------------------------------------
 #
-# run computes a sample, read picks what a variant asks for, whole fills what Pinocchio leaves open; the form
-# says how the layout rewrites all samples in dualpin's conventions at once.
+# run computes a sample, read picks what a variant asks for, whole fills what Pinocchio leaves open; the form of
+# the term's check says how the layout rewrites all samples in dualpin's conventions at once.
 
 
 def _mirrored(x: np.ndarray, to: Layout) -> np.ndarray:
@@ -275,9 +276,7 @@ class Question:
     """How Pinocchio computes a term: run(pin, model, data, state), then read(pin, model, data, *options)."""
 
     run: Callable[..., Any]
-    form: str = "plain"
     read: Callable[..., Any] | None = None
-    solves: bool = False
     data: Callable[[Any, Any], Any] = lambda pin, m: m.createData()
     whole: Callable[[np.ndarray, Layout], np.ndarray] = lambda x, to: x
 
@@ -307,53 +306,39 @@ def _pushed(pin: Any, m: Any, d: Any, s: dict[str, np.ndarray]) -> np.ndarray:
     return pin.rnea(m, data, s["q"], s["v"], s["a"], pin.StdVec_Force(forces))
 
 
+def _by(function: str) -> Callable[..., Any]:
+    """Run a function of Pinocchio's on the term's inputs, in their order."""
+    return lambda pin, m, d, s: getattr(pin, function)(m, d, *s.values())
+
+
+def _first_three(run: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda *given: run(*given)[:3]
+
+
 QUESTIONS = {
-    "fk": Question(
-        lambda pin, m, d, s: pin.forwardKinematics(m, d, s["q"]),
-        read=lambda pin, m, d: np.concatenate([X.homogeneous for X in d.oMi][1:]),
-    ),
-    "frame_pose": Question(
-        lambda pin, m, d, s: pin.framesForwardKinematics(m, d, s["q"]),
-        read=lambda pin, m, d, frame: d.oMf[frame].homogeneous,
-    ),
-    "jacobian": Question(_jacobians, "six", lambda pin, m, d, f, r: pin.getFrameJacobian(m, d, f, r)),
-    "jacobian_dot": Question(
-        _jacobians, "six_rate", lambda pin, m, d, f, r: pin.getFrameJacobianTimeVariation(m, d, f, r)
-    ),
-    "frame_velocity": Question(_motion, "twist", lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
-    "frame_acceleration": Question(_motion, "twist", _acceleration),
-    "rnea": Question(lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]), "force"),
-    "rnea_f_ext": Question(
-        _pushed, "force", data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])
-    ),
-    "joint_wrenches": Question(
-        lambda pin, m, d, s: pin.rnea(m, d, s["q"], s["v"], s["a"]),
-        "twist",
-        read=lambda pin, m, d: np.array([f.vector for f in d.f][1:]),
-    ),
-    "bias": Question(lambda pin, m, d, s: pin.nonLinearEffects(m, d, s["q"], s["v"]), "bias"),
-    "gravity": Question(lambda pin, m, d, s: pin.computeGeneralizedGravity(m, d, s["q"]), "force"),
-    "crba": Question(lambda pin, m, d, s: pin.crba(m, d, s["q"]), "matrix", whole=_mirrored),
-    "coriolis": Question(lambda pin, m, d, s: pin.computeCoriolisMatrix(m, d, s["q"], s["v"]), "coriolis"),
-    "aba": Question(lambda pin, m, d, s: pin.aba(m, d, s["q"], s["v"], s["tau"]), "acceleration", solves=True),
-    "minv": Question(lambda pin, m, d, s: pin.computeMinverse(m, d, s["q"]), "inverse", solves=True, whole=_mirrored),
-    "kinetic_energy": Question(lambda pin, m, d, s: pin.computeKineticEnergy(m, d, s["q"], s["v"])),
-    "potential_energy": Question(lambda pin, m, d, s: pin.computePotentialEnergy(m, d, s["q"])),
-    "com": Question(lambda pin, m, d, s: pin.centerOfMass(m, d, s["q"])),
-    "com_jacobian": Question(lambda pin, m, d, s: pin.jacobianCenterOfMass(m, d, s["q"]), "columns"),
-    "centroidal_momentum_matrix": Question(lambda pin, m, d, s: pin.computeCentroidalMap(m, d, s["q"]), "six"),
-    "joint_torque_regressor": Question(_regressed, "force", whole=_with_rotors),
-    "rnea_derivatives": Question(
-        lambda pin, m, d, s: pin.computeRNEADerivatives(m, d, s["q"], s["v"], s["a"])[:3],
-        "derivatives",
-        whole=_last_mirrored,
-    ),
-    "aba_derivatives": Question(
-        lambda pin, m, d, s: pin.computeABADerivatives(m, d, s["q"], s["v"], s["tau"])[:3],
-        "derivatives",
-        solves=True,
-        whole=_last_mirrored,
-    ),
-    "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"]), "velocity"),
+    "fk": Question(_by("forwardKinematics"), lambda pin, m, d: np.concatenate([X.homogeneous for X in d.oMi][1:])),
+    "frame_pose": Question(_by("framesForwardKinematics"), lambda pin, m, d, frame: d.oMf[frame].homogeneous),
+    "jacobian": Question(_jacobians, lambda pin, m, d, f, r: pin.getFrameJacobian(m, d, f, r)),
+    "jacobian_dot": Question(_jacobians, lambda pin, m, d, f, r: pin.getFrameJacobianTimeVariation(m, d, f, r)),
+    "frame_velocity": Question(_motion, lambda pin, m, d, f, r: pin.getFrameVelocity(m, d, f, r).vector),
+    "frame_acceleration": Question(_motion, _acceleration),
+    "rnea": Question(_by("rnea")),
+    "rnea_f_ext": Question(_pushed, data=lambda pin, m: (m.createData(), [pin.Force.Zero() for _ in range(m.njoints)])),
+    "joint_wrenches": Question(_by("rnea"), lambda pin, m, d: np.array([f.vector for f in d.f][1:])),
+    "bias": Question(_by("nonLinearEffects")),
+    "gravity": Question(_by("computeGeneralizedGravity")),
+    "crba": Question(_by("crba"), whole=_mirrored),
+    "coriolis": Question(_by("computeCoriolisMatrix")),
+    "aba": Question(_by("aba")),
+    "minv": Question(_by("computeMinverse"), whole=_mirrored),
+    "kinetic_energy": Question(_by("computeKineticEnergy")),
+    "potential_energy": Question(_by("computePotentialEnergy")),
+    "com": Question(_by("centerOfMass")),
+    "com_jacobian": Question(_by("jacobianCenterOfMass")),
+    "centroidal_momentum_matrix": Question(_by("computeCentroidalMap")),
+    "joint_torque_regressor": Question(_regressed, whole=_with_rotors),
+    "rnea_derivatives": Question(_first_three(_by("computeRNEADerivatives")), whole=_last_mirrored),
+    "aba_derivatives": Question(_first_three(_by("computeABADerivatives")), whole=_last_mirrored),
+    "difference": Question(lambda pin, m, d, s: pin.difference(m, s["q"], s["q1"])),
 }
 Pinocchio.terms = QUESTIONS.keys()
