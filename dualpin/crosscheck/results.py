@@ -250,7 +250,9 @@ class Report:
 
     def __repr__(self) -> str:
         refused = f", {len(self.refused)} refused" if self.refused else ""
-        return f"<Report: {self.verdict}: {self.headline or 'no robots'}{refused}>"
+        keys = dict.fromkeys(f.key for f in self.findings)
+        causes = f"; causes: {', '.join(keys)}" if keys else ""
+        return f"<Report: {self.verdict}: {self.headline or 'no robots'}{refused}{causes}>"
 
     @property
     def passed(self) -> bool:
