@@ -29,7 +29,7 @@ from .reproduce import program
 from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from .subjects.answers import Answers
 from .subjects.asking import SAMPLES, Asking, asking, expected
-from .subjects.kept import Kept
+from .subjects.kept import Kept, plain, restored
 from .subjects.layout import Layout, States
 from .subjects.questions import QUESTIONS, wanted
 from .subjects.resolve import Asker, resolve
@@ -153,16 +153,30 @@ def judge_all(
 
 
 def _one(ask: Asker, given: Asking, diagnose: bool, tick: Tick, ledger: Ledger) -> RobotResult:
-    """One subject: from the ledger where it is finished there."""
+    """One subject: from the ledger where it is finished there, and from its answers where these are."""
     key = ask.identity
     if key and key in ledger.entries:
         return RobotResult.from_dict(ledger.entries[key])
-    answers = ask(given, tick, Kept(ledger, key) if key else None)
-    result = judged(answers, given, diagnose, tick)
-    if diagnose and answers.refused and ask.refusal:
-        _explain_refusal(result, answers, given, ask.refusal, tick)
+    answered = f"{key}|answers"
+    if key and answered in ledger.entries:
+        answers = restored(ledger.entries[answered], given)
+    else:
+        answers = ask(given, tick, Kept(ledger, key) if key else None)
+        if key:
+            ledger.add(answered, plain(answers))
+    result = verdict(answers, given, diagnose, ask.refusal, tick)
     if key:
         ledger.add(key, asdict(result))
+    return result
+
+
+def verdict(
+    answers: Answers, given: Asking, diagnose: bool, refusal: Callable[[Asking, float], str] | None, tick: Tick
+) -> RobotResult:
+    """What is to be said of answers, whenever they were given; a refusal is looked into by asking again."""
+    result = judged(answers, given, diagnose, tick)
+    if diagnose and answers.refused and refusal:
+        _explain_refusal(result, answers, given, refusal, tick)
     return result
 
 

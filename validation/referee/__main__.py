@@ -1,8 +1,8 @@
 """Libraries judged on twenty robots, term by term; run with ``make referee``.
 
 Every library runs in the environment that ``dualpin subjects install`` makes.  Writes results.json and
-README.md.  A pair of library and robot that was judged before, by the same versions, is not judged again
-(``out/referee``), so an interrupted run goes on where it was.
+README.md.  Answers and judgements are kept in ``out/referee``: an interrupted run goes on where it was, and a
+dualpin that judges better judges the same answers again, without asking for them.
 """
 
 from __future__ import annotations
@@ -11,14 +11,21 @@ import hashlib
 import json
 import sys
 import time
+import warnings
+from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import dualpin as dp
+import dualpin
+from dualpin.crosscheck.judging import verdict
 from dualpin.crosscheck.results import Report
-from dualpin.crosscheck.subjects import environments
-from dualpin.errors import DualpinError
+from dualpin.crosscheck.subjects import QUESTIONS, Asking, asking, environments
+from dualpin.crosscheck.subjects.asking import SAMPLES
+from dualpin.errors import DualpinError, DualpinWarning
+from dualpin.files import write_text
 
+from .answering import Cell
 from .page import page
 
 HERE = Path(__file__).parent
@@ -50,66 +57,89 @@ FIXED = (
 )  # fmt: skip
 FLOATING = ("solo12", "go2", "anymal_c", "bolt", "hextilt", "g1")
 CASES = [*((name, False) for name in FIXED), *((name, True) for name in FLOATING)]
-LIMIT = 120.0
-"""Seconds that a term of one robot may take before the library counts as hanging."""
 KEPT = ("sample", "where", "against_50_digits", "n_eps_cond")
 
 
-def main(folder: Path = Path("out/referee")) -> int:
-    folder.mkdir(parents=True, exist_ok=True)
-    reports: dict[str, dict[str, Any]] = {}
-    for title, subject in SUBJECTS.items():
-        adapter = environments.environment(subject.partition(":")[0])
-        if title != "pinocchio" and not adapter.ready:
-            try:
-                environments.install(adapter.adapter, lambda what: print(what, file=sys.stderr))
-            except DualpinError as e:
-                print(f"{title}: left out ({e})", file=sys.stderr)
-                continue
-        reports[title] = {}
-        for robot, floating in FEW.get(title, CASES):
-            label = f"{robot} floating" if floating else robot
-            print(f"{title}: {label} {time.strftime('%T')}", file=sys.stderr, flush=True)
-            reports[title][label] = judged(subject, adapter, robot, floating, folder)
-        write(reports)
+Reports = dict[str, dict[str, dict[str, Any]]]
+
+
+def main(words: list[str], folder: Path = Path("out/referee")) -> int:
+    """``--ask`` only asks; titles of libraries, if any are given, are those asked and judged."""
+    titles = [t for t in SUBJECTS if not words or t in words] or list(SUBJECTS)
+    reports: Reports = {}
+    for title, label, cell in cells([t for t in titles if ready(t)], folder):
+        print(f"{title}: {label} {time.strftime('%T')}", file=sys.stderr, flush=True)
+        cell.answers()
+        if "--ask" not in words:
+            reports.setdefault(title, {})[label] = judged(cell, folder)
+    if "--ask" not in words:
+        write({t: judged_before(t, folder) if t not in reports else reports[t] for t in SUBJECTS})
     return 0
 
 
-def write(reports: dict[str, dict[str, Any]]) -> None:
+def cells(titles: Iterable[str], folder: Path) -> Iterator[tuple[str, str, Cell]]:
+    """Libraries and robots, in the order of the page."""
+    for title in titles:
+        adapter = environments.environment(SUBJECTS[title].partition(":")[0])
+        for robot, floating in FEW.get(title, CASES):
+            label = f"{robot} floating" if floating else robot
+            yield title, label, Cell(SUBJECTS[title], adapter, asked(robot, floating), folder)
+
+
+@cache
+def asked(robot: str, floating: bool) -> Asking:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DualpinWarning)  # what the reader remarks is in `dualpin info`
+        return asking(robot, SAMPLES, 0, tuple(QUESTIONS), floating=floating)
+
+
+def ready(title: str) -> bool:
+    """Whether the library has its environment, which is made where it is missing."""
+    adapter = environments.environment(SUBJECTS[title].partition(":")[0])
+    if title != "pinocchio" and not adapter.ready:
+        try:
+            environments.install(adapter.adapter, lambda what: print(what, file=sys.stderr))
+        except DualpinError as e:
+            print(f"{title}: left out ({e})", file=sys.stderr)
+            return False
+    return True
+
+
+def write(reports: Reports) -> None:
     (HERE / "results.json").write_text(json.dumps(reports, indent=1, sort_keys=True) + "\n", encoding="utf-8")
     (HERE / "README.md").write_text(page(reports), encoding="utf-8")
 
 
-def kept_only(folder: Path) -> int:
-    """The page of what is judged so far: `python -m validation.referee --page`."""
-    reports: dict[str, dict[str, Any]] = {}
-    for title, subject in SUBJECTS.items():
-        adapter = environments.environment(subject.partition(":")[0])
-        for robot, floating in FEW.get(title, CASES):
-            path = place(subject, adapter, robot, floating, folder)
-            if path.exists():
-                label = f"{robot} floating" if floating else robot
-                reports.setdefault(title, {})[label] = json.loads(path.read_text(encoding="utf-8"))
-    write(reports)
-    return 0
+def judged_before(title: str, folder: Path) -> dict[str, dict[str, Any]]:
+    """What this dualpin has judged of a library already."""
+    found = {label: place(cell, folder) for _, label, cell in cells([title], folder)}
+    return {label: json.loads(p.read_text(encoding="utf-8")) for label, p in found.items() if p.exists()}
 
 
-def place(subject: str, adapter: environments.Environment, robot: str, floating: bool, folder: Path) -> Path:
-    """Where a judgement is kept: another version of the library, of dualpin or of the adapter is another one."""
-    source = adapter.adapter.read_text(encoding="utf-8")
-    of = f"{subject} {adapter.requires} {robot} {floating} {dp.__version__} {source}"
-    return folder / f"{hashlib.sha256(of.encode()).hexdigest()[:24]}.json"
+def place(cell: Cell, folder: Path) -> Path:
+    """Where a judgement is kept: other answers, or another judge, are another one."""
+    answers = cell.path.read_bytes() if cell.path.exists() else b""
+    return folder / "judged" / f"{hashlib.sha256(answers + judge_of_today()).hexdigest()[:24]}.json"
 
 
-def judged(subject: str, adapter: environments.Environment, robot: str, floating: bool, folder: Path) -> dict[str, Any]:
+@cache
+def judge_of_today() -> bytes:
+    """What a judgement depends on, of dualpin itself."""
+    rooms = ("crosscheck", "algorithms", "model", "io", "spatial")
+    files = sorted(f for room in rooms for f in (Path(dualpin.__file__).parent / room).rglob("*.py"))
+    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).digest()
+
+
+def judged(cell: Cell, folder: Path) -> dict[str, Any]:
     """The judgement as plain data, from `folder` where it is there already."""
-    kept = place(subject, adapter, robot, floating, folder)
+    kept = place(cell, folder)
     if kept.exists():
         return dict(json.loads(kept.read_text(encoding="utf-8")))
-    found = shortened(dp.judge(robot, subject, floating=floating, limit=LIMIT))
-    new = kept.with_suffix(".new")
-    new.write_text(json.dumps(found), encoding="utf-8")
-    new.replace(kept)
+    result = verdict(cell.answers(), cell.asking, True, cell.refusal, lambda what: None)
+    found = shortened(Report([result]))
+    kept = place(cell, folder)  # a refusal asks more
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    write_text(kept, json.dumps(found))
     return found
 
 
@@ -136,4 +166,4 @@ def shortened(report: Report) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    sys.exit(kept_only(Path("out/referee")) if "--page" in sys.argv else main())
+    sys.exit(main(sys.argv[1:]))

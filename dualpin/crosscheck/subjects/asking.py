@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -75,6 +75,12 @@ class Asking:
     def holding(self, joints: Sequence[str]) -> Asking:
         """The same robot with some joints fixed where they are zero: those a subject does not know of."""
         return self.of_text(_fixed(self.text, joints))
+
+    def at(self, states: Mapping[str, np.ndarray], frames: tuple[str, ...]) -> Asking:
+        """The same questions at other states, of these frames."""
+        found = replace(self, states=dict(states))
+        found.__dict__["frames"] = frames
+        return found
 
     def of_text(self, text: str) -> Asking:
         """The same asked of another URDF."""

@@ -109,9 +109,8 @@ def with_states(asking: Asking, folder: Path) -> Asking:
         for k, names in {"q": q, "v": v, "a": v, "tau": v}.items()
     }
     terms = tuple(t for t in asking.terms if t in ask["terms"])
-    found = replace(asking, states=states, terms=terms, seed=int(ask.get("seed", asking.seed)))
-    found.__dict__["frames"] = tuple(ask["frames"])
-    return found
+    asking = replace(asking, terms=terms, seed=int(ask.get("seed", asking.seed)))
+    return asking.at(states, tuple(ask["frames"]))
 
 
 def read(asking: Asking, folder: Path, name: str = "") -> Answers:
@@ -124,7 +123,7 @@ def read(asking: Asking, folder: Path, name: str = "") -> Answers:
     except (ArgumentError, TypeError) as e:
         raise ArgumentError(f"judge: {folder / 'subject.json'}: {e}") from None
     sent = _as_sent(asking, how)
-    asking = replace_states(asking, layout.back(sent))
+    asking = asking.at(layout.back(sent), asking.frames)
     answers = Answers(str(who["name"] or name or folder.name), str(who["version"]), how, asking, sent)
     for term in asking.terms:
         path = folder / "answers" / f"{term}.csv"
@@ -148,13 +147,6 @@ def read(asking: Asking, folder: Path, name: str = "") -> Answers:
             f"answers/{unknown[0]}.csv is of no term; {nearest(unknown[0], QUESTIONS, 'terms', most=99)}"
         )
     return answers
-
-
-def replace_states(asking: Asking, states: dict[str, np.ndarray]) -> Asking:
-    """The same questions at other states."""
-    found = replace(asking, states=states)
-    found.__dict__["frames"] = asking.frames
-    return found
 
 
 def _as_sent(asking: Asking, how: Convention) -> dict[str, np.ndarray]:

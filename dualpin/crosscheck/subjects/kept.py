@@ -1,4 +1,4 @@
-"""Answers that an interrupted judgement left behind."""
+"""Answers as plain data: what an interrupted judgement left behind, or what is to be judged again later."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ import numpy as np
 
 from ..ledger import Ledger
 from .answers import Answers
+from .asking import Asking
+from .convention import Convention
+
+SAID = ("name", "version", "silent", "remarks", "history", "refused", "seconds", "calls")
 
 
 class Kept:
@@ -42,3 +46,34 @@ class Kept:
 
     def silent(self, term: str, answers: Answers, why: str) -> None:
         self.ledger.add(f"{self.key}|{term}", {"version": answers.version, "silent": why})
+
+
+def plain(answers: Answers) -> dict[str, Any]:
+    """All that a subject said and was asked: which robot, since it may not know some joints, and which states."""
+    asking = answers.asking
+    return {k: getattr(answers, k) for k in SAID} | {
+        "how": answers.how.to_dict(),
+        "text": asking.text,
+        "frames": list(asking.frames),
+        "states": _lists(asking.states),
+        "sent": _lists(answers.sent),
+        "terms": _lists(answers.terms),
+    }
+
+
+def restored(data: Mapping[str, Any], asked: Asking) -> Answers:
+    """The answers that `plain` wrote, to what was asked of the same robot."""
+    asking = asked if data["text"] == asked.text else asked.of_text(data["text"])
+    asking = asking.at(_arrays(data["states"]), tuple(data["frames"]))
+    return Answers(
+        how=Convention(**data["how"]), asking=asking, sent=_arrays(data["sent"]), terms=_arrays(data["terms"]),
+        **{k: data[k] for k in SAID},
+    )  # fmt: skip
+
+
+def _lists(arrays: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    return {k: x.tolist() for k, x in arrays.items()}
+
+
+def _arrays(lists: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    return {k: np.array(x, float) for k, x in lists.items()}
