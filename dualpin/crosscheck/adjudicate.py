@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from .results import DUALPIN, NEITHER, ORACLE
 from .subjects.answers import Answers
 from .subjects.asking import expected
 from .subjects.layout import Layout
-from .subjects.questions import QUESTIONS, Question
+from .subjects.questions import QUESTIONS, Question, pushed
 
 SECONDS = 5.0
 """Of the processor, for one state: an arm's terms take 0.1 to 1 s, C of a humanoid more than it is worth."""
@@ -78,7 +79,11 @@ class Court:
 
     def _written(self, question: Question, states: dict, frames: tuple[str, ...], source: object) -> np.ndarray:
         """A source's value in the subject's form."""
-        x, other = source(question, states, frames), None  # type: ignore[operator]
+
+        def answer(of: Question, at: Mapping[str, np.ndarray]) -> np.ndarray:
+            return np.asarray(source(of, at, frames))  # type: ignore[operator]
+
+        x, other = pushed(question, states, answer) if question.pushes else answer(question, states), None
         if self.layout.turns and question.form in FORMS_WITH_MASS:
             other = source(QUESTIONS["crba"], states, ())  # type: ignore[operator]
         elif self.layout.turns and question.form == "six_rate":

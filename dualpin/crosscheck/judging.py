@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arguments import count
 from ..call import evaluate
-from ..errors import DualpinWarning
+from ..errors import ArgumentError, DualpinWarning
 from ..functions import fk
 from ..machine import versions
 from ..model.robot import Robot
@@ -29,6 +29,7 @@ from .reproduce import program
 from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from .subjects.answers import Answers
 from .subjects.asking import SAMPLES, Asking, asking, expected
+from .subjects.convention import parameter_names
 from .subjects.kept import Kept, plain, restored
 from .subjects.layout import Layout, States
 from .subjects.questions import QUESTIONS, wanted
@@ -218,7 +219,10 @@ def _compared(term: str, answers: Answers, layout: Layout, court: Court, bounds:
             judged="oracle",
         )
     asked, x = answers.asking, answers.terms[term]
-    ours = expected(asked.robot, layout, term, asked.states, asked.frames)
+    try:
+        ours = expected(asked.robot, layout, term, asked.states, asked.frames)
+    except ArgumentError as e:  # what the subject means by it cannot be read
+        return TermResult(status=NOT_COMPARED, reason=str(e), oracle=answers.name, note=note, judged="oracle")
     bound = bounds.of(term, ours)
     variants = len(asked.frames) if QUESTIONS[term].framed else 1
     rows = x.reshape(asked.samples * variants, -1)
@@ -270,8 +274,15 @@ def _where(term: str, answers: Answers, frame: int, entry: int) -> str:
         return ""
     if term == "com":
         return "xyz"[entry]
-    if question.form in ("force", "bias", "acceleration"):
-        return v[entry]
+    if question.form == "regressor":
+        parameters = answers.how.parameters or parameter_names(answers.asking.robot)
+        return f"row {v[entry // len(parameters)]}, column {parameters[entry % len(parameters)]}"
+    if question.form == "derivatives":
+        block, rest = divmod(entry, len(v) ** 2)
+        by = (question.inputs[block] if block else "q", v[rest // len(v)], v[rest % len(v)])
+        return f"by {by[0]}: row {by[1]}, column {by[2]}"
+    if question.form in ("force", "bias", "acceleration", "pushed_force", "pushed_acceleration"):
+        return f"{v[entry]}{of}"
     row, column = divmod(entry, len(v))
     rows = {"com_jacobian": list("xyz"), "six": list(answers.how.rows), "six_rate": list(answers.how.rows)}
     names = rows.get(term) or rows.get(question.form) or v
@@ -290,7 +301,8 @@ class _Bounds:
         return evaluate(self.robot, term, {k: self.states[k] for k in TERMS[term].inputs}, engine="numpy")
 
     def of(self, term: str, ours: np.ndarray) -> tolerance.Tolerance:
-        found = CHECKS[QUESTIONS[term].source].bound(self.reference, ours)
+        largest = np.abs(ours).max(axis=1) if QUESTIONS[term].pushes else ours  # of all frames
+        found = CHECKS[QUESTIONS[term].source].bound(self.reference, largest)
         value = np.maximum(LINE, found.value)
         return tolerance.Tolerance(
             value, f"{LINE:g}, since the subject's algorithm may be any; or, if that is more, {found.reason}"

@@ -27,7 +27,7 @@ class Cell:
     def __init__(self, subject: str, adapter: environments.Environment, asking: Asking, folder: Path) -> None:
         self.adapter, self.asking = adapter, asking
         self.ask = resolve(subject, limit=LIMIT)
-        states = {k: x.tolist() for k, x in asking.states.items()}
+        states = {k: asking.states[k].tolist() for k in ("q", "v", "a", "tau")}  # f_ext is drawn apart from them
         source = adapter.adapter.read_text(encoding="utf-8")
         of = [subject, adapter.requires, source, asking.text, asking.floating, asking.gravity, asking.frames, states]
         self.path = folder / "answers" / f"{hashlib.sha256(json.dumps(of).encode()).hexdigest()[:24]}.json"
@@ -48,7 +48,8 @@ class Cell:
             if kept is None or not kept["refused"]:
                 new = plain(self.ask(replace(self.asking, terms=missing), _shown))
                 if kept:
-                    new = {**new, **{k: kept[k] | new[k] for k in ("terms", "silent", "remarks", "history")}}
+                    joined = ("states", "sent", "terms", "silent", "remarks", "history")
+                    new = {**new, **{k: kept[k] | new[k] for k in joined}}
                 self.kept["answers"] = new
             self.kept["terms"] += missing
             self._save()

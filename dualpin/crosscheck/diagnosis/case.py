@@ -15,7 +15,7 @@ from ...scalars import Exact
 from ...terms import TERMS, flat
 from ..subjects.answers import Answers
 from ..subjects.layout import Layout, product
-from ..subjects.questions import QUESTIONS, Question
+from ..subjects.questions import QUESTIONS, Question, pushed
 from .description import Description, Part, built, describe
 from .hypothesis import Story, Wording, identity
 
@@ -188,7 +188,7 @@ class Case:
 
     def _with_forces(self, term: str, story: Story, view: View) -> View:
         """Forward dynamics under additional forces: they are taken from tau."""
-        if term != "aba":
+        if QUESTIONS[term].source != "aba":
             return view
         forces = _forces(story, view)
         if forces is None:
@@ -211,9 +211,9 @@ class Case:
 
     def _finished(self, term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None) -> np.ndarray:
         """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
-        forces = _forces(story, view) if term in ("bias", "rnea") else None
+        forces = _forces(story, view) if QUESTIONS[term].source in ("bias", "rnea") else None
         if forces is not None:
-            x = x + forces
+            x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)
         for h in story:
             if h.place == "change" and term in h.terms:
                 x = h.act(view, term, x)
@@ -234,7 +234,10 @@ class Case:
         """Forward dynamics is scored in forces: there one wrong entry moves all accelerations."""
         x, found = self.observed[term], self.predictions(term, stories)
         if term != "aba":
-            limits = [self._limit(p if term == "minv" else None) for p in found]
+            limits = [self.tolerance] * len(found)
+            if QUESTIONS[term].solves:
+                masses = found if term == "minv" else self.predictions("crba", stories)
+                limits = [self._limit(M) for M in masses]
             return [FAR if p is None else scored(x, p, x, p, limit) for p, limit in zip(found, limits, strict=True)]
         weights = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
         plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s)]
@@ -256,8 +259,8 @@ class Case:
         if M is None or not np.isfinite(M).all():
             return self.tolerance
         sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
-        with np.errstate(divide="ignore"):
-            condition = float((sizes.max(axis=-1) / sizes.min(axis=-1)).max())
+        least, most = sizes.min(axis=-1), sizes.max(axis=-1)
+        condition = float((most / least).max()) if least.all() else float("inf")
         return max(self.tolerance, min(1e-3, ROUNDINGS * (len(self.robot) + 1) * condition))
 
 
@@ -276,6 +279,8 @@ def _forces(story: Story, view: View) -> np.ndarray | None:
 
 def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[str], reference: str) -> np.ndarray:
     """A term of stories x samples: inputs (h, n, size), constants of the robot numbers or (h, 1); (h, n, ...) out."""
+    if question.pushes:
+        return pushed(question, inputs, lambda of, states: evaluate(robot, of, dict(states), frames, reference))
     term = TERMS[question.source]
     variants: list[dict[str, Any]] = [{}]
     if question.framed:

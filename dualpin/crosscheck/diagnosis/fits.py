@@ -15,7 +15,7 @@ from .case import Case, View
 from .description import Description, Part
 from .hypothesis import Hypothesis, Story, ordered
 from .placements import placements
-from .rules.register import ALL, FORCED, WEIGHED
+from .rules.register import ALL, DERIVED, FORCED, PUSHED, WEIGHED
 
 TRAIN = slice(0, None, 2)
 SNAP = 2e-8
@@ -66,12 +66,16 @@ def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
     return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
 
 
+FALLING = (*WEIGHED, *PUSHED, *DERIVED, "joint_torque_regressor", "potential_energy")
+"""Terms in which gravity counts."""
+
+
 def gravity_of(case: Case, g: Sequence[float] | np.ndarray) -> Hypothesis:
     """Gravity is g."""
     vector, words = _snapped(np.asarray(g, float))
     here = ", ".join(f"{x:g}" for x in case.asking.gravity)
     return Hypothesis(
-        "gravity", "gravity is another", (*WEIGHED, "potential_energy"), "edit",
+        "gravity", "gravity is another", FALLING, "edit",
         lambda d, items: replace(d, gravity=tuple(float(x) for x in vector)), f"pass gravity = ({here})", values=words,
         cost=1.6 if words.startswith("fitted") else 1.0,
     )  # fmt: skip
@@ -158,7 +162,7 @@ def _coefficients(shapes: Sequence[np.ndarray], r: np.ndarray, train: np.ndarray
 
 def _shaped(case: Case, key: str, k: np.ndarray) -> Hypothesis:
     says, shape, fix = SHAPES[key]
-    terms = WEIGHED if key in RESTING else FORCED
+    terms = (*(WEIGHED if key in RESTING else FORCED), *PUSHED)
     return Hypothesis(
         key, says, terms, "force", lambda view: k * shape(view), fix, _names(case, k), _listed(k), 1.5
     )  # fmt: skip

@@ -117,6 +117,11 @@ def _derivatives(to: Change, x: np.ndarray, w: np.ndarray, other: np.ndarray | N
     return np.stack([to.rows(to.columns(x[:, k])) for k in range(3)], axis=1)
 
 
+def _each(rewritten: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
+    """The vectors of each frame, (n, frames, nv)."""
+    return np.stack([rewritten(x[:, k]) for k in range(x.shape[1])], axis=1)
+
+
 REWRITINGS: dict[str, Rewriting] = {
     "plain": lambda to, x, w, other: x,
     "twist": lambda to, x, w, other: x,
@@ -126,6 +131,9 @@ REWRITINGS: dict[str, Rewriting] = {
     "matrix": lambda to, x, w, other: to.rows(to.columns(x)),
     "columns": lambda to, x, w, other: to.columns(x),
     "six": lambda to, x, w, other: to.columns(x),
+    "regressor": lambda to, x, w, other: to.rows(x),
+    "pushed_force": lambda to, x, w, other: _each(to.rows, x),
+    "pushed_acceleration": lambda to, x, w, other: _each(lambda a: to.solved(a - to.rate(w)), x),
     "inverse": _inverse, "bias": _bias, "coriolis": _coriolis, "six_rate": _six_rate, "derivatives": _derivatives,
 }  # fmt: skip
 """How each kind of quantity is rewritten."""

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from .asking import Asking
-from .convention import Convention
+from .convention import Convention, parameter_names
 from .layout import rotations
 
 
@@ -94,7 +94,9 @@ def _tail(term: str, answers: Answers) -> tuple[int, ...]:
         "fk": (4, 4), "jacobian": (6, nv), "jacobian_dot": (6, nv), "frame_velocity": (6,), "frame_acceleration": (6,),
         "com": (3,),
         "com_jacobian": (3, nv), "centroidal_momentum_matrix": (6, nv), "kinetic_energy": (), "potential_energy": (),
-        "crba": (nv, nv), "minv": (nv, nv), "coriolis": (nv, nv),
+        "crba": (nv, nv), "minv": (nv, nv), "coriolis": (nv, nv), "rnea_derivatives": (3, nv, nv),
+        "aba_derivatives": (3, nv, nv),
+        "joint_torque_regressor": (nv, len(answers.how.parameters or parameter_names(answers.asking.robot))),
     }.get(term, (nv,))  # fmt: skip
 
 

@@ -17,11 +17,11 @@ from ...io.catalogue import find
 from ...io.mjcf import is_mjcf
 from ...io.urdf import load, loads
 from ...io.xml import parse
-from ...model.robot import Frame, Robot
+from ...model.robot import Robot
 from ..sampling import states as sampled
-from .convention import base_of, columns
+from .convention import base_of, columns, is_ground
 from .layout import Layout, States
-from .questions import QUESTIONS, Question
+from .questions import QUESTIONS, Question, pushed
 
 SAMPLES = 16  # states asked of a subject: half of them estimate what a diagnosis fits, all of them judge
 FRAMES = 6  # links looked at
@@ -64,7 +64,7 @@ class Asking:
         """Links to look at, but the root: the one with most joints under it, the last, others at random."""
         links = [f for f in self.robot.frames if f.role == "link" and f.joint is not None]
         if self.floating:
-            links = [f for f in links if f.joint is not base_of(self.robot) or not _is_ground(f)]
+            links = [f for f in links if f.joint is not base_of(self.robot) or not is_ground(f)]
         if not links:
             return ()
         deepest = max(links, key=lambda f: sum(1 for _ in f.joint.chain) if f.joint else 0)
@@ -86,10 +86,6 @@ class Asking:
         """The same asked of another URDF."""
         robot = _read(text, self.name, self.floating, self.mimic).with_gravity(self.gravity)
         return replace(self, robot=robot, text=text, states=_states(robot, self.samples, self.seed))
-
-
-def _is_ground(f: Frame) -> bool:
-    return bool((np.array([[float(x) for x in row] for row in f.placement.rows]) == np.eye(4)).all())
 
 
 def asking(
@@ -144,7 +140,8 @@ def _states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
     base = base_of(robot)
     if base is not None:  # nobody pushes the base: some libraries cannot even be told
         given["tau"][:, base.v] = 0
-    return {k: given[k] for k in ("q", "v", "a", "tau")}
+    wrenches = np.random.default_rng([seed, 4]).uniform(-10, 10, (n, 6))  # [n; f], on one link after the other
+    return {k: given[k] for k in ("q", "v", "a", "tau")} | {"f_ext": wrenches}
 
 
 def _read(text: str, name: str, floating: bool, mimic: bool) -> Robot:
@@ -211,6 +208,8 @@ def _fixed(text: str, joints: Sequence[str]) -> str:
 
 def compute(robot: Robot, question: Question, s: States, frames: Sequence[str], reference: str) -> np.ndarray:
     """dualpin's answer in its own columns: (n, ...), or (n, frames, ...) for a term of frames."""
+    if question.pushes:
+        return pushed(question, s, lambda of, states: compute(robot, of, states, frames, reference))
     inputs = {k: s[k] for k in question.inputs}
     if not question.framed:
         return call(robot, question.source, inputs, engine="numpy")

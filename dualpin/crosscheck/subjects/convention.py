@@ -6,9 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
+from ...algorithms.regressor import rotors
 from ...errors import ArgumentError, nearest
 from ...model.joints import Floating, Planar, Spherical
-from ...model.robot import Joint, Robot
+from ...model.robot import Frame, Joint, Robot
 
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
 BASE_V = ("wx", "wy", "wz", "vx", "vy", "vz")
@@ -17,6 +20,10 @@ WORDS = {
     "linear": ("body", "world", "origin"),
     "reference": ("local_world_aligned", "world", "local"),
 }
+PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
+"""Of a link: mass, first moments, and second moments about its origin."""
+ROTOR = "rotor"
+WRENCH = ("nx", "ny", "nz", "fx", "fy", "fz")
 _ENDINGS = {  # of the columns in q of joints with several coordinates, by what these are
     Floating.coordinates: BASE_Q,
     Planar.coordinates: ("x", "y", "angle"),
@@ -46,7 +53,11 @@ class Convention:
         The base's linear velocity is that of its origin in the axes of the "body" or of the "world", or
         that of the body's point at the world's "origin" (the spatial velocity).
     reference : str
-        Of its Jacobians: "local_world_aligned" (at the frame, in world axes), "world" or "local".
+        Of its Jacobians, and of wrenches that act on frames: "local_world_aligned" (at the frame, in world axes),
+        "world" or "local".
+    parameters : tuple of str
+        The columns of its regressor, ``link.m``, ``link.mcx`` ... ``link.Izz`` (see `PARAMETERS`), about the link's
+        origin in its axes, and ``joint.rotor``; those of `dualpin.inertial_parameters` if none are given.
 
     Examples
     --------
@@ -61,9 +72,10 @@ class Convention:
     angular: str = "body"
     linear: str = "body"
     reference: str = "local_world_aligned"
+    parameters: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        for name in ("q", "v", "rows"):
+        for name in ("q", "v", "rows", "parameters"):
             object.__setattr__(self, name, _names(name, getattr(self, name)))
         if sorted(self.rows) != sorted(BASE_V):
             raise ArgumentError(f"Convention: rows must hold {' '.join(BASE_V)} once each; got {' '.join(self.rows)}")
@@ -81,7 +93,7 @@ class Convention:
     @classmethod
     def read(cls, said: Mapping[str, Any], robot: Robot) -> Convention:
         """From what ``subject.json`` or a mapping says; what is not said is as dualpin writes."""
-        known = {"q", "v", "rows", *WORDS}
+        known = {"q", "v", "rows", "parameters", *WORDS}
         unknown = sorted(set(said) - known)
         if unknown:
             raise ArgumentError(f"Convention: {unknown[0]!r} is not known; {nearest(unknown[0], known)}")
@@ -96,8 +108,9 @@ class Subject(Protocol):
     """What is judged: it says who it is and how it writes; whatever terms it has are methods.
 
     Any of the names of `dualpin.crosscheck.subjects.QUESTIONS` may be a method: ``fk(q, frame)``,
-    ``jacobian(q, frame)``, ``rnea(q, v, a)``, ``crba(q)``, ...  It is asked one state a call, unless it
-    sets ``batched = True`` and takes arrays with a leading axis.  ``fk`` returns a 4x4 matrix, or
+    ``jacobian(q, frame)``, ``rnea(q, v, a)``, ``crba(q)``, ...; ``rnea_f_ext(q, v, a, f_ext, frame)`` is under the
+    wrench f_ext on that frame, and derivatives by q, v and a (or tau) are three matrices.  It is asked one state a
+    call, unless it sets ``batched = True`` and takes arrays with a leading axis.  ``fk`` returns a 4x4 matrix, or
     x y z qw qx qy qz.  An exception means "not answered".
 
     ``calls``, if there is one, says how the subject is asked in its own words: Python, of "" what comes first, and of
@@ -117,6 +130,21 @@ def columns(robot: Robot) -> tuple[tuple[str, ...], tuple[str, ...]]:
             of_q, of_v = names_of(robot, j)
             q[j.q], v[j.v] = of_q, of_v
     return tuple(q), tuple(v)
+
+
+def parameter_names(robot: Robot) -> tuple[str, ...]:
+    """The names of `dualpin.inertial_parameters`: a body is called as the link at its origin."""
+    links: dict[int, str] = {}
+    for f in robot.frames:
+        if f.role == "link" and f.joint is not None and is_ground(f):
+            links.setdefault(f.joint.index, f.name)
+    bodies = [f"{links.get(j.index, j.name)}.{p}" for j in robot for p in PARAMETERS]
+    return (*bodies, *(f"{names_of(robot, j)[1][n]}.{ROTOR}" for j, n in rotors(robot)))
+
+
+def is_ground(f: Frame) -> bool:
+    """Whether a frame is that of its joint."""
+    return bool((np.array([[float(x) for x in row] for row in f.placement.rows]) == np.eye(4)).all())
 
 
 def base_of(robot: Robot) -> Joint | None:

@@ -2,11 +2,12 @@
 
     robot.urdf         the robot, without meshes
     ask.json           format, floating, gravity, joints, frames, terms, samples, q, v
-    states.csv         sample, q.<column>..., v.<column>..., a.<column>..., tau.<column>...
+    states.csv         sample, q.<column>..., v.<column>..., a.<column>..., tau.<column>..., and where a term needs
+                       it f_ext.nx ... f_ext.fz, a wrench that acts on each frame in turn
     answers/TERM.csv   what the program writes, with a header; columns in any order: names decide
     subject.json       optional: name, version, rows, angular, linear, reference, as in `Convention`
 
-The columns of an answer are named in `HEADERS`; numbers have 17 significant digits.
+The columns of an answer are those of `header`, also in ask.json; numbers have 17 significant digits.
 """
 
 from __future__ import annotations
@@ -22,32 +23,50 @@ import numpy as np
 
 from ...errors import ArgumentError, nearest
 from ...files import write_text
+from ...model.robot import Robot
 from .answers import Answers, poses
 from .asking import Asking
-from .convention import BASE_V, Convention, columns
+from .convention import BASE_V, WRENCH, Convention, columns, parameter_names
 from .layout import Layout
 from .questions import FRAMED, QUESTIONS
 
 FORMAT = 1
-ENTRIES = {
-    "com": ("x", "y", "z"),
-    "kinetic_energy": ("value",),
-    "potential_energy": ("value",),
-    "frame_velocity": BASE_V,
-    "frame_acceleration": BASE_V,
-}
-ROWS = {
-    "jacobian": BASE_V, "jacobian_dot": BASE_V, "centroidal_momentum_matrix": BASE_V, "com_jacobian": ("x", "y", "z")
-}  # fmt: skip
 POSE = ("x", "y", "z", "qw", "qx", "qy", "qz")
 MATRIX = tuple(f"r{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3))
-SQUARE = ("crba", "minv", "coriolis")
+VECTORS = {"fk": POSE, "com": ("x", "y", "z"), "kinetic_energy": ("value",), "potential_energy": ("value",)}
+"""Of terms that have no columns of v: the columns of their files."""
 
 
-def header(term: str, v: Sequence[str]) -> list[str]:
+def axes(term: str, how: Convention, robot: Robot) -> tuple[dict[str, tuple[str, ...]], tuple[str, ...]]:
+    """Of a term's file: the columns that name a place, each with its names; and those that hold numbers."""
+    question = QUESTIONS[term]
+    keys: dict[str, tuple[str, ...]] = {}
+    if question.form == "derivatives":
+        keys["by"] = ("q", *question.inputs[1:])  # v, and a or tau
+    if question.form in ("six", "six_rate"):
+        keys["row"] = how.rows
+    elif question.form == "columns":
+        keys["row"] = ("x", "y", "z")
+    elif question.form in ("matrix", "inverse", "coriolis", "derivatives", "regressor"):
+        keys["row"] = how.v
+    if question.form == "twist":
+        return keys, how.rows
+    if question.form == "regressor":
+        return keys, how.parameters or parameter_names(robot)
+    return keys, VECTORS.get(term, how.v)
+
+
+def header(term: str, how: Convention, robot: Robot) -> list[str]:
     """The columns of ``answers/TERM.csv``."""
-    keys = ["sample", *(["frame"] if term in FRAMED else []), *(["row"] if term in ROWS or term in SQUARE else [])]
-    return [*keys, *(POSE if term == "fk" else ENTRIES.get(term, v))]
+    keys, entries = axes(term, how, robot)
+    return ["sample", *(["frame"] if term in FRAMED else []), *keys, *entries]
+
+
+def _inputs(asking: Asking) -> dict[str, tuple[str, ...]]:
+    """The quantities of states.csv, with their columns."""
+    q, v = columns(asking.robot)
+    wrench = {"f_ext": WRENCH} if any(QUESTIONS[t].pushes for t in asking.terms) else {}
+    return {"q": q, "v": v, "a": v, "tau": v, **wrench}
 
 
 def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> None:
@@ -58,7 +77,8 @@ def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> N
         "format": FORMAT, "robot": asking.name, "floating": asking.floating, "mimic": asking.mimic,
         "gravity": list(asking.gravity), "joints": [j.name for j in asking.robot if j.name in v],
         "frames": list(asking.frames), "terms": terms, "samples": asking.samples, "seed": asking.seed,
-        "q": list(q), "v": list(v), "answers": {t: ",".join(header(t, v)) for t in terms},
+        "q": list(q), "v": list(v),
+        "answers": {t: ",".join(header(t, Convention(q, v), asking.robot)) for t in terms},
     }  # fmt: skip
     try:
         (folder / "answers").mkdir(parents=True, exist_ok=True)
@@ -66,7 +86,7 @@ def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> N
         write_text(folder / "ask.json", json.dumps(ask, indent=1) + "\n")
         with (folder / "states.csv").open("w", newline="", encoding="utf-8") as f:
             out = csv.writer(f, lineterminator="\n")
-            named = {"q": q, "v": v, "a": v, "tau": v}
+            named = _inputs(asking)
             out.writerow(["sample", *(f"{k}.{n}" for k, names in named.items() for n in names)])
             for i in range(asking.samples):
                 out.writerow([i, *(f"{x:.17g}" for k in named for x in asking.states[k][i])])
@@ -103,13 +123,13 @@ def with_states(asking: Asking, folder: Path) -> Asking:
             raise ArgumentError(
                 f"judge: {folder} was written for another robot than {asking.name}: {what} differs in {odd}"
             )
+    terms = tuple(t for t in asking.terms if t in ask["terms"])
+    asking = replace(asking, terms=terms, seed=int(ask.get("seed", asking.seed)))
     rows = _rows(folder / "states.csv")
     states = {
         k: np.array([[_number(r, f"{k}.{n}", folder / "states.csv") for n in names] for r in rows])
-        for k, names in {"q": q, "v": v, "a": v, "tau": v}.items()
+        for k, names in _inputs(asking).items()
     }
-    terms = tuple(t for t in asking.terms if t in ask["terms"])
-    asking = replace(asking, terms=terms, seed=int(ask.get("seed", asking.seed)))
     return asking.at(states, tuple(ask["frames"]))
 
 
@@ -153,7 +173,8 @@ def _as_sent(asking: Asking, how: Convention) -> dict[str, np.ndarray]:
     """The numbers of states.csv under the subject's own order: what they mean, its convention says."""
     q, v = columns(asking.robot)
     to_q, to_v = [q.index(n) for n in how.q], [v.index(n) for n in how.v]
-    return {k: x[:, to_q if k == "q" else to_v] for k, x in asking.states.items()}
+    order = {"q": to_q, "f_ext": [BASE_V.index(r) for r in how.rows]}
+    return {k: x[:, order.get(k, to_v)] for k, x in asking.states.items()}
 
 
 def _subject(folder: Path) -> dict[str, Any]:
@@ -167,7 +188,9 @@ def _subject(folder: Path) -> dict[str, Any]:
     if not isinstance(said, dict):
         raise ArgumentError(f"judge: {path} must hold one object, with name, version, rows, ...")
     return {
-        k: x for k, x in said.items() if k in ("name", "version", "q", "v", "rows", "angular", "linear", "reference")
+        k: said[k]
+        for k in ("name", "version", "q", "v", "rows", "angular", "linear", "reference", "parameters")
+        if k in said
     }
 
 
@@ -193,33 +216,32 @@ def _number(row: dict[str, str], name: str, path: Path) -> float:
 
 def _answer(term: str, path: Path, answers: Answers) -> tuple[np.ndarray, str]:
     """One file of answers, in the subject's order; rows that were cut off are left out and said."""
-    asking, v = answers.asking, list(answers.how.v)
+    asking = answers.asking
     rows = _rows(path)
+    wanted = ",".join(header(term, answers.how, asking.robot))
     if not rows:
-        raise ArgumentError(f"{path.name} is empty; a header {','.join(header(term, v))} and rows expected")
-    index = v if term in SQUARE else list(answers.how.rows) if ROWS.get(term) is BASE_V else list(ROWS.get(term, ()))
-    entries = list(ENTRIES.get(term, v))
-    if ENTRIES.get(term) is BASE_V:
-        entries = list(answers.how.rows)
-    if term == "fk":
-        entries = list(POSE) if "qw" in rows[0] else ["x", "y", "z", *MATRIX]
-    lead = [asking.samples, *([len(asking.frames)] if term in FRAMED else []), *([len(index)] if index else [])]
+        raise ArgumentError(f"{path.name} is empty; a header {wanted} and rows expected")
+    keys, entries = axes(term, answers.how, asking.robot)
+    if term == "fk" and "qw" not in rows[0]:
+        entries = ("x", "y", "z", *MATRIX)
+    if term in FRAMED:
+        keys = {"frame": asking.frames, **keys}
+    lead = [asking.samples, *map(len, keys.values())]
     x = np.full((*lead, len(entries)), np.nan)
     cut = 0
     for row in rows:
         if any(not row.get(n) for n in entries):
             missing = next((n for n in entries if n not in row), None)
             if missing is not None:
-                raise ArgumentError(f"{path.name} has no column {missing!r}; {','.join(header(term, v))} expected")
+                raise ArgumentError(f"{path.name} has no column {missing!r}; {wanted} expected")
             cut += 1
             continue
         at = [_sample(row, path, asking.samples)]
-        at += [_place(row, "frame", asking.frames, path)] if term in FRAMED else []
-        at += [_place(row, "row", index, path)] if index else []
+        at += [_place(row, key, names, path) for key, names in keys.items()]
         x[tuple(at)] = [_number(row, n, path) for n in entries]
     if term == "fk":
         x = poses(x) if len(entries) == len(POSE) else _from_entries(x)
-    if entries == ["value"]:
+    if entries == ("value",):
         x = x[..., 0]
     missing_rows = int(np.isnan(x.reshape(asking.samples, -1)).any(axis=1).sum())
     remark = (

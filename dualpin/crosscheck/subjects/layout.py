@@ -12,14 +12,16 @@ subject has them as joints of its own, G has a row for each.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ...errors import ArgumentError, nearest
 from ...model.robot import Joint, Robot
+from ...spatial.inertia import Inertia
 from .algebra import REWRITINGS, SIX, Change, product, transposed
-from .convention import BASE_V, Convention, base_of, columns, floats_of
+from .convention import BASE_V, PARAMETERS, Convention, base_of, columns, floats_of, parameter_names
 
 States = Mapping[str, np.ndarray]
 
@@ -80,7 +82,7 @@ class Layout:
         self, robot: Robot, how: Convention, turned: Sequence[str] = (), point: Sequence[float] | None = None,
         followers: bool = False,
     ) -> None:  # fmt: skip
-        self.how, self.nv = how, robot.nv
+        self.how, self.nv, self.robot = how, robot.nv, robot
         self.point = None if point is None else np.asarray(point, float)
         self.base = base_of(robot)
         self.floats = floats_of(robot)
@@ -135,6 +137,7 @@ class Layout:
             "v": product(G, ours["v"]),
             "a": product(G, ours["a"]) + product(D, ours["v"]),
             "tau": np.linalg.solve(transposed(G), ours["tau"][..., None])[..., 0],
+            **({"f_ext": ours["f_ext"][:, self.rows]} if "f_ext" in ours else {}),
         }
 
     def back(self, theirs: States) -> dict[str, np.ndarray]:
@@ -145,7 +148,8 @@ class Layout:
         v = np.linalg.solve(G, theirs["v"][..., None])[..., 0]
         _, D = self.matrices(q, v)
         a = np.linalg.solve(G, (theirs["a"] - product(D, v))[..., None])[..., 0]
-        return {"q": q, "v": v, "a": a, "tau": product(transposed(G), theirs["tau"])}
+        wrenches = {"f_ext": theirs["f_ext"][:, np.argsort(self.rows)]} if "f_ext" in theirs else {}
+        return {"q": q, "v": v, "a": a, "tau": product(transposed(G), theirs["tau"]), **wrenches}
 
     # answers
 
@@ -157,6 +161,9 @@ class Layout:
         x, other = (_ordered(y, form, self.rows) for y in (x, other))
         if form in UNCHANGED:
             return x
+        if form == "derivatives" and self.turns:
+            raise ArgumentError("derivatives are compared where the base's velocity is in its own axes")
+        x = x @ self.bodies if form == "regressor" else x
         to = self.change(ours)
         H = np.linalg.inv(to.G)
         back = Change(H, None if to.D is None else -H @ to.D @ H, inverse=to.G)
@@ -172,6 +179,28 @@ class Layout:
         """v_s = G v, for dualpin's states."""
         G, D = self.matrices(ours["q"], ours["v"])
         return Change(G, D if self.turns else None)
+
+    @cached_property
+    def bodies(self) -> np.ndarray:
+        """B with p = B p_s: dualpin's inertial parameters, of joints' bodies, of the subject's, of links."""
+        names = parameter_names(self.robot)
+        if not self.how.parameters:
+            return np.eye(len(names))
+        frames = {f.name: f for f in self.robot.frames if f.role == "link"}
+        B = np.zeros((len(names), len(self.how.parameters)))
+        for k, name in enumerate(self.how.parameters):
+            link, _, what = name.rpartition(".")
+            if what in PARAMETERS and link in frames:
+                joint = frames[link].joint
+                if joint is not None:  # what no joint moves is felt nowhere
+                    unit = Inertia.basis()[PARAMETERS.index(what)].moved(frames[link].placement)
+                    B[10 * joint.index : 10 * joint.index + 10, k] = [float(x) for x in unit.parameters]
+            elif name in names:
+                B[names.index(name), k] = 1.0
+            else:
+                near = nearest(name, names, "parameters", most=12)
+                raise ArgumentError(f"the subject's parameter {name!r} is of no link or joint; {near}")
+        return B
 
     @property
     def turns(self) -> bool:

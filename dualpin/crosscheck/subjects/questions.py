@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
 
 from ...errors import ArgumentError, nearest
 
@@ -19,13 +22,15 @@ class Question:
     source : str
         The term of `dualpin.terms.TERMS` that answers it.
     inputs : tuple of str
-        Among "q", "v", "a", "tau"; a term of a frame takes the frame's name after them.
+        Among "q", "v", "a", "tau", "f_ext"; a term of a frame takes the frame's name after them.
     form : str
         What kind of quantity it is: how `Layout` rewrites it.
     framed : bool
         Whether it belongs to a frame.
     solves : bool
         Whether a linear system with the mass matrix is solved in it.
+
+    A term with "f_ext" is that of its source under a wrench on the frame, see `pushed`.
     """
 
     term: str
@@ -35,12 +40,17 @@ class Question:
     framed: bool = False
     solves: bool = False
 
+    @property
+    def pushes(self) -> bool:
+        """Whether a wrench acts on the frame."""
+        return "f_ext" in self.inputs
+
     def options(self, reference: str) -> dict[str, Any]:
         """What `dualpin.terms.TERMS` is asked besides the frame.
 
         The acceleration is the rate of the velocity: at the frame in world axes, that of its origin (classical).
         """
-        if not self.framed or self.term == "fk":
+        if not self.framed or self.term == "fk" or self.pushes:
             return {}
         aligned = reference == "local_world_aligned"
         return {"reference": reference} | ({"classical": aligned} if self.term == "frame_acceleration" else {})
@@ -67,8 +77,32 @@ QUESTIONS = {
         Question("aba", "aba", ("q", "v", "tau"), "acceleration", solves=True),
         Question("minv", "minv", ("q",), "inverse", solves=True),
         Question("coriolis", "coriolis", ("q", "v"), "coriolis"),
+        Question("rnea_f_ext", "rnea", ("q", "v", "a", "f_ext"), "pushed_force", framed=True),
+        Question("aba_f_ext", "aba", ("q", "v", "tau", "f_ext"), "pushed_acceleration", framed=True, solves=True),
+        Question("joint_torque_regressor", "joint_torque_regressor", ("q", "v", "a"), "regressor"),
+        Question("rnea_derivatives", "rnea_derivatives", ("q", "v", "a"), "derivatives"),
+        Question("aba_derivatives", "aba_derivatives", ("q", "v", "tau"), "derivatives", solves=True),
     )
 }
+Source = Callable[[Question, Mapping[str, np.ndarray]], np.ndarray]
+"""Answers a question at states (..., size): (..., *shape), or (..., frames, *shape)."""
+
+
+def pushed(question: Question, states: Mapping[str, np.ndarray], source: Source) -> np.ndarray:
+    """A term under a wrench [n; f] on each frame in turn, (..., frames, nv).
+
+    Its power is that of the torques  J^T f  at every velocity, J the frame's Jacobian in the axes and about the
+    point in which the wrench is written: they are what a source needs to know of it.
+    """
+    J = source(QUESTIONS["jacobian"], states)
+    torques = np.einsum("...kij,...i->...kj", J, states["f_ext"])
+    plain = QUESTIONS[question.source]
+    if plain.term == "rnea":
+        return source(plain, states)[..., None, :] - torques
+    given = ({**states, "tau": states["tau"] + torques[..., k, :]} for k in range(J.shape[-3]))
+    return np.stack([source(plain, s) for s in given], axis=-2)
+
+
 FRAMED = tuple(t for t, q in QUESTIONS.items() if q.framed)
 
 

@@ -11,7 +11,7 @@ from ...subjects.layout import product
 from ..case import Case, View
 from ..description import Description
 from ..hypothesis import Hypothesis
-from .register import FORCED, proposer, rule
+from .register import FORCED, PUSHED, proposer, rule
 
 # --- forces --------------------------------------------------------------------------------------
 
@@ -33,7 +33,7 @@ def _has(what: str) -> Callable[[Case], bool]:
     "damping",
     "the file's joint damping is in it",
     "set <dynamics damping> to 0, or subtract D v",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("damping"),
 )
@@ -45,7 +45,7 @@ def damping(view: View) -> np.ndarray:
     "damping_sign",
     "the file's joint damping is in it with the other sign",
     "damping opposes the motion: tau has + D v",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("damping"),
 )
@@ -57,7 +57,7 @@ def damping_sign(view: View) -> np.ndarray:
     "friction",
     "the file's joint friction is in it",
     "set <dynamics friction> to 0, or subtract f sign(v)",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("friction"),
 )
@@ -69,7 +69,7 @@ def friction(view: View) -> np.ndarray:
     "friction_sign",
     "the file's joint friction is in it with the other sign",
     "friction opposes the motion: tau has + f sign(v)",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("friction"),
 )
@@ -81,7 +81,7 @@ def friction_sign(view: View) -> np.ndarray:
     "friction_as_damping",
     "the file's friction is used as a viscous coefficient",
     "<dynamics friction> is dry friction: f sign(v)",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("friction"),
 )
@@ -93,7 +93,7 @@ def friction_as_damping(view: View) -> np.ndarray:
     "damping_as_friction",
     "the file's damping is used as dry friction",
     "<dynamics damping> is viscous: D v",
-    FORCED,
+    (*FORCED, *PUSHED),
     "force",
     when=_has("damping"),
 )

@@ -21,11 +21,15 @@ ALL = tuple(QUESTIONS)
 SIX = ("jacobian", "frame_velocity", "jacobian_dot")
 FORCED = ("bias", "rnea", "aba")
 WEIGHED = ("gravity", *FORCED)
+PUSHED = ("rnea_f_ext", "aba_f_ext")
+DERIVED = ("rnea_derivatives", "aba_derivatives")
 INERTIAL = (
     "gravity", "crba", "com", "com_jacobian", "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
-    *FORCED, "minv", "coriolis",
+    *FORCED, "minv", "coriolis", *PUSHED, *DERIVED,
 )  # fmt: skip
-MASSIVE = ("crba", "centroidal_momentum_matrix", "kinetic_energy", *FORCED, "minv", "coriolis")
+MASSIVE = (
+    "crba", "centroidal_momentum_matrix", "kinetic_energy", *FORCED, "minv", "coriolis", *PUSHED, *DERIVED,
+)  # fmt: skip
 """Terms in which inertia about the centre of mass counts."""
 
 

@@ -13,9 +13,10 @@ from ...subjects.convention import BASE_V
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, Wording
-from .register import ALL, SIX, proposer, rule
+from .register import ALL, PUSHED, SIX, proposer, rule
 
-OF_FRAMES = (*SIX, "frame_acceleration")
+OF_FRAMES = (*SIX, "frame_acceleration", *PUSHED)
+OF_A_FRAME = "Jacobians, twists and wrenches of a frame"
 SAY = "say so in the subject's Convention"
 LINEAR = ("body", "world", "origin")
 SEEN = {
@@ -38,7 +39,7 @@ def _saying(h: Hypothesis, terms: tuple[str, ...], **words: Any) -> Hypothesis:
     "rows",
     "six-vectors have their other part first",
     f"{SAY} (rows=)",
-    (*SIX, "frame_acceleration", "centroidal_momentum_matrix"),
+    (*OF_FRAMES, "centroidal_momentum_matrix"),
     "word",
 )
 def rows(w: Wording) -> Wording:
@@ -48,13 +49,11 @@ def rows(w: Wording) -> Wording:
 
 @proposer(
     "reference_*", "Jacobians are of another reference", f"{SAY} (reference=)",
-    {f"reference_{r}": f"Jacobians and twists of a frame are {seen}" for r, seen in SEEN.items()},
+    {f"reference_{r}": f"{OF_A_FRAME} are {seen}" for r, seen in SEEN.items()},
 )  # fmt: skip
 def reference(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(
-            _saying(h, OF_FRAMES, reference=r), key=f"reference_{r}", says=f"Jacobians and twists of a frame are {seen}"
-        )
+        replace(_saying(h, OF_FRAMES, reference=r), key=f"reference_{r}", says=f"{OF_A_FRAME} are {seen}")
         for r, seen in SEEN.items() if r != case.how.reference
     ]  # fmt: skip
 

@@ -56,6 +56,7 @@ class Subject:
             "q": [*(BASE_Q if floating else ()), *names], "v": [*(BASE_V if floating else ()), *names],
             "angular": "world", "linear": "world",
         }  # fmt: skip
+        self.floating, self.auto = floating, None
         self.forces, self.world, self.wrt = pd.MultibodyForces(p), p.world_frame(), pd.JacobianWrtVariable.kV
 
     def _at(self, q: Any, v: Any = None) -> Any:
@@ -78,6 +79,28 @@ class Subject:
         self.forces.SetZero()
         self.p.CalcForceElementsContribution(c, self.forces)
         return self.p.CalcInverseDynamics(c, a, self.forces)
+
+    def rnea_f_ext(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        c, body, pd = self._at(q, v), self.p.GetBodyByName(frame), self.pd
+        self.forces.SetZero()
+        self.p.CalcForceElementsContribution(c, self.forces)
+        body.AddInForceInWorld(c, pd.SpatialForce(tau=f_ext[:3], f=f_ext[3:]), self.forces)
+        return self.p.CalcInverseDynamics(c, a, self.forces)
+
+    def rnea_derivatives(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        """By automatic differentiation, of a plant whose base does not float."""
+        if self.floating:
+            raise NotImplementedError("of a fixed base only")
+        if self.auto is None:
+            self.auto = self.p.ToAutoDiffXd()
+        p, n = self.auto, len(v)
+        x = self.pd.InitializeAutoDiff(np.r_[q, v, a])[:, 0]
+        c, forces = p.CreateDefaultContext(), self.pd.MultibodyForces_[self.pd.AutoDiffXd](p)
+        p.SetPositions(c, x[:n])
+        p.SetVelocities(c, x[n : 2 * n])
+        p.CalcForceElementsContribution(c, forces)
+        tau = p.CalcInverseDynamics(c, x[2 * n :], forces)
+        return self.pd.ExtractGradient(tau).reshape(n, 3, n).transpose(1, 0, 2)
 
     def crba(self, q: np.ndarray) -> np.ndarray:
         return self.p.CalcMassMatrix(self._at(q))

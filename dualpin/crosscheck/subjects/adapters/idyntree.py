@@ -11,6 +11,7 @@ from _urdf import LINEAR_FIRST, homogeneous, joint_part, moving, rotation
 
 REQUIRES = ("idyntree==15.1.0",)
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
+PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 CALLS = {
     "": "import idyntree.bindings as idt\nl = idt.ModelLoader(); l.loadModelFromFile('robot.urdf')\n"
     "k = idt.KinDynComputations(); k.loadRobotModel(l.model()); n = len(q)\n"
@@ -47,7 +48,8 @@ class Subject:
         self.n = len(names)
         base_q, base_v = (BASE_Q, LINEAR_FIRST) if floating else ((), ())
         self.writes = {
-            "q": [*base_q, *names], "v": [*base_v, *names], "rows": LINEAR_FIRST, "angular": "world", "linear": "world"
+            "q": [*base_q, *names], "v": [*base_v, *names], "rows": LINEAR_FIRST, "angular": "world", "linear": "world",
+            "parameters": [f"{m.getLinkName(i)}.{p}" for i in range(m.getNrOfLinks()) for p in PARAMETERS],
         }  # fmt: skip
 
     def _set(self, q: np.ndarray, v: np.ndarray | None = None) -> None:
@@ -86,9 +88,31 @@ class Subject:
     def rnea(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
         self._set(q, v)
         a = a if self.floating else np.r_[np.zeros(6), a]
+        return self._torques(self.k.inverseDynamics, a[:6].copy(), a[6:].copy(), self._outside())
+
+    def _outside(self) -> Any:
+        """No wrench on any link."""
         outside = self.idt.LinkWrenches(self.k.model())
         outside.zero()
+        return outside
+
+    def rnea_f_ext(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        self._set(q, v)
+        a, link = a if self.floating else np.r_[np.zeros(6), a], self.k.model().getLinkIndex(frame)
+        if link < 0:
+            raise KeyError(frame)
+        outside = self._outside()
+        for i in range(6):
+            outside(link).setVal(i, float(f_ext[i]))
         return self._torques(self.k.inverseDynamics, a[:6].copy(), a[6:].copy(), outside)
+
+    def joint_torque_regressor(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        self._set(q, v)
+        a = a if self.floating else np.r_[np.zeros(6), a]
+        Y = self.idt.MatrixDynSize(self.n + 6, 10 * self.k.model().getNrOfLinks())
+        done = self.k.inverseDynamicsInertialParametersRegressor(a[:6].copy(), a[6:].copy(), Y)
+        self._said(done, "inverseDynamicsInertialParametersRegressor")
+        return self._joints(Y.toNumPy(), 0)
 
     def crba(self, q: np.ndarray) -> np.ndarray:
         self._set(q)

@@ -109,6 +109,11 @@ class Subject:
         self.mj.mj_inverse(self.m, d)
         return d.qfrc_inverse.copy()
 
+    def rnea_f_ext(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        tau, pushed, i = self.rnea(q, v, a), np.zeros(self.m.nv), self.bodies[frame]
+        self.mj.mj_applyFT(self.m, self.d, f_ext[:3], f_ext[3:], self.d.xpos[i], i, pushed)
+        return tau - pushed
+
     def crba(self, q: np.ndarray) -> np.ndarray:
         M, d = np.zeros((self.m.nv, self.m.nv)), self._at(q)
         try:
@@ -126,6 +131,13 @@ class Subject:
     def aba(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
         d = self._at(q, v)
         d.qfrc_applied[:] = tau
+        self.mj.mj_forward(self.m, d)
+        return d.qacc.copy()
+
+    def aba_f_ext(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        d, i = self._at(q, v), self.bodies[frame]
+        d.qfrc_applied[:] = tau
+        d.xfrc_applied[i] = np.r_[f_ext[:3], f_ext[3:] + np.cross(d.xpos[i] - d.xipos[i], f_ext[:3])]
         self.mj.mj_forward(self.m, d)
         return d.qacc.copy()
 

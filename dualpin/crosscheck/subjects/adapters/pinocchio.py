@@ -9,6 +9,7 @@ import numpy as np
 REQUIRES = ("pin==4.1.0",)
 BASE_Q = ("x", "y", "z", "qx", "qy", "qz", "qw")
 BASE_V = ("vx", "vy", "vz", "wx", "wy", "wz")
+PARAMETERS = ("m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
 CALLS = {
     "": "import pinocchio as pin\nm = pin.buildModelFromUrdf('robot.urdf'); d = m.createData()",
     "fk": "pin.framesForwardKinematics(m, d, q); print(d.oMf[m.getBodyId(frame)])",
@@ -39,10 +40,17 @@ class Subject:
         self.d = self.m.createData()
         self.axial = [j for j in list(self.m.joints)[1:] if j.nv == 1]
         joints = [self.m.names[j.id] for j in self.axial]
+        base_q, base_v = (BASE_Q, BASE_V) if floating else ((), ())
         self.writes = {
-            "q": [*(BASE_Q if floating else ()), *joints], "v": [*(BASE_V if floating else ()), *joints], "rows": BASE_V
+            "q": [*base_q, *joints], "v": [*base_v, *joints], "rows": BASE_V,
+            "parameters": [f"{self._link(i)}.{p}" for i in range(1, self.m.njoints) for p in PARAMETERS],
         }  # fmt: skip
         self.base = 7 if floating else 0
+
+    def _link(self, joint: int) -> str:
+        """The link whose frame is the joint's."""
+        bodies = (f for f in self.m.frames if f.type == self.pin.BODY and f.parentJoint == joint)
+        return str(next((f.name for f in bodies if f.placement.isIdentity()), self.m.names[joint]))
 
     def _q(self, q: np.ndarray) -> np.ndarray:
         """Continuous joints are pairs (cos, sin) in Pinocchio."""
@@ -95,12 +103,15 @@ class Subject:
         return np.array(self.pin.computeGeneralizedGravity(self.m, self.d, self._q(q)))
 
     def crba(self, q: np.ndarray) -> np.ndarray:
-        M = np.triu(self.pin.crba(self.m, self.d, self._q(q)))
-        return np.array(M + np.triu(M, 1).T)
+        return self._whole(self.pin.crba(self.m, self.d, self._q(q)))
 
     def minv(self, q: np.ndarray) -> np.ndarray:
-        W = np.triu(self.pin.computeMinverse(self.m, self.d, self._q(q)))
-        return np.array(W + np.triu(W, 1).T)
+        return self._whole(self.pin.computeMinverse(self.m, self.d, self._q(q)))
+
+    @staticmethod
+    def _whole(x: np.ndarray) -> np.ndarray:
+        """A symmetric matrix of which Pinocchio fills the upper triangle."""
+        return np.array(np.triu(x) + np.triu(x, 1).T)
 
     def coriolis(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         return np.array(self.pin.computeCoriolisMatrix(self.m, self.d, self._q(q), v))
@@ -122,3 +133,29 @@ class Subject:
 
     def potential_energy(self, q: np.ndarray) -> float:
         return float(self.pin.computePotentialEnergy(self.m, self.d, self._q(q)))
+
+    def _wrenches(self, q: np.ndarray, f_ext: np.ndarray, frame: str) -> Any:
+        """A wrench at a frame in world axes, as one on its joint in the joint's own."""
+        self.pin.framesForwardKinematics(self.m, self.d, self._q(q))
+        f = self._frame(frame)
+        joint, at = self.m.frames[f].parentJoint, self.pin.SE3(np.eye(3), self.d.oMf[f].translation)
+        forces = [self.pin.Force.Zero() for _ in range(self.m.njoints)]
+        forces[joint] = self.d.oMi[joint].actInv(at.act(self.pin.Force(f_ext)))
+        return self.pin.StdVec_Force(forces)
+
+    def rnea_f_ext(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        return np.array(self.pin.rnea(self.m, self.d, self._q(q), v, a, self._wrenches(q, f_ext, frame)))
+
+    def aba_f_ext(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray, f_ext: np.ndarray, frame: str) -> np.ndarray:
+        return np.array(self.pin.aba(self.m, self.d, self._q(q), v, tau, self._wrenches(q, f_ext, frame)))
+
+    def joint_torque_regressor(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        return np.array(self.pin.computeJointTorqueRegressor(self.m, self.d, self._q(q), v, a)).reshape(self.m.nv, -1)
+
+    def rnea_derivatives(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+        by_q, by_v, M = self.pin.computeRNEADerivatives(self.m, self.d, self._q(q), v, a)[:3]
+        return np.array([by_q, by_v, self._whole(M)])
+
+    def aba_derivatives(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        by_q, by_v, W = self.pin.computeABADerivatives(self.m, self.d, self._q(q), v, tau)[:3]
+        return np.array([by_q, by_v, self._whole(W)])

@@ -189,7 +189,7 @@ def introduction(subject: Any, spec: str) -> dict[str, Any]:
     get = subject.get if isinstance(subject, dict) else lambda k, d=None: getattr(subject, k, d)
     writes = get("writes") or {}
     if not isinstance(writes, dict):
-        words = ("q", "v", "rows", "angular", "linear", "reference")
+        words = ("q", "v", "rows", "angular", "linear", "reference", "parameters")
         writes = {k: getattr(writes, k) for k in words if hasattr(writes, k)}
     writes = {k: list(x) if isinstance(x, (list, tuple)) else x for k, x in writes.items()}
     return {
