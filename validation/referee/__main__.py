@@ -112,34 +112,56 @@ def write(reports: Reports) -> None:
 
 def judged_before(title: str, folder: Path) -> dict[str, dict[str, Any]]:
     """What this dualpin has judged of a library already."""
-    found = {label: place(cell, folder) for _, label, cell in cells([title], folder)}
-    return {label: json.loads(p.read_text(encoding="utf-8")) for label, p in found.items() if p.exists()}
+    found = {label: kept(cell, folder) for _, label, cell in cells([title], folder)}
+    return {label: x for label, x in found.items() if x is not None}
 
 
-def place(cell: Cell, folder: Path) -> Path:
-    """Where a judgement is kept: other answers, or another judge, are another one."""
+def places(cell: Cell, folder: Path) -> tuple[Path, Path]:
+    """Where a judgement is kept: one without a question of why, which no diagnosis can change, and any other.
+
+    Other answers, or another judge, are another judgement.
+    """
     answers = cell.path.read_bytes() if cell.path.exists() else b""
-    return folder / "judged" / f"{hashlib.sha256(answers + judge_of_today()).hexdigest()[:24]}.json"
+    rooms = (("algorithms", "crosscheck", "model", "io", "spatial"), ("crosscheck/diagnosis",))
+    plain, diagnosis = (_fingerprint(*r) for r in rooms)
+    keys = (answers + plain, answers + plain + diagnosis)
+    a, b = (folder / "judged" / f"{hashlib.sha256(key).hexdigest()[:24]}.json" for key in keys)
+    return a, b
 
 
 @cache
-def judge_of_today() -> bytes:
+def _fingerprint(*rooms: str) -> bytes:
     """What a judgement depends on, of dualpin itself."""
-    rooms = ("crosscheck", "algorithms", "model", "io", "spatial")
-    files = sorted(f for room in rooms for f in (Path(dualpin.__file__).parent / room).rglob("*.py"))
+    home = Path(dualpin.__file__).parent
+    files = sorted(f for room in rooms for f in (home / room).rglob("*.py") if _of(f, home) in rooms)
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).digest()
+
+
+def _of(file: Path, home: Path) -> str:
+    """The room of a file; diagnosis is one of its own."""
+    first, *rest = file.relative_to(home).parts
+    return f"{first}/diagnosis" if rest[0] == "diagnosis" else first
+
+
+def kept(cell: Cell, folder: Path) -> dict[str, Any] | None:
+    """A judgement that is there already."""
+    for path in places(cell, folder):
+        if path.exists():
+            return dict(json.loads(path.read_text(encoding="utf-8")))
+    return None
 
 
 def judged(cell: Cell, folder: Path) -> dict[str, Any]:
     """The judgement as plain data, from `folder` where it is there already."""
-    kept = place(cell, folder)
-    if kept.exists():
-        return dict(json.loads(kept.read_text(encoding="utf-8")))
-    result = verdict(cell.answers(), cell.asking, True, cell.refusal, lambda what: None)
-    found = shortened(Report([result]))
-    kept = place(cell, folder)  # a refusal asks more
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    write_text(kept, json.dumps(found))
+    cell.answers()
+    found = kept(cell, folder)
+    if found is None:
+        result = verdict(cell.answers(), cell.asking, True, cell.refusal, lambda what: None)
+        found = shortened(Report([result]))
+        odd = found["reason"] or any(t["status"] == "differs" for t in found["terms"].values())
+        path = places(cell, folder)[1 if odd else 0]  # a refusal has asked more
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_text(path, json.dumps(found))
     return found
 
 
