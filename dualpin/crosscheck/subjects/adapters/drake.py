@@ -56,7 +56,8 @@ class Subject:
             "q": [*(BASE_Q if floating else ()), *names], "v": [*(BASE_V if floating else ()), *names],
             "angular": "world", "linear": "world",
         }  # fmt: skip
-        self.floating, self.auto = floating, None
+        self.floating = floating
+        self.auto: Any = None
         self.forces, self.world, self.wrt = pd.MultibodyForces(p), p.world_frame(), pd.JacobianWrtVariable.kV
 
     def _at(self, q: Any, v: Any = None) -> Any:
