@@ -87,7 +87,9 @@ def judge(
         Seconds after which a subject in a process of its own counts as hanging.
     folder : path, optional
         Where answers are kept as they come, until the judgement is done: the same call takes up what an
-        interrupted one left.  Of a subject that can be known again: a shipped name, a module's or file's.
+        interrupted one left.  Of a subject that can be known again: a shipped name, a module's, a file's, a
+        command, as long as the files that it names, and those beside them with the same ending, are what they
+        were.  Objects and mappings are asked anew: nothing tells whether two of them compute the same.
     progress : callable, optional
         Called with a line that says what is being done.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import shutil
 import subprocess
@@ -330,3 +331,36 @@ def test_an_interrupted_judgement_goes_on_where_it_was(tmp_path):
     assert not (tmp_path / "kept/judged.jsonl").exists()
     source.write_text(source.read_text().replace("return dp.gravity", "return 2 * dp.gravity"))
     assert not dp.judge("ur5", f"{source}:Arm", 4, **asked).passed  # another text is another subject
+
+
+def test_a_program_that_has_answered_is_not_run_again_unless_its_files_changed(tmp_path):
+    """The command of an interrupted judgement, whose program imports a module that lies beside it."""
+    (tmp_path / "factor.py").write_text("FACTOR = 0\n")
+    program = tmp_path / "answers.py"
+    program.write_text(
+        "import sys, csv, pathlib\nfrom factor import FACTOR\nd = pathlib.Path(sys.argv[1])\n"
+        "pathlib.Path(__file__).with_suffix('.log').open('a').write('run ')\n"
+        "rows = list(csv.DictReader(open(d / 'states.csv')))\n"
+        "names = [n[2:] for n in rows[0] if n.startswith('q.')]\n"
+        "f = open(d / 'answers/gravity.csv', 'w')\nprint('sample', *names, sep=',', file=f)\n"
+        "for k in range(len(rows)): print(k, *(FACTOR for n in names), sep=',', file=f)\n"
+    )
+    command = Command(f"python3 {program} FOLDER")
+
+    def interrupting(what):
+        if what.endswith("compared"):
+            raise KeyboardInterrupt
+
+    asked = {"terms": ["gravity"], "folder": tmp_path / "kept", "diagnose": False}
+
+    def runs(progress=None):
+        log = program.with_suffix(".log")
+        before = log.read_text() if log.exists() else ""
+        with contextlib.suppress(KeyboardInterrupt):
+            dp.judge("ur5", command, 4, **asked, progress=progress)
+        return log.read_text()[len(before) :].count("run")
+
+    assert [runs(interrupting), runs(interrupting), runs()] == [1, 0, 0]
+    assert runs(interrupting) == 1  # a judgement that was finished keeps nothing
+    (tmp_path / "factor.py").write_text("FACTOR = 1\n")
+    assert runs() == 1

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,7 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
         return Asker(
             lambda asking, tick, kept: ask_command(subject, asking, tick),
             lambda asking, seconds: refusal_of_command(subject, asking, seconds),
+            _identity(subject.line, "", [Path(w) for w in subject.words("")]),
         )
     if isinstance(subject, (str, Path)):
         text = str(subject)
@@ -80,14 +82,14 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
                     ask_apart(spec(asking), asking, tick, python=own, limit=limit, kept=kept), text
                 ),
                 lambda asking, seconds: refusal_apart(spec(asking), asking, seconds, python=own),
-                _identity(f"{adapter}:{text}:{version}", own),
+                _identity(f"{adapter}:{text}:{version}", own, [adapter]),
             )
         if _SPEC.match(text):
             own = python or interpreter(Path(name)) or sys.executable
             return Asker(
                 lambda asking, tick, kept: ask_apart(text, asking, tick, python=own, limit=limit, kept=kept),
                 lambda asking, seconds: refusal_apart(text, asking, seconds, python=own),
-                _identity(text, own),
+                _identity(text, own, [Path(name if name.endswith(".py") else f"{name.replace('.', '/')}.py")]),
             )
         raise ArgumentError(
             f"judge: subject {text!r} is no shipped name, no folder that `dualpin ask` wrote and no module:attribute; "
@@ -96,11 +98,22 @@ def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> 
     return Asker(lambda asking, tick, kept: ask_object(subject, asking, tick, limit))
 
 
-def _identity(spec: str, python: str) -> str:
-    """Of a subject in a file: its text counts, since users change it between two runs; of a module: its name."""
-    path = Path(spec.partition(".py:")[0] + ".py")
-    text = path.read_bytes() if path.is_file() else b""
-    return f"{spec}|{python}|{hashlib.sha256(text).hexdigest()[:16]}"
+def _identity(said: str, python: str, named: Sequence[Path]) -> str:
+    """What is asked, and the contents of the files that it names and of those beside them with the same ending.
+
+    A user edits a program, or a module that it imports, between two runs: its answers are others then.
+    """
+    files = {f for path in named if path.is_file() for f in (path, *_beside(path))}
+    contents = hashlib.sha256()
+    for f in sorted(files):
+        with contextlib.suppress(OSError):
+            contents.update(f"{f.name} ".encode() + hashlib.sha256(f.read_bytes()).digest())
+    return f"{said}|{python}|{contents.hexdigest()[:16]}"
+
+
+def _beside(path: Path) -> list[Path]:
+    ending = path.suffix
+    return [f for f in path.resolve().parent.glob(f"*{ending}") if f.is_file()] if ending else []
 
 
 def _named(answers: Answers, name: str) -> Answers:
