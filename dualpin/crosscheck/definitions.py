@@ -25,14 +25,18 @@ from .rigid import (
     Array,
     carried,
     carried_wrench,
+    cross,
     displacement,
     exact,
+    factors,
     momentum,
     number,
     pose,
+    product,
     seen,
     six,
     small_motion,
+    solution,
     weight,
 )
 
@@ -72,13 +76,14 @@ class Definitions:
         self.h = mpmath.mpf(STEP)
         self.state = {key: exact(mpmath, x) for key, x in state.items()}
         self.joints = list(self.robot)
-        self.placements = [pose(mpmath, j.placement) for j in self.joints]
         self.screws = [[six(mpmath, s) for s in j.model.screws] for j in self.joints]
         self.parents = [j.parent.index if j.parent else -1 for j in self.joints]
         self.indices = [list(range(j.v.start, j.v.stop)) for j in self.joints]
         self.bodies = [exact(mpmath, [number(mpmath, x) for x in j.inertia.parameters]) for j in self.joints]
         self.field = exact(mpmath, [number(mpmath, x) for x in self.robot.gravity])
         self.q = self.state["q" if "q" in self.state else "q0"]
+        moved = (displacement(mpmath, j, self.q[j.q]) for j in self.joints)
+        self.at_q = [product(pose(mpmath, j.placement), X) for j, X in zip(self.joints, moved, strict=True)]
 
     # --- poses and velocities --------------------------------------------------------------------
 
@@ -90,14 +95,12 @@ class Definitions:
         if time.thread_time() > self.deadline:
             raise UndecidedError("the time for its evaluation with 50 digits was over")
         found: list[Array] = []
-        for i, joint in enumerate(self.joints):
-            T = self.placements[i] @ displacement(self.mp, joint, self.q[joint.q])
+        for i, T in enumerate(self.at_q):
             for step in steps:
-                twist = sum(
-                    (s * step[k] for s, k in zip(self.screws[i], self.indices[i], strict=True)), start=0 * T[0, 0]
-                )
-                T = T @ small_motion(self.mp, twist) if self.screws[i] else T
-            found.append(found[self.parents[i]] @ T if self.parents[i] >= 0 else T)
+                if any(step[k] for k in self.indices[i]):
+                    twist = sum(s * step[k] for s, k in zip(self.screws[i], self.indices[i], strict=True))
+                    T = product(T, small_motion(self.mp, twist))
+            found.append(product(found[self.parents[i]], T) if self.parents[i] >= 0 else T)
         return found
 
     def columns(self, T: list[Array]) -> list[list[Array]]:
@@ -176,11 +179,14 @@ class Definitions:
         M = np.array([self.zeros() for _ in range(self.robot.nv)]).reshape(self.robot.nv, self.robot.nv)
         J = self.columns(T)
         for i in range(len(T)):
-            chain = [(c, k) for b in self.chain(i) for c, k in zip(J[b], self.indices[b], strict=True)]
-            momenta = [(momentum(T[i], c, self.bodies[i]), k) for c, k in chain]
-            for c, k in chain:
-                for P, m in momenta:
-                    M[k, m] += c @ P
+            at = [k for b in self.chain(i) for k in self.indices[b]]
+            C = np.array([c for b in self.chain(i) for c in J[b]], dtype=object).reshape(-1, 6).T
+            P = momentum(T[i], C, self.bodies[i])
+            for n, k in enumerate(at):
+                M[k, k] += C[:, n] @ P[:, n]
+                for m, x in zip(at, P[:, n] @ C[:, :n], strict=False):
+                    M[k, m] += x
+                    M[m, k] += x
             for n, k in enumerate(self.indices[i]):
                 M[k, k] += self.armature(i, n)
         return M
@@ -195,13 +201,11 @@ class Definitions:
 
     def solved(self, b: Array) -> Array:
         """M^-1 b."""
-        factors, order = self._factored
-        y = self.mp.mp.L_solve(factors, self.mp.matrix(list(b)), order)
-        return np.array(list(self.mp.mp.U_solve(factors, y)), dtype=object)
+        return solution(self._factors, b)
 
     @cached_property
-    def _factored(self) -> Any:
-        return self.mp.mp.LU_decomp(self.mp.matrix(self.mass_matrix().tolist()))
+    def _factors(self) -> Array:
+        return factors(self.mass_matrix(), self.mp.mp.eps)
 
     # --- frames, directions, sums --------------------------------------------------------------------
 
@@ -235,7 +239,7 @@ class Definitions:
         (i,) = [i for i, k in enumerate(self.indices) if j in k and self.joints[i].mimic is None]
         S = np.array(self.screws[i])
         V, U = v[self.indices[i]] @ S, S[self.indices[i].index(j)]
-        W = np.concatenate([np.cross(V[:3], U[:3]), np.cross(V[:3], U[3:]) + np.cross(V[3:], U[:3])])
+        W = np.concatenate([cross(V[:3], U[:3]), cross(V[:3], U[3:]) + cross(V[3:], U[:3])])
         for n, k in enumerate(self.indices[i]):
             found[k] = W @ S[n] / (S[n] @ S[n])  # the screws of such a joint are along the axes
         return found
@@ -243,7 +247,7 @@ class Definitions:
     def first_moments(self) -> tuple[Array, Any]:
         """sum m c in the world, and sum m."""
         T = self.poses()
-        return sum(body[0] * X[:3, 3] + X[:3, :3] @ body[1:4] for X, body in zip(T, self.bodies, strict=True)), sum(
+        return sum(X[:3, 3] * body[0] + X[:3, :3] @ body[1:4] for X, body in zip(T, self.bodies, strict=True)), sum(
             body[0] for body in self.bodies
         )
 

@@ -1,4 +1,8 @@
-"""Poses, twists and momenta as matrices of mpmath numbers: what `definitions` is made of."""
+"""Poses, twists and momenta as matrices of mpmath numbers: what `definitions` is made of.
+
+Arrays stand on the left of numbers: mpmath, asked first, tries to read an array as a number, which takes longer than
+the product.
+"""
 
 from __future__ import annotations
 
@@ -74,11 +78,26 @@ def displacement(mp: Any, joint: Joint, q: Array) -> Array:
 
 
 def small_motion(mp: Any, twist: Array) -> Array:
-    """exp of a twist of the size of STEP, to the third order."""
-    X = exact(mp, np.zeros((4, 4), int))
-    X[:3, :3], X[:3, 3] = skew(twist[:3]), twist[3:]
-    one = exact(mp, np.eye(4).astype(int))
-    return one + X @ (one + X @ (one + X / 3) / 2)
+    """exp of a twist [w; v] of the size of STEP, to the third order; [w]^2 = w w^T - w.w, and [w]^3 = -w.w [w]."""
+    w, v = np.split(twist, 2)
+    ww = w @ w
+    R = skew(w) * (1 - ww / 6) + np.outer(w, w) / 2
+    R[range(3), range(3)] += 1 - ww / 2
+    return matrix(mp, R, v + cross(w, v + cross(w, v) / 3) / 2)
+
+
+def product(A: Array, B: Array) -> Array:
+    """One displacement after another: their last rows are known."""
+    C = A.copy()
+    C[:3] = A[:3, :3] @ B[:3]
+    C[:3, 3] += A[:3, 3]
+    return C
+
+
+def cross(a: Array, b: Array) -> Array:
+    """The vector product, also of columns; NumPy's takes several times as long for numbers that are objects."""
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx], dtype=object)
 
 
 def inverse(T: Array) -> Array:
@@ -105,20 +124,20 @@ def logarithm(mp: Any, T: Array) -> Array:
 def carried(T: Array, s: Array) -> Array:
     """A twist of the frame T, about the world's origin."""
     w = T[:3, :3] @ s[:3]
-    return np.concatenate([w, T[:3, :3] @ s[3:] + np.cross(T[:3, 3], w)])
+    return np.concatenate([w, T[:3, :3] @ s[3:] + cross(T[:3, 3], w)])
 
 
 def carried_wrench(T: Array, wrench: Array) -> Array:
     """[n; f] in the frame T, about the world's origin."""
     f = T[:3, :3] @ wrench[3:]
-    return np.concatenate([T[:3, :3] @ wrench[:3] + np.cross(T[:3, 3], f), f])
+    return np.concatenate([T[:3, :3] @ wrench[:3] + cross(T[:3, 3], f), f])
 
 
 def seen(T: Array, twist: Array, reference: str) -> Array:
     """A world twist as one sees it from the frame T."""
     if reference == "world":
         return twist
-    v = twist[3:] - np.cross(T[:3, 3], twist[:3])
+    v = twist[3:] - cross(T[:3, 3], twist[:3])
     parts = twist[:3], v
     return np.concatenate(parts if reference == "local_world_aligned" else [T[:3, :3].T @ x for x in parts])
 
@@ -129,14 +148,47 @@ def tensor(body: Array) -> Array:
 
 
 def momentum(T: Array, twist: Array, body: Array) -> Array:
-    """[l0; p] of a body of ten parameters about its own origin."""
-    R, p = T[:3, :3], T[:3, 3]
-    w, v = twist[:3], twist[3:] + np.cross(twist[:3], p)  # of its origin
-    h = R @ body[1:4]
-    P = body[0] * v + np.cross(w, h)
-    return np.concatenate([np.cross(h, v) + R @ (tensor(body) @ (R.T @ w)) + np.cross(p, P), P])
+    """[l0; p] of a body of ten parameters about its own origin; of twists that are columns, columns."""
+    R, p = T[:3, :3], T[:3, 3:]
+    w, v = np.split(twist.reshape(6, -1), 2)
+    v = v + cross(w, p)  # of its origin
+    h = R @ body[1:4, None]
+    P = v * body[0] + cross(w, h)
+    return np.concatenate([cross(h, v) + R @ (tensor(body) @ (R.T @ w)) + cross(p, P), P]).reshape(twist.shape)
 
 
 def weight(T: Array, body: Array, field: Array) -> Array:
     """[n0; f] of gravity."""
-    return np.concatenate([np.cross(body[0] * T[:3, 3] + T[:3, :3] @ body[1:4], field), body[0] * field])
+    return np.concatenate([cross(T[:3, 3] * body[0] + T[:3, :3] @ body[1:4], field), field * body[0]])
+
+
+def factors(M: Array, least: Any) -> Array:
+    """L and D of M = L^T D L, D on the diagonal: elimination from the last unknown to the first.
+
+    In this order the matrix of a tree of bodies keeps its zeros.
+
+    Raises
+    ------
+    ZeroDivisionError
+        If what is left of a diagonal entry is not more than so large a part of it: M is singular.
+    """
+    A, smallest = M.copy(), np.diag(M) * least
+    for k in reversed(range(len(A))):
+        if not A[k, k] > smallest[k]:
+            raise ZeroDivisionError("the matrix is singular")
+        for i in reversed(range(k)):
+            if A[k, i]:
+                f = A[k, i] / A[k, k]
+                A[i, : i + 1] -= A[k, : i + 1] * f
+                A[k, i] = f
+    return A
+
+
+def solution(A: Array, b: Array) -> Array:
+    """x of L^T D L x = b, given the `factors`."""
+    x = b.copy()
+    for k in reversed(range(len(x))):
+        x[:k] -= A[k, :k] * x[k]
+    for k in range(len(x)):
+        x[k] = x[k] / A[k, k] - A[k, :k] @ x[:k]
+    return x
