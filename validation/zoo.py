@@ -17,10 +17,11 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from queue import SimpleQueue
 
 from dualpin.crosscheck import Report
 from dualpin.crosscheck.campaign import campaign
@@ -72,7 +73,7 @@ def read(path: str, name: str) -> Reading:
     return Reading(name, ours, theirs, notes, seconds)
 
 
-def readings(files: list[tuple[str, str]], log: Path) -> Iterator[Reading]:
+def readings(files: list[tuple[str, str]], log: Path, jobs: int) -> Iterator[Reading]:
     """All files, those of an earlier run from its log."""
     done = {}
     if log.exists():
@@ -83,20 +84,40 @@ def readings(files: list[tuple[str, str]], log: Path) -> Iterator[Reading]:
                 break  # the line was cut off
             done[reading.file] = reading
     write_text(log, "".join(json.dumps(asdict(r)) + "\n" for r in done.values()))
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(1, context)
-    with log.open("a", encoding="utf-8") as out:
-        for path, name in files:
-            if name not in done:
-                try:
-                    done[name] = pool.submit(read, path, name).result()
-                except BrokenProcessPool:
-                    pool = ProcessPoolExecutor(1, context)
-                    done[name] = Reading(name, "the process died", "the process died", [], 0.0, crashed=True)
-                out.write(json.dumps(asdict(done[name])) + "\n")
-                out.flush()
-            yield done[name]
-    pool.shutdown()
+    readers: SimpleQueue[ProcessPoolExecutor] = SimpleQueue()
+    for _ in range(jobs):
+        readers.put(reader())
+    threads = ThreadPoolExecutor(jobs)
+    try:
+        found = {name: threads.submit(apart, readers, path, name) for path, name in files if name not in done}
+        with log.open("a", encoding="utf-8") as out:
+            for _, name in files:
+                if name in found:
+                    done[name] = found[name].result()
+                    out.write(json.dumps(asdict(done[name])) + "\n")
+                    out.flush()
+                yield done[name]
+    finally:
+        threads.shutdown(cancel_futures=True)
+        while not readers.empty():
+            readers.get().shutdown()
+
+
+def reader() -> ProcessPoolExecutor:
+    """One process, so that it is known which file ended it."""
+    return ProcessPoolExecutor(1, multiprocessing.get_context("spawn"))
+
+
+def apart(readers: SimpleQueue[ProcessPoolExecutor], path: str, name: str) -> Reading:
+    """`read`, in the next process that is free."""
+    pool = readers.get()
+    try:
+        return pool.submit(read, path, name).result()
+    except BrokenProcessPool:
+        pool = reader()
+        return Reading(name, "the process died", "the process died", [], 0.0, crashed=True)
+    finally:
+        readers.put(pool)
 
 
 # --- the table -------------------------------------------------------------------------------------
@@ -195,7 +216,7 @@ def main() -> int:
     arguments.out.mkdir(parents=True, exist_ok=True)
     found: list[Reading] = []
     try:
-        for reading in readings(files, arguments.out / READ):
+        for reading in readings(files, arguments.out / READ, arguments.jobs):
             found.append(reading)
             tick("reading", len(found), len(files), reading.file)
     except KeyboardInterrupt:

@@ -36,7 +36,7 @@ def six(mp: Any, m: Any) -> Array:
     return exact(mp, [number(mp, x) for x in (*m.real, *m.dual)])
 
 
-def matrix(mp: Any, R: Array, p: Sequence[Any]) -> Array:
+def matrix(mp: Any, R: Array, p: Sequence[Any] | Array) -> Array:
     T = exact(mp, np.eye(4).astype(int))
     T[:3, :3], T[:3, 3] = R, p
     return T
