@@ -19,6 +19,8 @@ class Subject:
         self.r.set_gravity(np.asarray(gravity, float))
         names = list(self.r.joint_names())
         self.at = [self.r.get_joint_offset(n) for n in names]
+        ends = sorted([*self.at, len(self.r.state.q)])
+        self.widths = [ends[ends.index(a) + 1] - a for a in self.at]
         self.columns = [*range(6 * floating), *(self.r.get_joint_v_offset(n) for n in names)]
         self.n = len(self.r.state.qd)
         self.writes = {
@@ -29,7 +31,8 @@ class Subject:
     def _at(self, q, v=None):
         state, base = np.zeros(len(self.r.state.q)), 7 * self.floating
         state[:7] = q[:7] if self.floating else (0, 0, 0, 0, 0, 0, 1)
-        state[self.at] = q[base:]
+        for at, width, x in zip(self.at, self.widths, q[base:], strict=True):  # a continuous joint: cos and sin
+            state[at : at + width] = x if width == 1 else (np.cos(x), np.sin(x))
         self.r.state.q, speeds = state, np.zeros(self.n)
         speeds[self.columns] = 0 if v is None else v
         self.r.state.qd = speeds

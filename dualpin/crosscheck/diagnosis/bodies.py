@@ -141,7 +141,7 @@ def _inertia(b: Body, x: np.ndarray) -> Body:
 
 
 CHANGES: tuple[tuple[str, int, float, Callable[[Body, np.ndarray], Body]], ...] = (
-    ("mass", 1, 1.9, _mass), ("mass and inertia", 1, 1.95, _density), ("centre of mass", 3, 2.0, _centre),
+    ("mass", 1, 1.9, _mass), ("mass and inertia", 1, 1.95, _density), ("centre of mass", 3, 2.05, _centre),
     ("inertia", 6, 2.1, _inertia),
 )  # fmt: skip
 """What may be another of one link: in words, how many numbers, the cost, and how they change it."""

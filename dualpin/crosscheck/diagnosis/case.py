@@ -339,10 +339,8 @@ def _near(x: np.ndarray, reference: np.ndarray, tolerance: float) -> tuple[float
     if not have.any():
         return 0.0, float("inf")
     with np.errstate(all="ignore"):
-        scale = (
-            np.maximum(1.0, np.abs(reference).max(axis=axes, keepdims=True))
-            if axes
-            else np.maximum(1.0, np.abs(reference))
-        )
+        # of the smaller one: a prediction that is far too large must not make everything look near
+        size = np.fmin(np.abs(x), np.abs(reference))
+        scale = np.maximum(1.0, size.max(axis=axes, keepdims=True) if axes else size)
         apart = np.abs(x - reference)
         return float((apart <= tolerance * scale)[have].mean()), float(np.sqrt(np.mean(apart[have] ** 2)))

@@ -125,6 +125,8 @@ class Description:
     gravity: tuple[float, float, float]
     listed: tuple[str, ...] = ()
     """The joints as the file lists them."""
+    links: tuple[str, ...] = ()
+    """The links as the file lists them."""
     mimics: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     """Of each joint with <mimic>: its leader, multiplier and offset."""
 
@@ -196,8 +198,10 @@ def describe(text: str, robot: Robot) -> Description:
             parts.append(replace(part, armature=armature.get(name, ()), mimic=coupled.get(name)))
     x, y, z = (float(c) for c in robot.gravity)
     mimics = {name: _mimic(e.find("mimic")) for name, e in document.joints.items() if e.find("mimic") is not None}
-    listed, base = tuple(e.get("name") for e in document.root.findall("joint")), _body(document.links[document.base])
-    return Description(document.base, base, tuple(parts), (x, y, z), listed, mimics)
+    listed, links = (tuple(e.get("name") for e in document.root.findall(tag)) for tag in ("joint", "link"))
+    return Description(
+        document.base, _body(document.links[document.base]), tuple(parts), (x, y, z), listed, links, mimics
+    )
 
 
 def _mimic(e: Any) -> tuple[str, float, float]:

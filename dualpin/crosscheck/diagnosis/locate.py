@@ -13,7 +13,9 @@ from .search import Explanation
 NEARLY = 1e-2
 """A story that leaves less than this share of the error explains it nearly."""
 BETTER = 0.1
-"""A story that puts this share of the entries right besides explains part of it."""
+"""A story that puts this share of the entries right besides explains part of it, if what is left is less than half."""
+ESTIMATED = ("joint_scale", "column_scale", "scale", "constant_entries", "one_link")
+"""Numbers estimated for many entries: where they do not explain all, they fit without meaning anything."""
 SINGLE = (1e-9, 1e-5)
 """Where errors of single precision lie."""
 
@@ -35,7 +37,10 @@ def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
     if not e.nearest or e.left is None:
         return None
     nearly = e.left.error < NEARLY * e.before.error
-    if not nearly and (e.left.share < e.before.share + BETTER or e.left.error > e.before.error):
+    better = e.left.share >= e.before.share + BETTER and e.left.error <= e.before.error
+    if not nearly and not (better and e.left.rms < e.before.rms / 2):
+        return None
+    if any(h.key in ESTIMATED for h in e.nearest):
         return None
     story = " and ".join(map(str, e.nearest))
     left = (

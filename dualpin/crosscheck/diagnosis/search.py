@@ -21,6 +21,8 @@ from .rules import RULES
 DEPTH = 3
 BEAM = 8
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
+PLAIN = 2.0
+"""The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
 LARGE = 40  # joints from which pairs of single links are not tried
 
 
@@ -82,16 +84,17 @@ def explain(
     if found.before.error < SMALL:
         depth = min(depth, 1)
     for size in range(1, depth + 1):
-        if search.good or search.late:
+        told = min(map(cost, search.good.values()), default=np.inf)
+        if search.late or told <= PLAIN or (search.good and size > 2):
             break
         tick(f"{term}: {'single causes' if size == 1 else f'{size} causes together'}")
         level: list[Story] = []
         for story in beam:
-            more = [*fits(case, term, story), *whole]
-            if size == 1 or (size == 2 and len(case.robot) <= LARGE):
-                more += single
+            more = whole if search.good else [*fits(case, term, story), *whole]
+            if size == 1 or (size == 2 and len(case.robot) <= LARGE and not search.good):
+                more = [*more, *single]
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
-        if size == 2:
+        if size == 2 and not search.good:
             level += pairs_of_forces(case, term)
         near = search.consider(level)
         if size == 1 and not search.good:

@@ -73,16 +73,19 @@ def ask_here(subject: Any, asking: Asking, tick: Tick) -> Answers:
     who = serve.introduction(subject, serve.kind(subject))
     asking, how, remark = prepared(asking, who["writes"], who["name"])
     answers = _begun(who, how, asking, "; ".join(x for x in (remark, IN_PROCESS) if x))
-    start, asked = time.perf_counter(), {}
+    start, asked, raw = time.perf_counter(), {}, {}
     for term in asking.terms:
         tick(term)
         question = QUESTIONS[term]
         given = [answers.sent[k] for k in question.inputs]
         frames = list(asking.frames) if question.framed else None
         asked[term] = given
-        answers.take(term, *serve.interview(subject, term, given, frames, SECONDS))
-    framed = {t: asking.frames[0] for t in answers.terms if QUESTIONS[t].framed}
-    answers.later(serve.asked_later(subject, asked, framed, answers.terms))
+        x, note = serve.interview(subject, term, given, frames, SECONDS)
+        answers.take(term, x, note)
+        if x is not None:
+            raw[term] = x  # as it came: poses may be quaternions
+    framed = {t: asking.frames[0] for t in raw if QUESTIONS[t].framed}
+    answers.later(serve.asked_later(subject, asked, framed, raw))
     answers.seconds = time.perf_counter() - start
     return answers
 

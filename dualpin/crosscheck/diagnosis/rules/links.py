@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ..case import Case
 from ..description import Body, Description, Part, fixed_axes, steiner, turn
 from ..hypothesis import Hypothesis
 from .register import ALL, INERTIAL, MASSIVE, link_rule, proposer
@@ -198,6 +199,48 @@ def principal(b: Body) -> Body:
 @link_rule("massless", "the link's mass and inertia are left out", "count every link that has an <inertial>", cost=1.2)
 def massless(b: Body) -> Body | None:
     return None
+
+
+WATER = 1000.0  # kg/m^3
+
+
+def possible(b: Body) -> bool:
+    """Whether a body can have it: mass where there is inertia, no negative moment, none above the sum of the others."""
+    low, middle, high = np.linalg.eigvalsh(b.inertia)
+    rounding = 1e-12 * max(high, -low)
+    return bool((b.mass > 0 or high == low == 0) and low >= -rounding and low + middle >= high - rounding)
+
+
+def _ball(b: Body) -> Body:
+    """A solid ball of water, about the same centre."""
+    m = b.mass or 1.0
+    radius = (3 * m / (4 * np.pi * WATER)) ** (1 / 3)
+    return replace(b, mass=m, inertia=2 / 5 * m * radius**2 * np.eye(3))
+
+
+REPLACED: dict[str, Callable[[Body], Body]] = {
+    "by a ball of 1000 kg/m^3, of 1 kg where there is no mass": _ball,
+    "each moment by the mean of the three": lambda b: replace(b, inertia=np.trace(b.inertia) / 3 * np.eye(3)),
+    "by zero": lambda b: replace(b, inertia=np.zeros((3, 3))),
+}
+
+
+@proposer(
+    "impossible_inertia", "an inertia that no body can have is replaced",
+    "give <inertial> a mass, and a tensor with positive moments of which none is above the sum of the two others",
+)  # fmt: skip
+def impossible_inertia(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    d = case.description
+    bodies = [(d.root, d.base), *((p.link, p.body) for p in d.parts)]
+    links = tuple(link for link, b in bodies if b is not None and not possible(b))
+
+    def one(words: str) -> Hypothesis:
+        return replace(
+            h, place="edit", act=lambda d, items: d.with_bodies(REPLACED[words], items), terms=INERTIAL, items=links,
+            values=words,
+        )  # fmt: skip
+
+    return [one(words) for words in REPLACED] if links else []
 
 
 @link_rule(

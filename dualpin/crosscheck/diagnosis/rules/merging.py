@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..case import Case
 from ..description import Body, Description, Part, homogeneous, steiner
 from ..hypothesis import Hypothesis
 from .register import INERTIAL, MASSIVE, joint_rule, proposer
@@ -102,12 +103,13 @@ def _in_carriers(d: Description) -> dict[str, tuple[str, np.ndarray]]:
     return found
 
 
-def _chained(breadth: bool) -> Callable[[Description, Sequence[str]], Description]:
-    """Fixed links of one body placed one after another, as if each were fixed to the last."""
+def _chained(breadth: bool, names: tuple[str, ...]) -> Callable[[Description, Sequence[str]], Description]:
+    """Fixed links of one body placed one after another, as if each were fixed to the last; `names` order siblings."""
 
     def edit(d: Description, items: Sequence[str]) -> Description:
+        place = {name: k for k, name in enumerate(names)}
         below: dict[str, list[Part]] = {}
-        for p in d.parts:
+        for p in sorted(d.parts, key=lambda p: place.get(p.joint, place.get(p.link, 0))):
             if not p.moves:
                 below.setdefault(p.parent, []).append(p)
         new: dict[str, Body] = {}
@@ -129,8 +131,12 @@ def _chained(breadth: bool) -> Callable[[Description, Sequence[str]], Descriptio
     "chained", "fixed links of one body are placed one after another, as if in a chain",
     "place each fixed link on its own parent",
 )  # fmt: skip
-def chained(h: Hypothesis, case: object) -> list[Hypothesis]:
+def chained(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    orders = {"links": case.description.links, "joints": case.description.listed}
     return [
-        replace(h, place="edit", act=_chained(breadth), terms=INERTIAL, values="breadth first" if breadth else "")
-        for breadth in (False, True)
-    ]
+        replace(
+            h, place="edit", act=_chained(breadth, names), terms=INERTIAL,
+            values=f"{'breadth' if breadth else 'depth'} first, in the order of the file's {what}",
+        )
+        for what, names in orders.items() for breadth in (False, True)
+    ]  # fmt: skip

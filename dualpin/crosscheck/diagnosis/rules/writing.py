@@ -283,7 +283,7 @@ def a_ignored(view: View) -> States:
     when=lambda case: bool((case.robot.lower > -np.inf).any()),
 )  # fmt: skip
 def clipped(view: View) -> States:
-    return {**view.states, "q": np.clip(view.states["q"], view.robot.lower, view.robot.upper)}
+    return {**view.states, "q": np.clip(view.states["q"], view.case.robot.lower, view.case.robot.upper)}
 
 
 @rule("q_ignored", "positions are ignored", "pass q, and use it", ALL, "state", cost=1.2)

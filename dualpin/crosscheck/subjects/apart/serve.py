@@ -117,17 +117,19 @@ def _stacked(rows: list[list[Any]], n: int, note: dict[str, Any]) -> np.ndarray 
     return np.array([[empty if x is None else x for x in row] for row in rows])
 
 
-def _again(f: Any, given: list[np.ndarray], frame: str | None, first: np.ndarray, batched: bool) -> float | None:
-    """The first state asked again after the others: how far the two answers are apart, if they are."""
+def _again(
+    f: Any, given: list[np.ndarray], frame: str | None, before: np.ndarray, batched: bool, at: int = 0
+) -> float | None:
+    """The state `at` asked again after others: how far the two answers are apart, if they are."""
     note: dict[str, Any] = {}
-    state = given if batched else [x[0] for x in given]
+    state = given if batched else [x[at] for x in given]
     again = _tried(f, state, frame, note, len(given[0]) if batched else 0)
-    again = again[0] if batched and again is not None else again
-    if again is None or again.shape != first.shape:
+    again = again[at] if batched and again is not None else again
+    if again is None or again.shape != before.shape:
         return float("inf")
     with np.errstate(invalid="ignore"):
-        apart = np.where(again == first, 0.0, np.abs(again - first))
-        scaled = float(apart.max(initial=0.0) / max(1.0, np.abs(first).max(initial=0.0)))
+        apart = np.where(again == before, 0.0, np.abs(again - before))
+        scaled = float(apart.max(initial=0.0) / max(1.0, np.abs(before).max(initial=0.0)))
     return scaled if scaled > ASKED_AGAIN else None
 
 
@@ -164,16 +166,19 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
 def asked_later(
     subject: Any, given: dict[str, list[np.ndarray]], framed: dict[str, str], answers: dict[str, np.ndarray]
 ) -> dict[str, float]:
-    """The first state of every term asked once more, after all other terms: where it is answered otherwise, how far.
+    """The last state of every term asked once more, after all other terms: where it is answered otherwise, how far.
 
+    The first one was asked again at the end of each term, so what a subject keeps between calls may belong to it.
     `framed` holds, of terms of frames, the frame asked.
     """
     batched, found = getattr(subject, "batched", False), {}
     for term, x in answers.items():
         frame = framed.get(term)
-        first = x[0] if frame is None else x[0, 0]
-        if not np.isnan(first).any():
-            apart = _again(function(subject, term), given[term], frame, first, batched)
+        one = x if frame is None else x[:, 0]
+        whole = np.flatnonzero(~np.isnan(one).reshape(len(one), -1).any(axis=1))
+        if len(whole):
+            at = int(whole[-1])
+            apart = _again(function(subject, term), given[term], frame, one[at], batched, at)
             if apart is not None:
                 found[term] = apart
     return found
