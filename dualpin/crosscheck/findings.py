@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -68,3 +69,12 @@ class Finding:
     def __str__(self) -> str:
         falls = f" ({', '.join(self.terms)}: {self.before:.0e} -> {self.after:.0e})" if self.terms else ""
         return f"{self.says}{falls}"
+
+
+def once(findings: Iterable[Finding]) -> list[Finding]:
+    """Each only once."""
+    found: list[Finding] = []
+    for f in findings:
+        if f not in found:
+            found.append(f)
+    return found

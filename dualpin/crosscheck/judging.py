@@ -343,13 +343,16 @@ def _explain(terms: dict[str, TermResult], answers: Answers, tick: Tick) -> list
 def _explain_refusal(
     result: RobotResult, answers: Answers, given: Asking, refusal: Callable[[Asking, float], str], tick: Tick
 ) -> None:
-    """What in the file keeps the subject from reading it, beside every term that therefore is not compared."""
+    """What in the file keeps the subject from reading it; its terms are not compared."""
     from .diagnosis.repair import repaired
 
     told = repaired(answers, given, refusal, tick)
     result.notes += [told.remark] if told.remark else []
-    for term in result.terms.values():
-        term.findings = [told.finding] if told.finding else []
+    result.refusal = told.finding
+    if told.finding:
+        result.reason = f"refused: {told.finding.says}; to be read: {told.finding.fix}"
+        for term in result.terms.values():
+            term.reason = result.reason
 
 
 def _cause(findings: list[Finding]) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from ..delegates import home
 from ..errors import ArgumentError, nearest
 from ..files import write_text
-from .findings import CONVENTIONS, Finding
+from .findings import CONVENTIONS, Finding, once
 
 AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
 DUALPIN, ORACLE, NEITHER, UNDECIDED = "dualpin", "oracle", "neither", "undecided"
@@ -151,6 +151,8 @@ class RobotResult:
         Whose answers are judged; empty in a validation.
     model : dict
         What the robot was: its links, joints and limits (`dualpin.crosscheck.fingerprint`).
+    refusal : Finding, optional
+        What in the file keeps the subject from reading it; no finding, since it says nothing about answers.
     """
 
     name: str
@@ -170,8 +172,10 @@ class RobotResult:
     subject: str = ""
     subject_version: str = ""
     model: dict[str, Any] = field(default_factory=dict, repr=False)
+    refusal: Finding | None = None
 
     def __post_init__(self) -> None:
+        self.refusal = None if self.refusal is None else Finding.of(self.refusal)
         self.passed = self.passed and not self.error and all(t.passed for t in self.terms.values())
         self.status = self.status or overall(t.status for t in self.terms.values())
 
@@ -180,11 +184,9 @@ class RobotResult:
 
     @property
     def label(self) -> str:
-        if self.subject:
-            return " ".join([self.name] + ["floating"] * self.floating + ["mimic"] * self.mimic) + f": {self.subject}"
-        return " ".join(
-            [self.name] + ["floating"] * self.floating + ["mimic"] * self.mimic + ["numpy"] * (self.engine == "numpy")
-        )
+        said = {"floating": self.floating, "mimic": self.mimic, "numpy": not self.subject and self.engine == "numpy"}
+        label = " ".join([self.name, *(word for word, true in said.items() if true)])
+        return f"{label}: {self.subject}" if self.subject else label
 
     @property
     def verdict(self) -> str:
@@ -206,6 +208,11 @@ class RobotResult:
             if t.status != AGREES and not absent and not (t.status == self.status == NOT_COMPARED):
                 lists.setdefault(t.verdict, []).append(name)
         return "; ".join(x for x in (self.error, self.reason, *(f"{v}: {', '.join(k)}" for v, k in lists.items())) if x)
+
+    @property
+    def findings(self) -> list[Finding]:
+        """What a diagnosis said about any term, each finding once."""
+        return once(f for t in self.terms.values() for f in t.findings)
 
     @property
     def worst_error(self) -> float:
@@ -257,12 +264,8 @@ class Report:
     @property
     def passed(self) -> bool:
         """Whether there are robots, all passed, no file was refused by dualpin alone, and nothing is missing."""
-        return (
-            not self.partial
-            and all(r.passed for r in self.robots)
-            and all(r.by_pinocchio for r in self.refused)
-            and bool(self.robots)
-        )
+        read = all(r.by_pinocchio for r in self.refused)
+        return not self.partial and read and bool(self.robots) and all(r.passed for r in self.robots)
 
     @property
     def status(self) -> str:
@@ -317,12 +320,13 @@ class Report:
 
     @property
     def findings(self) -> list[Finding]:
-        """What a diagnosis said about any term, each finding once."""
-        found: list[Finding] = []
-        for r in self.robots:
-            for t in r.terms.values():
-                found += [f for f in t.findings if f not in found]
-        return found
+        """What a diagnosis said is wrong with a subject, each finding once."""
+        return once(f for r in self.robots for f in r.findings)
+
+    @property
+    def refusals(self) -> list[Finding]:
+        """Why subjects did not read a file, where that was found."""
+        return [r.refusal for r in self.robots if r.refusal]
 
     @property
     def terms(self) -> dict[str, TermResult]:

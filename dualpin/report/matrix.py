@@ -138,11 +138,7 @@ class RobotView:
 
     @property
     def findings(self) -> list[Finding]:
-        """What a diagnosis said, each finding once."""
-        found: list[Finding] = []
-        for t in self.result.terms.values():
-            found += [f for f in t.findings if f not in found]
-        return found
+        return self.result.findings
 
     @property
     def programs(self) -> list[tuple[str, str]]:

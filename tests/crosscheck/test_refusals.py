@@ -67,8 +67,8 @@ def slider(tmp_path) -> Path:
 def test_a_refusal_names_the_construct_where_it_is_and_what_to_do(slider, subject, items, words):
     lines: list[str] = []
     report = dp.judge(slider, f"{PICKY}:{subject}", 4, progress=lines.append)
-    (finding,) = report.findings
-    assert finding.key == "refusal" and finding.items == items and not finding.alternatives
+    (finding,) = report.refusals
+    assert not report.findings and finding.key == "refusal" and finding.items == items and not finding.alternatives
     assert all(w in finding.says for w in words), finding.says
     assert finding.fix and finding.subject
     assert report.status == "not compared" and {t.status for t in report.terms.values()} == {"not compared"}
@@ -87,7 +87,7 @@ def test_no_construct_is_blamed_for_what_is_no_matter_of_the_file(slider, subjec
 def test_a_program_that_does_not_read_a_file_is_told_why(slider):
     command = Command(f"{shlex.quote(sys.executable)} {shlex.quote(str(PICKY))} FOLDER")
     report = dp.judge(slider, command, 4)
-    (finding,) = report.findings
+    (finding,) = report.refusals
     assert finding.items == ["turn"] and "<dynamics> (turn)" in finding.says and "not implemented" in finding.says
 
 

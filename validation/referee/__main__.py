@@ -184,7 +184,11 @@ def shortened(report: Report) -> dict[str, Any]:
             for f in t.get("findings", [])
         ]
         terms[name] = short
-    return {"version": robot.get("subject_version", ""), "reason": robot.get("reason", ""), "terms": terms}
+    refusal = {k: robot["refusal"][k] for k in ("says", "items", "alternatives", "fix")} if robot.get("refusal") else {}
+    return {
+        "version": robot.get("subject_version", ""), "reason": robot.get("reason", ""), "refusal": refusal,
+        "terms": terms,
+    }  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -86,7 +86,7 @@ def library(title: str, robots: dict[str, dict[str, Any]]) -> list[str]:
     silent: dict[str, set[str]] = {}
     for label, r in robots.items():
         if r["reason"]:
-            silent.setdefault(_short(r["reason"]), set()).add(label)
+            silent.setdefault(_refused(r), set()).add(label)
         for name, t in r["terms"].items():
             if not r["reason"] and verdict(r, name) == "silent":
                 silent.setdefault(f"{name}: {_short(t.get('reason', ''))}", set()).add(label)
@@ -113,6 +113,14 @@ def _short(text: str) -> str:
         " ".join(text.split())[:160].rsplit(": ", 1)[0]
         if text.count(": ") and len(text) > 60
         else " ".join(text.split())
+    )
+
+
+def _refused(robot: dict[str, Any]) -> str:
+    """Why a library did not read a robot: what in the file, where that was found, and its own message."""
+    told = robot.get("refusal")
+    return (
+        f"refused: {told['says'].split(': it says')[0]}; to be read: {told['fix']}" if told else _short(robot["reason"])
     )
 
 
