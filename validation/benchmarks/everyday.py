@@ -3,13 +3,15 @@
     python -m validation.benchmarks.everyday [--against FOLDER] [--only results sizes single cold validate] [--quick]
 
 Each section runs in processes of its own, one thread; with ``--against`` (a checkout of another commit) in turns with
-processes of that, so that before and after come from one run.  Prints tables, and writes everyday.json and everyday.md
-beside this file.  Checked before timing: plain calls, calls with `out` and NumPy's execution agree.
+processes of that, so that before and after come from one run, of some five minutes.  After each process it writes
+everyday.json and everyday.md beside this file: interrupted, the same command goes on, for the same commits.
+Checked before timing: plain calls, calls with `out` and NumPy's execution agree.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import subprocess
@@ -24,9 +26,11 @@ from typing import Any
 
 import numpy as np
 
+from dualpin.files import write_text
+
 HERE = Path(__file__).parent
-ROUNDS = 3
-SECTIONS = ("results", "sizes", "single", "cold", "validate")
+SECTIONS = {"results": (2, 0.4), "sizes": (2, 0.3), "single": (2, 0.3), "cold": (2, 0.0), "validate": (1, 0.0)}
+"""Rounds, in which the versions take turns, and the seconds of what is measured within one."""
 
 Rows = dict[str, float]
 """What was measured -> seconds, or microseconds a sample."""
@@ -73,8 +77,9 @@ def checked(robot: Any, f: Callable[..., np.ndarray], given: list[Any], out: np.
 
 
 def results(seconds: float) -> Rows:
-    """The table: microseconds a sample, plain and with `out`, beside NumPy's fill of such an array."""
+    """The table: microseconds a sample, plain and with `out`, beside NumPy's fill of such an array, and Pinocchio."""
     import dualpin as dp
+    from dualpin import bench
 
     rows: Rows = {}
     for name, floating, term in RESULTS:
@@ -91,6 +96,10 @@ def results(seconds: float) -> Rows:
             }
             label = f"{name}{' + floating' if floating else ''} {term} ({out.nbytes // n} B) x {n}"
             rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
+            theirs, samples, _ = bench.Pair(robot, term, n, 1).theirs()
+            rows[f"{label} | Pinocchio, Python loop"] = (
+                1e6 * best({"": lambda f=theirs: f(1)}, seconds / 4)[""] / samples
+            )
     return rows
 
 
@@ -197,6 +206,48 @@ def validate(seconds: float) -> Rows:
 # --- in turns -------------------------------------------------------------------------------------
 
 
+class Record:
+    """What was measured, in a file that is written after each process, so that an interrupted run goes on."""
+
+    def __init__(self, roots: dict[str, Path], sections: list[str], rounds: dict[str, int]) -> None:
+        from dualpin import bench
+
+        about = {"machine": bench.machine(), "commits": {name: commit(root) for name, root in roots.items()}}
+        wanted = {"sections": sections, "rounds": rounds}
+        self.path, self.about, self.wanted = HERE / "everyday.json", about | wanted, rounds
+        self.rows: dict[str, dict[str, Rows]] = {x: {name: {} for name in roots} for x in sections}
+        self.done: list[list[Any]] = []
+        with contextlib.suppress(OSError, ValueError, KeyError):
+            before = json.loads(self.path.read_text(encoding="utf-8"))
+            if {key: before[key] for key in self.about} == self.about and len(before["done"]) < self.total:
+                self.rows, self.done = before["rows"], before["done"]
+
+    @property
+    def total(self) -> int:
+        return sum(self.wanted.values()) * len(self.about["commits"])
+
+    def add(self, step: list[Any], found: Rows) -> None:
+        """The least of all rounds; a step is (section, round, version)."""
+        rows = self.rows[step[0]][step[2]]
+        rows |= {key: min(x, rows.get(key, x)) for key, x in found.items()}
+        self.done.append(step)
+        made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
+        data = {"date": made, **self.about, "done": self.done, "rows": self.rows}
+        write_text(self.path, json.dumps(data, indent=1) + "\n")
+        processor, left = self.about["machine"]["processor"], self.total - len(self.done)
+        head = f"# Speed as users meet it\n\n{made}, {processor}. The shortest of all runs.\n\n"
+        missing = f"**Not complete: {left} of {self.total} runs are missing.**\n\n" if left else ""
+        tables = [table(section, rows) for section, rows in self.rows.items() if all(rows.values())]
+        write_text(HERE / "everyday.md", head + missing + "\n".join(tables))
+
+
+def commit(root: Path) -> str:
+    """What is checked out there."""
+    git = ["git", "-C", str(root), "rev-parse", "--short", "HEAD"]
+    done = subprocess.run(git, check=False, capture_output=True, text=True)
+    return done.stdout.strip() if done.returncode == 0 else "unknown"
+
+
 def measured(section: str, root: Path, seconds: float) -> Rows:
     """One section in a process that takes dualpin from this folder."""
     env = {**os.environ, "PYTHONPATH": str(root), "PYTHONWARNINGS": "ignore", "DUALPIN_NUM_THREADS": "1"}
@@ -225,30 +276,25 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", choices=SECTIONS)
     parser.add_argument("--quick", action="store_true", help="one round, short")
     parser.add_argument("--section", choices=SECTIONS, help=argparse.SUPPRESS)
-    parser.add_argument("--seconds", type=float, default=0.6, help=argparse.SUPPRESS)
+    parser.add_argument("--seconds", type=float, default=0.0, help=argparse.SUPPRESS)
     given = parser.parse_args()
     warnings.simplefilter("ignore")
     if given.section:
         print(json.dumps(globals()[given.section](given.seconds)))
         return
-    from dualpin import bench
-    from dualpin.files import write_text
-
     roots = ({"before": given.against.resolve()} if given.against else {}) | {"now": HERE.parents[1]}
-    text, everything = [], {"machine": bench.machine(), "date": datetime.now(timezone.utc).strftime("%Y-%m-%d")}
-    for section in given.only or SECTIONS:
-        rows: dict[str, Rows] = {version: {} for version in roots}
-        for _ in range(1 if given.quick else ROUNDS):
+    sections = [x for x in SECTIONS if x in (given.only or SECTIONS)]
+    record = Record(roots, sections, {x: 1 if given.quick else SECTIONS[x][0] for x in sections})
+    for section in sections:
+        for turn in range(record.wanted[section]):
             for version, root in roots.items():
-                for key, x in measured(section, root, 0.05 if given.quick else given.seconds).items():
-                    rows[version][key] = min(x, rows[version].get(key, x))
-        everything[section] = rows
-        text.append(table(section, rows))
-        print(text[-1], flush=True)
-    write_text(HERE / "everyday.json", json.dumps(everything, indent=1) + "\n")
-    made = f"{everything['date']}, {everything['machine']['processor']}"
-    head = f"# Speed as users meet it\n\n{made}. The shortest of all runs.\n\n"
-    write_text(HERE / "everyday.md", head + "\n".join(text))
+                step = [section, turn, version]
+                if step not in record.done:
+                    start = time.perf_counter()
+                    record.add(step, measured(section, root, 0.05 if given.quick else SECTIONS[section][1]))
+                    took = time.perf_counter() - start
+                    print(f"{len(record.done)}/{record.total} {section}, {version}: {took:.0f} s", file=sys.stderr)
+        print(table(section, record.rows[section]), flush=True)
 
 
 if __name__ == "__main__":
