@@ -50,11 +50,13 @@ class Evaluator:
 
     def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Arrays (n, size) in, one array (n, *shape) out, whose rows are those of `out` (n, width) if given."""
-        kernel = None
+        kernel, one = None, len(inputs[0]) == 1
         if self.engine == "tiered":
-            kernel = self.kernels.meanwhile(single=len(inputs[0]) == 1)
+            kernel = self.kernels.meanwhile(single=one)
+        elif self.engine == "auto" and one:
+            kernel = self.kernels.soonest()
         elif self.engine != "numpy":
-            kernel = self.kernels.kernel(single=len(inputs[0]) == 1, required=self.engine == "compiled")
+            kernel = self.kernels.kernel(single=one, required=self.engine == "compiled")
         if kernel is not None:
             return kernel.rows(inputs, out).reshape((len(inputs[0]), *self.shape))
         result = interpret(self.robot, self.term, self.options, inputs).astype(self.dtype, copy=False)

@@ -34,6 +34,7 @@ class Kernels:
         self.robot, self.term, self.options, self.dtype = robot, term, options, dtype
         self.shape = term.shape(robot, **options)
         self._found: list[Kernel | DualpinError | None] = [None, None]
+        self._soon: Kernel | None = None  # until that for one sample is there
         self._code: Code | None = None
         self._claim, self._claimed_by = threading.Lock(), 0  # by whoever makes the kernel for many samples
         self._begun: Future[Begun | None] = Future()
@@ -82,6 +83,25 @@ class Kernels:
             later(lambda: self.kernel(single=single))
         return self.known(single=single)
 
+    def soonest(self) -> Kernel | None:
+        """The kernel for one sample; the first time, if it is long, one of the same bits that takes less time to make.
+
+        That serves until it is asked for again, and another thread has made the real one.
+        """
+        if self._soon is not None:
+            return self.meanwhile(single=True) or self._soon
+        if self._found[True] is not None:
+            return self.kernel(single=True)
+        with LOCK:
+            if self._soon is None and self._found[True] is None:
+                made = self._made(True, None, soon=True)
+                if isinstance(made, DualpinError) or not made.soon:
+                    self._found[True] = made
+                    self._tell(single=True)
+                else:
+                    self._soon = made
+        return self._soon or self.kernel(single=True)
+
     def begin(self, bench: Workbench) -> None:
         """Python's part of the kernel for many samples, here and now; LLVM's is submitted."""
         from ..engine.jit.kernel import begin
@@ -110,21 +130,23 @@ class Kernels:
             self._code.adopt(kernel, many=not single)
 
     def _built(self, single: bool) -> Kernel | DualpinError:
-        from ..engine.graph.trace import UntraceableError
-        from ..engine.jit.host import CompilerError
-        from ..engine.jit.kernel import build
-
         begun = None if single else self._what_is_begun()  # before the lock is taken, which others may need
         with LOCK:
             found = self._found[single]
             if found is None:
-                try:
-                    found = build(self.robot, self.term, self.options, self.dtype, single, begun=begun)
-                except (CompilerError, UntraceableError) as e:
-                    found = e
-                self._found[single] = found
+                found = self._found[single] = self._made(single, begun)
                 self._tell(single)
         return found
+
+    def _made(self, single: bool, begun: Begun | None, soon: bool = False) -> Kernel | DualpinError:
+        from ..engine.graph.trace import UntraceableError
+        from ..engine.jit.host import CompilerError
+        from ..engine.jit.kernel import build
+
+        try:
+            return build(self.robot, self.term, self.options, self.dtype, single, begun=begun, soon=soon)
+        except (CompilerError, UntraceableError) as e:
+            return e
 
 
 _pool: dict[int, Executor] = {}  # of a process

@@ -46,6 +46,8 @@ class Kernel:
         float64 or float32, of inputs and results.
     operations : int
         Floating-point instructions a tile takes; `lanes` samples make a tile.
+    soon : bool
+        Made in a third of the time, for slower code of the same bits.
     """
 
     def __init__(self, about: dict[str, Any], code: bytes, shape: tuple[int, ...], dtype: np.dtype) -> None:
@@ -55,6 +57,7 @@ class Kernel:
         self.operations: int = about["operations"]
         self.lanes: int = about["lanes"]
         self.scratch: int = about["scratch"]
+        self.soon: bool = about.get("soon", False)
         self._code = loaded(split(code, about["objects"]))  # keeps the memory
         self.address: int = self._code["kernel"]
         count = len(self.sizes) + 1
@@ -115,12 +118,12 @@ def scratch(size: int) -> tuple[np.ndarray, int]:
 
 def build(
     robot: Robot, term: Term, options: Options, dtype: Any = np.float64, single: bool = False, host: Host | None = None,
-    begun: Begun | None = None,
+    begun: Begun | None = None, soon: bool = False,
 ) -> Kernel:  # fmt: skip
     """The kernel of a term: read from the cache, or traced, compiled and kept there.
 
     `single` makes the kernel for one configuration at a time; its results have the same bits.
-    `begun` is what was done of that already.
+    `begun` is what was done of that already.  With `soon`, a long one is not optimised unless it is in the cache.
 
     Raises
     ------
@@ -134,16 +137,21 @@ def build(
     lanes = 1 if single else machine.lanes(kind.itemsize)
     with LOCK:
         key = kernel_key(robot, term, options, kind, machine, lanes)
-        found = disk.load(key) if key and begun is None else None
-        if found is not None:
-            try:
-                return Kernel(*found, shape, kind)
-            except Exception as e:  # whatever is wrong with it, it can be made again
-                log.warning("kernel of %s from the cache cannot be used (%s); compiling again", term.name, e)
-        about, code = compiled(robot, term, options, kind, machine, lanes) if begun is None else begun.result()
+        for name in (key, key + _SOON)[: 1 + soon] if key and begun is None else ():
+            found = disk.load(name)
+            if found is not None:
+                try:
+                    return Kernel(*found, shape, kind)
+                except Exception as e:  # whatever is wrong with it, it can be made again
+                    log.warning("kernel of %s from the cache cannot be used (%s); compiling again", term.name, e)
+        about, code = compiled(robot, term, options, kind, machine, lanes, soon) if begun is None else begun.result()
+        kernel = Kernel(about, code, shape, kind)
         if key:
-            disk.store(key, about, code)
-        return Kernel(about, code, shape, kind)
+            disk.store(key + _SOON if kernel.soon else key, about, code)
+        return kernel
+
+
+_SOON = "|soon"  # in the name of what waits for the real one
 
 
 @dataclass
@@ -171,14 +179,16 @@ def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, bench: Wo
 
 
 def compiled(
-    robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int
+    robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int, soon: bool = False
 ) -> tuple[dict[str, Any], bytes]:
     """Trace and compile: what a caller must know about the kernel, and its object code."""
     start = time.perf_counter()
     program = trace(robot, term, options)
     with Compilers(host, len(program.graph.nodes)) as compilers:
         plan, about, texts = _written(program, dtype, host, lanes, lambda: compilers.count)
-        objects = compilers.object_codes(texts, quick=plan.operations > tuning.QUICK_FROM)
+        quick = plan.operations > tuning.QUICK_FROM
+        about["soon"] = soon and not quick and plan.operations > tuning.SOON_FROM
+        objects = compilers.object_codes(texts, quick or about["soon"])
     about["objects"] = [len(x) for x in objects]
     seconds = time.perf_counter() - start
     if seconds > 0.5:
