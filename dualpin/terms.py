@@ -1,7 +1,7 @@
-"""The quantities dualpin computes, each tied to its one source over scalars.
+"""The quantities dualpin computes, each with its algorithm over scalars.
 
-A term says which arrays go in, what shape comes out, and which algorithm computes it.  The NumPy
-execution and the compiled engine both run a term; the public functions of `dualpin.functions` name one.
+A term declares its input arrays, its options, the shape of its result, and the algorithm that computes it.  NumPy and
+the compiled engine both execute terms; the public functions of `dualpin.functions` refer to them.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ Shape = tuple[int, ...]
 
 @dataclass(frozen=True, eq=False)
 class Input:
-    """An array that goes into a term.
+    """An input array of a term.
 
     Attributes
     ----------
     shape : callable
         robot -> the shape of one sample.
     meaning : callable
-        robot -> what the shape is made of, for messages.
+        robot -> a description of the array, for messages.
     configuration : bool
-        Whether it is a configuration, whose quaternions must have unit norm.
+        Whether its quaternions must have unit norm.
     """
 
     name: str
@@ -72,20 +72,20 @@ def velocity(name: str, times: int = 1) -> Input:
 
 
 def row(name: str, size: int = 1) -> Input:
-    """So many numbers, whatever the robot."""
+    """An array of fixed size."""
     return Input(name, lambda r: (size,), lambda r: "for every robot")
 
 
 @dataclass(frozen=True, eq=False)
 class Option:
-    """What a term takes besides arrays.
+    """An argument of a term that is not an array.
 
     Attributes
     ----------
     settle : callable
-        (robot, what it is called in messages, value as given) -> the value as the algorithm wants it, or an error.
+        (robot, its name in messages, value as given) -> the value that the algorithm takes; raises for a wrong value.
     default : Hashable, optional
-        Where none is given; without it, one must be.
+        The value if none is given; without a default, a value is required.
     """
 
     name: str
@@ -106,7 +106,7 @@ class Term:
     shape : callable
         (robot, **options) -> the shape of one result.
     options : tuple of Option
-        What it takes besides arrays.
+        The arguments that are not arrays.
     """
 
     name: str
@@ -125,7 +125,7 @@ class Term:
         return [x.size(robot) for x in self.arguments]
 
     def settled(self, robot: Robot, given: Mapping[str, Any]) -> Options:
-        """The options as `compute` takes them, all of them and in order; or an error that says what is wrong."""
+        """All options as `compute` takes them, in order; raises for a wrong option."""
         names = [option.name for option in self.options]
         for name in given:
             if name not in names:
@@ -141,7 +141,7 @@ class Term:
 
 
 def term(name: object) -> Term:
-    """The term of that name, or an error that offers the nearest."""
+    """The term of that name; the error for an unknown name lists the nearest ones."""
     if not isinstance(name, str) or name not in TERMS:
         raise ArgumentError(f"term {name!r} is not known; {nearest(str(name), TERMS, 'terms')}")
     return TERMS[name]
@@ -156,7 +156,7 @@ def flat(nested: Any) -> Iterator[Scalar]:
         yield nested
 
 
-# --- how objects become numbers ------------------------------------------------------------------
+# --- objects as numbers ------------------------------------------------------------------------
 
 
 def twist_entries(m: Twist) -> list[Scalar]:
@@ -292,7 +292,7 @@ def _twists(robot: Robot, **_: Any) -> Shape:
 
 
 def pushed(term: Term) -> Term:
-    """The same term with external wrenches: an array more, which its algorithm takes as the last."""
+    """The same term with external wrenches: one more array, the algorithm's last argument."""
 
     def compute(robot: Robot, *arrays: Any) -> Any:
         return term.compute(robot, *arrays[:-1], wrenches(arrays[-1]))

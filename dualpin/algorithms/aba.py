@@ -22,12 +22,12 @@ def aba(
 ) -> list[Scalar]:
     """Forward dynamics, the acceleration.  (Featherstone 1983; 2008, 7.3)
 
-    A joint of several screws is let go one screw at a time, so nothing is ever solved:
+    A joint of several screws is eliminated one screw at a time, so that no linear system is solved:
 
         U = I s,  d = s . U,  u = tau - s . P          then   I <- I - U U^T / d,   P <- P + U u / d
         a = (u - U . A) / d                            then   A <- A + s a
 
-    Joints that share a coordinate (mimic) cannot be let go one by one: then see `solve_inertia`.
+    Joints that share a coordinate (mimic) cannot be eliminated one by one; `solve_inertia` is used for them.
     """
     if robot.coupled:
         h = bias(robot, q, v, f_ext)
@@ -48,7 +48,7 @@ def aba(
     for b in reversed(robot):
         for k, s, rotor in reversed(b.driven):
             U = I[b](s)
-            d, u = exact(power(s, U) + rotor), tau[k] - power(s, P[b])  # a known zero: not finite, no exception
+            d, u = exact(power(s, U) + rotor), tau[k] - power(s, P[b])  # an exact zero d: no exception
             I[b], P[b] = I[b].released(U, d), P[b] + U * (u / d)
             released[k] = U, d, u
         if b.parent:
@@ -68,8 +68,8 @@ def aba(
 def factorised(M: Matrix) -> tuple[Matrix, list[Scalar]]:
     """M = L^T D L with L unit lower triangular.  (Featherstone 2008, 6.5)
 
-    From the last row up, nothing fills in: where two joints are on different branches M has a
-    known zero, and so has L.
+    Computed from the last row up there is no fill-in: where two joints are on different branches, M has an
+    exact zero, and so has L.
     """
     n = len(M)
     L, D = [row[: i + 1] for i, row in enumerate(M)], [ZERO] * n
@@ -102,7 +102,7 @@ def solve_inertia(M: Matrix, b: Sequence[Scalar]) -> list[Scalar]:
 
 
 def inverse(L: Matrix, D: Sequence[Scalar]) -> Matrix:
-    """M^-1 = W D^-1 W^T with W = L^-1: each entry a sum over common ancestors, equal to its mirror image."""
+    """M^-1 = W D^-1 W^T with W = L^-1: each entry is a sum over common ancestors; exactly symmetric."""
     n = len(D)
     W: Matrix = [[ZERO] * n for _ in range(n)]
     inv: Matrix = [[ZERO] * n for _ in range(n)]

@@ -1,4 +1,4 @@
-"""The Coriolis matrix: the one of Christoffel's symbols, without forming any."""
+"""The Coriolis matrix of the Christoffel symbols, computed by a recursion."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .kinematics import body_twists, joint_poses
 
 
 def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
-    """The C with dM/dt = C + C^T that Christoffel's symbols give.  (Echeandia & Wensing 2021)
+    """The C of the Christoffel symbols, with dM/dt = C + C^T.  (Echeandia & Wensing 2021)
 
         B = [V x I( ) + ( ) x I(V) - I(V x ( ))] / 2,  summed over the subtree like I
         C_jk = s_j . (I V x s_k + B s_k)

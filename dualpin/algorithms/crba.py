@@ -15,12 +15,12 @@ Matrix = list[list[Scalar]]
 
 
 def square(robot: Robot, columns: int | None = None) -> Matrix:
-    """An nv x nv (or nv x columns) matrix of known zeros, to be filled where something is."""
+    """An nv x nv (or nv x columns) matrix of exact zeros."""
     return [[ZERO] * (robot.nv if columns is None else columns) for _ in range(robot.nv)]
 
 
 def composites(robot: Robot, X: dict[Joint, Pose]) -> dict[Joint | None, Inertia]:
-    """Inertia of each subtree in its root's frame; of everything, in the world, under None."""
+    """Inertia of each subtree in its root's frame; under the key None that of all bodies, in the world frame."""
     I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot} | {None: ZERO_INERTIA}
     for b in reversed(robot):
         I[b.parent] = I[b.parent] + X[b] @ I[b]
@@ -41,7 +41,7 @@ def crba(robot: Robot, q: Sequence[Scalar]) -> Matrix:
             for c in b.chain:
                 for j, r in c.dofs:
                     if c is b and j > k:
-                        continue  # the other triangle is a copy, not a second product: M equals its transpose exactly
+                        continue  # the other triangle is a copy, so that M is exactly symmetric
                     M_jk = power(r, F)
                     M[j][k] = M[j][k] + M_jk
                     if c is not b or j != k:

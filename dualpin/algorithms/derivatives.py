@@ -1,8 +1,7 @@
-"""How inverse and forward dynamics change with the state, by recursion instead of differentiation.
+"""Derivatives of inverse and forward dynamics, by recursion.
 
-The notation, and what a displacement is, stand in `responses`.  Beside the matrices there are their
-products with a vector from either side, which need no matrix: d tau along a direction, and the
-gradient of w . tau.
+`responses` defines the notation and displacements.  Products of the matrices with a vector, from the right (a
+directional derivative) and from the left (the gradient of w . tau), are computed without the matrices.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ def rnea_derivatives(
     """
     X, I, B, F, responses, _ = sweep(robot, q, v, a, f_ext)
     dq, dv, da = square(robot), square(robot), square(robot)
-    # the wrench each screw causes is felt by all joints down to the ground
+    # the wrench caused by each screw acts on all joints down to the ground
     for b in reversed(robot):
         for (k, s, rotor), response in zip(b.driven, responses[b], strict=True):
             by_acceleration = I[b](s)
@@ -53,7 +52,7 @@ def rnea_derivatives(
                         dq[k][j] = dq[k][j] + power(before.acceleration, by_acceleration)
                         dv[k][j] = dv[k][j] + power(t, transposed) + power(before.rate, by_acceleration)
                         da[k][j] = da[k][j] + power(t, by_acceleration)
-                if c is b:  # the joint's own screws are displaced with the body, those before it are not
+                if c is b:  # the joint's own screws move with the body, those of joints before it do not
                     by_position = by_position + s.cross(F[b])
                 by_acceleration, transposed = X[c] @ by_acceleration, X[c] @ transposed
                 by_position, by_velocity = X[c] @ by_position, X[c] @ by_velocity
@@ -71,8 +70,8 @@ def rnea_vjp(
 ) -> tuple[Vector, Vector, Vector]:
     """The gradient of w . tau by q, v and a: w^T d tau / dq, w^T d tau / dv and w^T M, in O(n).
 
-    w . tau is the power of the bodies' wrenches on the motion U that the velocities w would be,
-    sum_b U_b . f_b, so that with  K = sum I U,  L = sum 2 B^T U  over the subtree of j
+    w . tau is the power of the bodies' wrenches on the motion U with the joint velocities w,
+    sum_b U_b . f_b.  With  K = sum I U,  L = sum 2 B^T U  over the subtree of j,
 
         d / dq_j = R . K + P . L + (U_p x s) . F     d / dv_j = Q . K + s . L     d / da_j = s . K
     """
@@ -105,7 +104,7 @@ def rnea_jvp(
     da: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> Vector:
-    """How tau changes along a direction, d tau / dq dq + d tau / dv dv + M da, in O(n).
+    """Directional derivative of tau, d tau / dq dq + d tau / dv dv + M da, in O(n).
 
     alpha, beta   summed over all joints on the way to b
     dF_b = I beta + 2 B alpha + sum X (dF + (S dq) x F) of the children

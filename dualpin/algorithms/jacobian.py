@@ -1,4 +1,4 @@
-"""Jacobians of frames and their time derivatives, seen from three viewpoints."""
+"""Jacobians of frames and their time derivatives, for three references."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .kinematics import forward_kinematics, path, twists, viewpoint
 
 
 def jacobian(robot: Robot, q: Sequence[Scalar], frame: Frame, reference: str) -> list[Twist]:
-    """Columns J_k = X_f^-1 s_k for the screws s_k that carry the frame; the rest are zero.
+    """Columns J_k = X_f^-1 s_k for the screws s_k that move the frame; other columns are zero.
 
     Twist = J v.  World, aligned and local differ by the pose X_f of the observer only.
     """
@@ -26,9 +26,9 @@ def jacobian(robot: Robot, q: Sequence[Scalar], frame: Frame, reference: str) ->
 
 
 def jacobian_dot(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> list[Twist]:
-    """Columns dJ_k/dt = X_f^-1 ((V_k - V_f) x s_k): a screw fixed in body k, seen by an observer.
+    """Columns dJ_k/dt = X_f^-1 ((V_k - V_f) x s_k): a screw fixed in body k, relative to an observer.
 
-    The observer moves with V_f: nothing for `world`, the frame's twist for `local`, and the
+    The observer moves with V_f: zero for `world`, the frame's twist for `local`, and the
     translation with the frame's origin, eps (v + w x p), for `local_world_aligned`.
     """
     chain = path(frame.joint)

@@ -1,4 +1,4 @@
-"""Where the bodies are, and how they move."""
+"""Poses, twists and accelerations of bodies and frames."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def path(joint: Joint | None) -> list[Joint]:
 def forward_kinematics(
     robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None
 ) -> dict[Joint | None, Pose]:
-    """Each body's pose in the world, of all joints or of a parents-first part of them.   X_b = X_parent X"""
+    """Each body's pose in the world, for all joints or a subset with parents first.   X_b = X_parent X"""
     world: dict[Joint | None, Pose] = {None: IDENTITY_POSE}
     for b in robot if joints is None else joints:
         X = b.placement @ b.model.motion(q[b.q])
@@ -72,7 +72,7 @@ def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict
 def body_twists_change(
     robot: Robot, X: dict[Joint, Pose], V: dict[Joint | None, Twist], v: Sequence[Scalar], dq: Sequence[Scalar]
 ) -> dict[Joint | None, Twist]:
-    """How these twists change while the joints are displaced by dq.   dV_b = X^-1 dV_parent + (V_b - S v) x S dq"""
+    """Change of these twists by a displacement dq of the joints.   dV_b = X^-1 dV_parent + (V_b - S v) x S dq"""
     dV: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     for b in robot:
         before = V[b] - b.model.twist(v[b.v])
@@ -81,7 +81,7 @@ def body_twists_change(
 
 
 def frame_velocity(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], frame: Frame, reference: str) -> Twist:
-    """Twist of a frame, seen from its viewpoint."""
+    """Twist of a frame, expressed in the reference."""
     chain = path(frame.joint)
     world = forward_kinematics(robot, q, chain)
     view = viewpoint(world[frame.joint] @ frame.placement, reference)
@@ -94,7 +94,7 @@ def frame_acceleration(
 ) -> Twist:  # fmt: skip
     """Spatial acceleration of a frame, or the classical one of its origin.   A_b = A_parent + S a + V x S v
 
-    classical:  A + eps w x v, the acceleration of the point instead of that of the field.
+    classical:  A + eps w x v, the acceleration of the point at the origin.
     """
     chain = path(frame.joint)
     world = forward_kinematics(robot, q, chain)

@@ -1,4 +1,4 @@
-"""Progressive dynamics: what each link adds to M, C and g.  (Laus, Simoni, Martins)"""
+"""Progressive dynamics: the contribution of each link to M, C and g.  (Laus, Simoni, Martins)"""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from .kinematics import body_twists, forward_kinematics, joint_poses
 
 
 def _weight(robot: Robot, mass: Scalar) -> Scalar:
-    """The moving mass, if there is any."""
+    """The moving mass; raises if it is zero."""
     if type(mass) is Exact and mass.n == 0:
         raise ArgumentError(f"{robot.name}: no moving body has mass, so there is no centre of mass")
     return mass

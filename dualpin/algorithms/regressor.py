@@ -15,7 +15,7 @@ from .rnea import motions
 
 
 def rotors(robot: Robot) -> list[tuple[Joint, int]]:
-    """(joint, which of its velocities) of each armature entry, in the joints' order; none if all are known zeros."""
+    """(joint, which of its velocities) of each armature entry, in the joints' order; none if all are exact zeros."""
     found = [(b, n) for b in robot for n in range(b.model.nv)]
     return found if any(type(x) is not Exact or x.n for b in robot for x in b.armature) else []
 
@@ -33,7 +33,7 @@ def joint_torque_regressor(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar
     The parameters are m, m c, and Jxx Jxy Jyy Jxz Jyz Jzz about the body's origin.  If any joint has
     armature, one column for each entry of each joint's follows:
 
-        Y[k, rotor] = multiplier^2 a_k                    multiplier 1 but for joints that follow another
+        Y[k, rotor] = multiplier^2 a_k                    multiplier 1 except for mimic joints
     """
     X, Y = joint_poses(robot, q), square(robot, len(inertial_parameters(robot)))
     V, A = motions(robot, X, v, a)

@@ -1,12 +1,12 @@
-"""What a change of the state does to the motion of the bodies: the common ground of all derivatives of dynamics.
+"""The effect of a change of the state on the motion of the bodies; the basis of all derivatives of dynamics.
 
-A coordinate is varied along its screw: body b and all it carries are displaced by s_j, a rigid
-motion of the whole subtree.  For a floating, planar or spherical joint that is the tangent space,
-displacements in the moving frame; for all others the coordinate itself.
+A coordinate is varied along its screw: the whole subtree of body b is displaced rigidly by s_j.  For a
+floating, planar or spherical joint these are displacements in the moving frame (the tangent space);
+for all other joints, changes of the coordinate.
 
-Seen from a body b that j carries, everything that j does not carry is displaced the other way.  A
-change of q_j, v_j or a_j therefore reaches b as two twists (alpha, beta) that are the same for all
-bodies beyond j:
+In the frame of a body b of that subtree, all bodies outside of it are displaced the opposite way.  A
+change of q_j, v_j or a_j therefore changes the motion of b by two twists (alpha, beta) that are the same for
+all bodies beyond j:
 
     dV_b = alpha      dA_b = beta + alpha x V_b      df_b = I beta + 2 B alpha
 
@@ -14,8 +14,8 @@ bodies beyond j:
     v_j: (s, Q)       Q = P + V x s
     a_j: (0, s)
 
-f_b = I A + V x I V is the wrench that moves b, B the connection of `coriolis`.  The wrench of the
-displaced subtree besides turns with it: by s x F for who is not displaced.
+f_b = I A + V x I V is the wrench that moves b, B the connection of `coriolis`.  The wrench F of the
+displaced subtree also rotates with it: in a frame that is not displaced, it changes by s x F.
 
 Singh, Russell & Wensing (2022), Efficient analytical derivatives of rigid-body dynamics using
 spatial vector algebra; in motors, with the displacements in the bodies' own frames.
@@ -35,16 +35,16 @@ from .kinematics import joint_poses
 
 
 class Response(NamedTuple):
-    """What a degree of freedom does to the motion of all it carries."""
+    """The effect of a degree of freedom on the motion of its subtree."""
 
     screw: Twist
-    """s: the twist changes by it, for a unit velocity along the screw."""
+    """s: change of the twist for a unit velocity along the screw."""
     velocity: Twist
-    """P: the twist changes by it, for a unit displacement along the screw."""
+    """P: change of the twist for a unit displacement along the screw."""
     acceleration: Twist
-    """R: the acceleration changes by it, for a unit displacement."""
+    """R: change of the acceleration for a unit displacement."""
     rate: Twist
-    """Q: the acceleration changes by it, for a unit velocity along the screw."""
+    """Q: change of the acceleration for a unit velocity along the screw."""
 
     @classmethod
     def to(cls, s: Twist, V_parent: Twist, A_parent: Twist, V: Twist) -> Response:
@@ -53,14 +53,14 @@ class Response(NamedTuple):
 
 
 class Sweep(NamedTuple):
-    """What is known of every joint, in its own moving frame; I, B and F are those of its whole subtree."""
+    """Quantities of each joint, in its own moving frame; I, B and F are those of its whole subtree."""
 
     X: dict[Joint, Pose]
     I: dict[Joint | None, Inertia]
     B: dict[Joint | None, Connection]
     F: dict[Joint | None, Wrench]
     responses: dict[Joint, list[Response]]
-    """Of each degree of freedom of the joint, in the order of `Joint.dofs`."""
+    """One for each degree of freedom of the joint, in the order of `Joint.dofs`."""
     own: dict[Joint, Connection]
     """The connection of the joint's body alone."""
 
@@ -72,7 +72,7 @@ def sweep(
     a: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> Sweep:
-    """Out to the leaves: how the bodies move, and what each screw does to that.  Back: what the subtrees sum to."""
+    """Outward pass: motions of the bodies and responses to each screw.  Inward pass: sums over the subtrees."""
     X = joint_poses(robot, q)
     V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     A: dict[Joint | None, Twist] = {None: robot.at_rest}
@@ -88,7 +88,7 @@ def sweep(
         own[b] = Connection.of(b.inertia, V[b])
         F[b] = b.inertia(A[b]) + V[b].cross(b.inertia(V[b]))
         if f_ext is not None:
-            F[b] = F[b] - f_ext[b.index]  # fixed to its body, it changes with no state
+            F[b] = F[b] - f_ext[b.index]  # it is fixed to its body, so its derivatives are zero
         responses[b] = [Response.to(s, V_parent, A_parent, V[b]) for s in b.model.screws]
     B: dict[Joint | None, Connection] = {b: own[b] for b in robot}
     for b in reversed(robot):

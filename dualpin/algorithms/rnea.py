@@ -1,9 +1,9 @@
 """Inverse dynamics by the recursive Newton-Euler algorithm.
 
-Forces do not depend on the uniform motion of who watches (Galileo), so each body is watched by the
-inertial observer that moves, at this instant, with its origin.  He sees v = 0 and, as the eps-part
-of A, the plain acceleration of the origin.  Known zeros being free, that saves a fifth of the work:
-it is the classical Newton-Euler recursion, reached by choosing an observer.
+Forces are the same for all inertial observers.  Each body is described by the inertial observer that moves, at
+this instant, with the body's origin.  For this observer v = 0, and the eps-part of A is the classical
+acceleration of the origin.  Since exact zeros cost nothing, this saves a fifth of the operations: it gives the
+classical Newton-Euler recursion.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from .kinematics import joint_poses
 
 
 def ride(V: Twist, A: Twist) -> tuple[Twist, Twist]:
-    """The observer takes on the origin's velocity v:   V -> w,   A -> A + eps w x v."""
+    """Change to the observer with the origin's velocity v:   V -> w,   A -> A + eps w x v."""
     w, v = V.real, V.dual
     return motor(w, ZERO_VECTOR), A + motor(ZERO_VECTOR, w.cross(v))
 
 
 def carried(X: Pose, V: Twist, A: Twist) -> tuple[Twist, Twist]:
-    """The parent's V and A in the frame of b, its observer riding with the origin of b."""
+    """The parent's V and A in the frame of b, for the observer that moves with the origin of b."""
     V, A = ride(X.untranslate(V), X.untranslate(A))
     return X.rotation.T @ V, X.rotation.T @ A
 
@@ -32,7 +32,7 @@ def carried(X: Pose, V: Twist, A: Twist) -> tuple[Twist, Twist]:
 def motions(
     robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar], a: Sequence[Scalar]
 ) -> tuple[dict[Joint | None, Twist], dict[Joint | None, Twist]]:
-    """Twists and accelerations, the observer riding along.
+    """Twists and accelerations, for the observers that move with the bodies' origins.
 
     V = X^-1 V_parent + S v
     A = X^-1 A_parent + S a + V x S v              A_ground = -gravity
@@ -53,7 +53,7 @@ def transmitted(
     a: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> Iterator[tuple[Joint, Wrench]]:
-    """(b, F_b), leaves first: the wrench that each body gets from its parent, through its joint.
+    """(b, F_b), leaves first: the wrench on each body from its parent, through its joint.
 
         F = I A + V x I V - F_ext + sum X F_children
 
@@ -90,7 +90,7 @@ def rnea(
     a: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> list[Scalar]:
-    """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3)
+    """Inverse dynamics, tau = M a + C v + g.  (Luh, Walker, Paul 1980; Featherstone 2008, 5.3, Table 5.1)
 
     tau = S . F + rotor a               F as in `transmitted`
     """
@@ -102,10 +102,10 @@ def rnea(
 
 
 def bias(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], f_ext: Sequence[Wrench] | None = None) -> list[Scalar]:
-    """C v + g, what inverse dynamics asks for without acceleration."""
+    """C v + g: inverse dynamics without acceleration."""
     return rnea(robot, q, v, [ZERO] * robot.nv, f_ext)
 
 
 def gravity(robot: Robot, q: Sequence[Scalar]) -> list[Scalar]:
-    """g, what holds the robot at rest."""
+    """g, the torques that hold the robot at rest."""
     return rnea(robot, q, [ZERO] * robot.nv, [ZERO] * robot.nv)

@@ -1,11 +1,11 @@
 """The second derivatives of inverse dynamics, as tensors and weighted by a vector.  (Singh, Russell, Wensing 2022)
 
-The notation stands in `responses`.  For x_j one of q_j, v_j, a_j with its response (alpha, beta), and
+The notation is that of `responses`.  For x_j one of q_j, v_j, a_j with its response (alpha, beta), and
 k beyond j, a second change reaches the bodies beyond k as a response of its own,
 
     of x_j and q_k: (alpha x s_k, beta x s_k + alpha x P_k)        of x_j and v_k: (0, alpha x s_k)
 
-and both together change the wrench of a body by
+and the second derivative of the wrench of a body is
 
     I beta' + 2 B alpha' + alpha_j x I alpha_k + alpha_k x I alpha_j        (alpha', beta' the response to both)
 
@@ -45,13 +45,13 @@ Tensor = list[Matrix]
 
 
 class Seen(NamedTuple):
-    """A degree of freedom j as a body beyond it sees it: all in that body's frame."""
+    """The quantities of a degree of freedom j in the frame of a body beyond it."""
 
     joint: Joint
     j: int
     response: Response
     turning: Twist
-    """u x s: how the motion U of what is before the joint turns against what is displaced with it."""
+    """u x s, with u the motion U of the parent: its change relative to the displaced subtree."""
 
     def pulled(self, X: Pose) -> Seen:
         turning = self.turning if self.turning is ZERO_MOTOR else X.pull(self.turning)
@@ -59,7 +59,7 @@ class Seen(NamedTuple):
 
 
 class Weight(NamedTuple):
-    """A motion U of the bodies of a subtree, as its second derivatives need it; in the frame of the subtree's root."""
+    """Sums for a motion U of the bodies of a subtree, in the frame of the subtree's root."""
 
     K: Wrench
     L: Wrench
@@ -82,15 +82,15 @@ class Weight(NamedTuple):
 
 
 class Effect(NamedTuple):
-    """What meets alpha_j and beta_j of all j before k, for one U."""
+    """The factors of alpha_j and beta_j, for all j before k and one U."""
 
     beta: Wrench
     alpha: Wrench
-    """Both: for a displacement along k."""
+    """For a displacement along k: both factors."""
     rate: Wrench
-    """For a velocity along k: meets alpha_j."""
+    """For a velocity along k: the factor of alpha_j."""
     own: Wrench
-    """The same where j is of the same joint, whose screws do not carry each other."""
+    """The same if j belongs to the same joint, whose screws do not move each other."""
 
     @classmethod
     def of(cls, k: Response, turning: Twist, weight: Weight, I: Inertia, B: Connection) -> Effect:
@@ -128,7 +128,7 @@ class Hessian(NamedTuple):
         return cls(square(robot), square(robot), square(robot), square(robot))
 
     def add(self, j: Seen, k: int, effect: Effect, *, same: bool) -> None:
-        """The part of j and k that all bodies beyond k have."""
+        """Add the part of j and k that is common to all bodies beyond k."""
         s, P, R, Q = j.response
         qq = power(R, effect.beta) + power(P, effect.alpha)
         qv = power(P, effect.rate)
@@ -145,7 +145,7 @@ class Hessian(NamedTuple):
         _plus(self.aq, j.j, k, power(s, effect.beta))
 
     def turn(self, j: int, turning: Twist, k: int, G: Wrenches, *, same: bool) -> None:
-        """The part that comes from turning k's wrenches with j."""
+        """Add the part of the rotation of k's wrenches with j."""
         qq = power(turning, G.q)
         _plus(self.qq, k, j, qq)
         if not same:
@@ -171,7 +171,7 @@ def rnea_hessian(
     w: Sequence[Scalar],
     f_ext: Sequence[Wrench] | None = None,
 ) -> Hessian:
-    """The second derivatives of w . tau: what differential dynamic programming adds of them, in O(n depth)."""
+    """The second derivatives of w . tau, as differential dynamic programming needs them, in O(n depth)."""
     swept = sweep(robot, q, v, a, f_ext)
     X, I, B, F, _, own = swept
     U: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
@@ -205,8 +205,8 @@ def rnea_second_derivatives(
 ) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     """d2 tau / dq dq, d2 tau / dq dv, d2 tau / dv dv and dM / dq, each [i][j][k]: the Hessians of all tau_i.
 
-    Only i, j, k on one way to the ground have a part in common; each is found in the frame of the one
-    farthest out.
+    An entry is not zero only if i, j, k are on one path to the ground; it is computed in the frame of the
+    joint farthest from the ground.
     """
     swept = sweep(robot, q, v, a, f_ext)
     _, I, B, F, _, _ = swept
@@ -256,7 +256,7 @@ def rnea_hvp(
 
 
 def _views(robot: Robot, swept: Sweep, turning: dict[Joint, list[Twist]]) -> Iterator[tuple[Joint, list[Seen]]]:
-    """Each joint with all degrees of freedom on the way to it, its own last, seen from its moving frame."""
+    """Each joint with all degrees of freedom on the path to it, its own last, in its moving frame."""
     views: dict[Joint | None, list[Seen]] = {None: []}
     for b in robot:
         own = [Seen(b, k, r, t) for (k, _), r, t in zip(b.dofs, swept.responses[b], turning[b], strict=True)]

@@ -1,9 +1,9 @@
-"""The way of a call: arguments are checked once, options settled once, then one of three executions.
+"""The path of a call: arguments are checked once, options resolved once, then one of three executions.
 
     functions -> evaluator(robot, term, engine)(*arrays, out)
 
-The call is the fast one (machine code, one sample), the batched one (threads), or the general one
-(`Evaluator.__call__`), which converts and explains.  Numbers come from a kernel or from NumPy (`interpret`).
+The call is the fast one (machine code), the batched one (threads), or the general one (`Evaluator.__call__`), which
+converts arguments and raises errors.  A kernel or NumPy (`interpret`) computes the numbers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 def evaluator(
     robot: Robot, asked: Term | tuple[Any, ...], engine: str, dtype: DTypeLike = "float64"
 ) -> Evaluator | DeviceEvaluator:
-    """What computes a term, or a term followed by its options as the user gave them."""
+    """The callable for a term, or for a term followed by its options as the user gave them."""
     if engine == "auto" and dtype == "float64":
         try:
             return MEMORY[robot.serial][asked]
@@ -46,21 +46,21 @@ def evaluator(
     if choice("engine", engine, ENGINES) == "cuda":
         return on_device(robot, term, options, kind if kind == SINGLE else None)
     made = function_of(robot, term, options, kind, engine)
-    # what equals one of these means the same; but 1.0 and True equal the index 1
+    # only for types whose equal values mean the same: 1.0 and True equal the index 1
     if engine == "auto" and kind == DOUBLE and all(isinstance(x, (str, bool, Frame)) for x in given):
         memory(robot)[asked] = made
     return made
 
 
 def number_type(what: str, dtype: DTypeLike) -> np.dtype:
-    """float64 or float32, by whatever name."""
+    """The dtype float64 or float32 of any of its names."""
     try:
         kind = None if dtype is None else np.dtype(dtype)
     except TypeError:
         kind = None
-    if kind is None or kind not in (DOUBLE, SINGLE):  # None equals a dtype of NumPy's
+    if kind is None or kind not in (DOUBLE, SINGLE):  # NumPy: None == dtype("float64")
         raise ArgumentError(f"{what}: dtype float64 or float32 expected, got {repr(dtype) if kind is None else kind}")
-    return SINGLE if kind == SINGLE else DOUBLE  # the very ones, by which machine code knows them
+    return SINGLE if kind == SINGLE else DOUBLE  # these objects: machine code compares identities
 
 
 def evaluate(
@@ -83,14 +83,14 @@ def find(
 
 
 def made_ahead(robot: Robot, wanted: Sequence[tuple[str, Mapping[str, Any]]], engine: str = "auto") -> Ahead:
-    """With this, the kernels of these terms, by names and options, are made in other threads, in this order."""
+    """A context manager that compiles the kernels of these terms and options in other threads, in this order."""
     check_robot(robot, "ahead")
     named = [(term_named(name), options) for name, options in wanted]
     return Ahead([evaluator_of(robot, term, term.settled(robot, options), engine=engine) for term, options in named])
 
 
 def run(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray], engine: str = "auto") -> np.ndarray:
-    """Arrays (n, size) in, one array (n, *shape) out, of a term whose options are settled; nothing is checked."""
+    """Compute a term with settled options: arrays (n, size) in, one array (n, *shape) out; without checks."""
     return evaluator_of(robot, term, options, engine=choice("engine", engine, ENGINES)).rows(inputs)
 
 
@@ -106,25 +106,25 @@ def on_device(
 def kernel(
     robot: Robot, name: str, dtype: Any = np.float64, device: str | int | None = None, **options: Any
 ) -> Callable[..., Any]:
-    """One term as a callable for loops: (*arrays, out=None) -> array, with the least overhead there is.
+    """One term as a callable for loops, (*arrays, out=None) -> array, with the least overhead.
 
     Parameters
     ----------
     name : str
         A name in `dualpin.terms.TERMS`: "rnea", "crba", "fk", "frame_pose", "jacobian", ...
     dtype : float64 or float32
-        What it computes in and returns; other arrays are converted.
+        Type of the computation and of the result; other arrays are converted.
     device : "cuda", "cuda:1", ..., optional
         A GPU, for arrays that are on it; see docs/gpu.md.
     **options
-        What the term takes besides arrays: ``frame=`` (a name, an index or a `Frame`), ``reference=``, ``classical=``.
+        Options of the term: ``frame=`` (a name, an index or a `Frame`), ``reference=``, ``classical=``.
 
     Returns
     -------
     callable
         Takes the term's arrays (..., size) in the order of ``TERMS[name].inputs``, and ``out=``,
-        an array for the result.  Contiguous arrays of `dtype`, of one configuration or a batch with
-        ``out``, take the shortest way; whatever else comes out the same, some microseconds later.
+        an array for the result.  Contiguous arrays of `dtype`, one configuration or a batch with ``out``,
+        take the fast call; others give the same result some microseconds later.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def kernel(
     settled = term.settled(robot, options)
     if device is not None:
         return on_device(robot, term, settled, kind, device)
-    find(robot, term, settled, kind, single=True)  # compiled now, not when it is needed
+    find(robot, term, settled, kind, single=True)  # compile now, not at the first call
     return function_of(robot, term, settled, kind)
 
 

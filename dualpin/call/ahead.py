@@ -1,7 +1,7 @@
-"""Kernels made ahead: while one is used, Python's part of the next is done in a thread, and LLVM's in others.
+"""Compilation ahead of use: while one kernel is used, a thread traces the next, and LLVM compiles in other processes.
 
-LLVM takes more than half of the time to make a kernel.  It needs no lock of Python's, but lets one thread of a process
-work at a time: so other processes help.  Who needs a kernel that is begun waits for it.
+LLVM takes more than half of the time to make a kernel.  It does not hold the GIL, but runs in one thread of a process
+at a time; so other processes compile too.  A call that needs an unfinished kernel waits for it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from .evaluator import Evaluator
 
 
 class Ahead:
-    """With this, the kernels of these evaluators for many samples are made, in order; at its end no more is begun."""
+    """A context manager that compiles the batch kernels of these evaluators, in order, until it exits."""
 
     def __init__(self, evaluators: Iterable[Evaluator]) -> None:
         self._kernels = [x.kernels for x in evaluators if x.engine in ("auto", "compiled")]

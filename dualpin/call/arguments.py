@@ -1,6 +1,6 @@
-"""What a term is given: shapes, types and units are checked here, once, whichever way a call came in.
+"""Checks of a term's arguments: shapes, types and unit quaternions, the same for every route of a call.
 
-Algorithms never see the shapes of arrays; kernels never see names or options.
+Algorithms do not handle the shapes of arrays; kernels do not handle names or options.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from ..errors import ArgumentError, ArgumentTypeError, ShapeError
 from ..model.robot import Robot, expect_numbers
 from ..terms import Input, Shape, Term
 
-_UNIT = 1e-6  # how far a quaternion's norm may be from 1: more than any rounding, less than a mistake
+_UNIT = 1e-6  # tolerance of a quaternion's norm: above rounding, below mistakes
 
 
 def check_robot(robot: Robot, term: str) -> None:
-    """A robot whose constants are numbers, or an error that says what came instead."""
+    """Raise if it is not a robot with numeric constants."""
     expect_numbers(term, robot)
 
 
 def separated(
     term: Term, arrays: tuple[Any, ...], out: np.ndarray | None, unknown: Mapping[str, Any]
 ) -> tuple[tuple[Any, ...], np.ndarray | None]:
-    """The inputs, as many as the term takes, and the array for the result, which may come as the last of them."""
+    """The input arrays of the term, and the array for the result, which may be the last positional argument."""
     names = ", ".join(term.inputs)
     if unknown:
         raise ArgumentTypeError(
@@ -43,7 +43,7 @@ def separated(
 
 
 def rows(robot: Robot, term: Term, arrays: Sequence[ArrayLike]) -> tuple[list[np.ndarray], Shape]:
-    """The inputs as arrays (n, size), n the samples of the batch to which they broadcast; and the batch's shape."""
+    """The inputs as arrays (n, size), n the number of samples after broadcasting; and the batch's shape."""
     given = [as_array(robot, term.name, x, value) for x, value in zip(term.arguments, arrays, strict=True)]
     ranks = [len(x.shape(robot)) for x in term.arguments]
     leading = [value.shape[: value.ndim - rank] for value, rank in zip(given, ranks, strict=True)]
@@ -62,7 +62,7 @@ def rows(robot: Robot, term: Term, arrays: Sequence[ArrayLike]) -> tuple[list[np
 
 
 def as_array(robot: Robot, what: str, wanted: Input, value: ArrayLike) -> np.ndarray:
-    """`value` as a float64 array whose last axes fit the robot, or an error that says what was expected."""
+    """`value` as a float64 array whose last axes fit the robot; raises for other shapes and types."""
     x = numbers(f"{what}: {wanted.name}", value)
     shape = wanted.shape(robot)
     if x.ndim < len(shape) or x.shape[x.ndim - len(shape) :] != shape:
@@ -77,7 +77,7 @@ def as_array(robot: Robot, what: str, wanted: Input, value: ArrayLike) -> np.nda
 
 
 def check_quaternions(robot: Robot, what: str, q: np.ndarray) -> None:
-    """Orientations must be unit quaternions: silently normalising would hide a wrong order of q."""
+    """Raise if a quaternion is not a unit quaternion: normalising it silently would hide a wrong order of q."""
     for j in robot:
         for at_q in j.quaternions:
             norm = np.linalg.norm(q[..., at_q], axis=-1)
@@ -91,7 +91,7 @@ def check_quaternions(robot: Robot, what: str, q: np.ndarray) -> None:
 
 
 def check_result(term: str, out: object, shape: Shape, dtype: np.dtype) -> None:
-    """An array of exactly this shape and type that may be written to, or an error that says so."""
+    """Raise if `out` is not a writeable array of this shape and type."""
     if not isinstance(out, np.ndarray):
         raise ArgumentError(f"{term}: out must be an array of {dtype}, got {type(out).__name__}")
     if out.dtype != dtype:

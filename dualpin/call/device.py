@@ -24,26 +24,26 @@ from .evaluator import DOUBLE, SINGLE, Evaluator
 from .kernels import Kernels
 
 PIECE = 1 << 28  # bytes of a batch on the device at a time, where arrays of the host are copied
-KNOWN = 256  # kinds of calls that are remembered
+KNOWN = 256  # calls (shapes, strides) that are remembered
 
 
 class Way(NamedTuple):
-    """How a call with arrays of certain shapes goes, whatever their addresses.
+    """The plan of a call for certain shapes and strides, independent of addresses.
 
     Attributes
     ----------
     n : int
-        Samples.
+        Number of samples.
     shape : tuple of int
-        Of the result.
+        Shape of the result.
     steps : tuple of (int, int)
-        Of each array, numbers from a sample to the next, and from an entry to the next.
+        For each array, the distances from a sample to the next and from an entry to the next, in numbers.
     spans : tuple of (int, int)
-        Of each array, between which bytes it lies, counted from its address.
+        For each array, its first and last byte relative to its address.
     columns : int
-        Axes after the first, if the samples of an entry are neighbours in all arguments; else 0.
+        Axes after the first, if the samples of each entry are contiguous in all arguments; else 0.
     launch : Launch or None
-        None where there is nothing to compute.
+        None if there is nothing to compute.
     """
 
     dtype: np.dtype
@@ -58,8 +58,7 @@ class Way(NamedTuple):
 class DeviceEvaluator:
     """One term of one robot on one device: arrays in, an array out.
 
-    Launches are asynchronous, as everything on a device is: quaternions are not checked for their norm,
-    since that would wait for them.
+    Launches are asynchronous.  The norm of quaternions is not checked, since that would require waiting.
 
     Parameters
     ----------
@@ -83,14 +82,14 @@ class DeviceEvaluator:
         ----------
         given : arrays on the device, shape (..., size)
             Of the kernel's type, from PyTorch, CuPy, JAX or any library with the CUDA array interface or
-            DLPack.  All have the same leading axes, or one sample for all.  Any strides; rows without gaps,
-            or columns, are fast.
+            DLPack.  All have the same leading axes, or one sample for all.  Any strides are allowed;
+            contiguous rows, or columns, are fast.
         out : array on the device, optional
-            Where the results go.
+            An array for the results.
         stream : int or object with ``.cuda_stream`` or ``.ptr``, optional
-            Where the kernel runs; the library's current stream by default.
+            The stream of the kernel; by default the library's current stream.
         copy : bool
-            Arrays are on the host: copy them to the device, and the results back.
+            Take arrays on the host: copy them to the device, and the results back.
 
         Returns
         -------
@@ -121,13 +120,13 @@ class DeviceEvaluator:
     def _known_way(
         self, adapter: Adapter, given: tuple[Any, ...], out: Any, stream: int
     ) -> tuple[Way, list[int]] | None:
-        """The way of a call like one before, and the addresses; None if it has to be looked at."""
+        """The plan of an earlier call with the same shapes, and the addresses; None if the call has to be checked."""
         everything = given if out is None else (*given, out)
         try:
             key = (adapter, len(everything), *map(adapter.signature, everything))
             way = self._known[key]
             pointers = [adapter.pointer(x, stream) for x in everything]
-        except (KeyError, AttributeError, TypeError):  # new, or arrays of another library
+        except (KeyError, AttributeError, TypeError):  # a new call, or arrays of another library
             return None
         if out is not None:
             low, high = (pointers[-1] + x for x in way.spans[-1])
@@ -137,7 +136,7 @@ class DeviceEvaluator:
         return way, pointers
 
     def _checked_way(self, given: tuple[Any, ...], out: Any, stream: int) -> tuple[Way, list[int]]:
-        """The way of a call, and the addresses; whatever is wrong is said."""
+        """The plan of a call, and the addresses; raises for wrong arguments."""
         name, term = self.term.name, self.term
         adapters = [arrays.adapter(x) for x in given]
         if None in adapters:
@@ -178,7 +177,7 @@ class DeviceEvaluator:
         return way, [x.pointer for x in everything]
 
     def launch(self, dtype: Any = np.float64, *, strided: bool = False) -> Launch:
-        """The kernel for rows without gaps, or for any strides; made when it is first needed."""
+        """The kernel for contiguous rows, or for any strides; made at first use."""
         key = (np.dtype(dtype), strided)
         if key not in self._launches:
             made = built(self.robot, self.term, self.options, key[0], self.device, strided=strided)
@@ -216,12 +215,12 @@ class DeviceEvaluator:
         if target.shape != shape:
             raise ShapeError(f"{name} of shape {shape} expected, got {target.shape}")
         for key, x in zip(self.term.inputs, views, strict=True):
-            if arrays.overlap(target, x):  # threads read while others write
+            if arrays.overlap(target, x):  # threads would read what others write
                 raise ArgumentError(f"{name} overlaps {key}")
         return target
 
     def _steps(self, x: Lent, rank: int) -> tuple[int, int]:
-        """Numbers from a sample to the next, and from an entry to the next; 0 where there is only one."""
+        """The distances from a sample to the next and from an entry to the next, in numbers; 0 if there is only one."""
         split = len(x.shape) - rank
         row, column = (
             arrays.one_step(x.shape[a:b], x.strides[a:b], x.dtype.itemsize)
@@ -250,7 +249,7 @@ class DeviceEvaluator:
 
 
 class Copying(Evaluator):
-    """Arrays of the host computed on a device, in pieces that have room there."""
+    """Computes arrays of the host on a device, in pieces that fit into its memory."""
 
     def __init__(self, kernels: Kernels, where: Device) -> None:
         super().__init__(kernels, "cuda")

@@ -1,4 +1,4 @@
-"""A term of a robot with its options settled: what a call needs to know, found once, and the general call."""
+"""The general call: a term of a robot with settled options, on any arguments."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from .arguments import check_result, rows, separated
 from .kernels import Kernels
 
 ENGINES = ("auto", "compiled", "tiered", "numpy", "cuda")
-"""Compiled where there is a compiler and the term is a straight line, else NumPy; compiled, or an error
-that says why not; NumPy until a thread has compiled it; the source itself on arrays; kernels of an Nvidia GPU,
-for arrays on it."""
+"""auto: compiled where there is a compiler and the term is a straight-line program, else NumPy; compiled: an error if
+that is impossible; tiered: NumPy until a thread has compiled it; numpy: the source itself on arrays; cuda: kernels of an
+Nvidia GPU, for arrays on it."""
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 
 class Evaluator:
     """One term of one robot on arrays, by one engine.
 
-    It keeps the robot's constants and kernels alive, but not the robot, for which it is kept.
+    It references the robot's constants and kernels, but not the robot, in whose caches it is kept.
     """
 
     def __init__(self, kernels: Kernels, engine: str) -> None:
@@ -65,6 +65,6 @@ class Evaluator:
         return result
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # what it is for; code and memory are this process's
+        # the arguments that remake it; code and memory belong to this process
         options = {key: frames.key(self.robot, x) if key == "frame" else x for key, x in self.options.items()}
         return home("Evaluator.__reduce__"), (self.robot, self.term.name, self.dtype, options, self.engine)

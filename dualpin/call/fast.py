@@ -1,8 +1,8 @@
-"""The fast call: machine code that takes arrays which are plainly right, and batches shared among threads.
+"""The fast call, in machine code, for arrays that need no conversion; and batches shared among threads.
 
 fast call     C-contiguous arrays of the kernel's type: one sample, or a batch and `out`
 `Batched`     the same without `out`, or of so many samples that several threads are worth it
-`Evaluator`   everything else: lists, other types, broadcasting, wrong arguments
+`Evaluator`   all other arguments: lists, other types, broadcasting, mistakes
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Function = Callable[..., np.ndarray]
 
 
 def fast_function(kernels: Kernels, general: Function) -> Function | None:
-    """The ways in front of the general call, where this Python, this machine and this term have them."""
+    """The fast call and `Batched` before the general call; None if this Python, machine or term has no fast call."""
     robot, term = kernels.robot, kernels.term
     shapes = [x.shape(robot) for x in term.arguments] + [kernels.shape]
     quaternions = [at.start for j in robot for at in j.quaternions]
@@ -42,9 +42,9 @@ def fast_function(kernels: Kernels, general: Function) -> Function | None:
 
 
 class Batched:
-    """Batches that are plainly right: the result is allocated, the samples shared among threads.
+    """Batches that need no conversion: allocates the result and shares the samples among threads.
 
-    If a sample is wrong, others may have been written to `out` before the error is raised.
+    If a sample is invalid, other samples may have been written to `out` before the error is raised.
     """
 
     def __init__(self, kernels: Kernels, code: fast_call.Code, general: Function, alone: Function) -> None:
@@ -65,7 +65,7 @@ class Batched:
                 lambda start, stop: self.alone(*(x[start:stop] for x in inputs), result[start:stop]),
                 n, kernel.seconds, kernel.lanes,
             )  # fmt: skip
-        except DualpinError:  # said of a part of the batch: said again of the whole
+        except DualpinError:  # its index is that of a part; the general call raises it for the whole
             return self.general(*inputs, out=given)
         return result
 
@@ -73,7 +73,7 @@ class Batched:
         return self.general.__reduce__()
 
     def samples(self, inputs: tuple[Any, ...], out: Any) -> int | None:
-        """How many; None where anything but a shape of one sample might be wrong."""
+        """The number of samples; None if the arguments have to take the general call."""
         n = None
         for x in inputs:
             if type(x) is not np.ndarray or x.dtype is not self.dtype or not x.flags.c_contiguous or x.ndim < 2:

@@ -1,4 +1,4 @@
-"""The machine code of a term of a robot: compiled when it is first needed, then kept."""
+"""The kernels of a term of a robot, compiled at first use and kept."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 class Kernels:
     """Two kernels: one for a single sample, one for many.
 
-    Threads that want the same kernel at the same time get the same one.
+    Threads that request the same kernel concurrently get the same one.
     """
 
     def __init__(self, robot: Robot, term: Term, options: Options, dtype: np.dtype) -> None:
@@ -36,12 +36,12 @@ class Kernels:
         self._found: list[Kernel | DualpinError | None] = [None, None]
         self._soon: Kernel | None = None  # until that for one sample is there
         self._code: Code | None = None
-        self._claim, self._claimed_by = threading.Lock(), 0  # by whoever makes the kernel for many samples
+        self._claim, self._claimed_by = threading.Lock(), 0  # held by the thread that makes the batch kernel
         self._begun: Future[Begun | None] = Future()
-        self._asked = [0, 0]  # processes that compile meanwhile
+        self._asked = [0, 0]  # ids of processes that compile in the background
 
     def kernel(self, *, single: bool, required: bool = False) -> Kernel | None:
-        """The kernel; None where there is none, or with `required` the error that says why."""
+        """The kernel; None if there is none, or, with `required`, an error with the reason."""
         found = self._found[single]
         if found is None:
             found = self._built(single)
@@ -58,12 +58,12 @@ class Kernels:
         return found
 
     def known(self, *, single: bool) -> Kernel | None:
-        """The kernel, if there was reason to compile it yet."""
+        """The kernel, if it has been compiled."""
         found = self._found[single]
         return None if isinstance(found, DualpinError) else found
 
     def code(self, made: Code) -> Code:
-        """What the fast call looks into, `made` if there is none yet: it is told of every kernel."""
+        """The record that the fast call reads, `made` if there is none yet; each new kernel is entered there."""
         with LOCK:
             if self._code is None:
                 self._code = made
@@ -77,7 +77,7 @@ class Kernels:
         return any(self.known(single=single) is not None for single in (False, True))
 
     def meanwhile(self, *, single: bool) -> Kernel | None:
-        """The kernel if it is compiled; if not, another thread begins to, and there is none yet."""
+        """The kernel if it is compiled; otherwise None, and a thread begins to compile it."""
         if self._found[single] is None and self._asked[single] != os.getpid():
             self._asked[single] = os.getpid()  # threads do not survive a fork
             later(lambda: self.kernel(single=single))
@@ -103,7 +103,7 @@ class Kernels:
         return self._soon or self.kernel(single=True)
 
     def begin(self, bench: Workbench) -> None:
-        """Python's part of the kernel for many samples, here and now; LLVM's is submitted."""
+        """Trace and schedule the batch kernel now, and submit the rest to LLVM."""
         from ..engine.jit.kernel import begin
 
         if self._found[0] is not None or not self._claim.acquire(blocking=False):
@@ -111,11 +111,11 @@ class Kernels:
         self._claimed_by = os.getpid()
         try:
             self._begun.set_result(begin(self.robot, self.term, self.options, self.dtype, bench))
-        except BaseException:  # whoever needs the kernel is told
+        except BaseException:  # raised again where the kernel is needed
             self._begun.set_result(None)
 
     def _what_is_begun(self) -> Begun | None:
-        """What another thread of this process did or is doing for the kernel; from now on, it is ours."""
+        """The kernel that another thread of this process has begun; the caller takes it over."""
         if self._claim.acquire(blocking=False) or self._claimed_by != os.getpid():
             return None
         begun = self._begun.result()
@@ -149,11 +149,11 @@ class Kernels:
             return e
 
 
-_pool: dict[int, Executor] = {}  # of a process
+_pool: dict[int, Executor] = {}  # by process id
 
 
 def later(work: Callable[[], object]) -> None:
-    """Done in a thread of low haste: one for all, since LLVM works for one at a time."""
+    """Run in a background thread: one for all, since LLVM runs in one thread at a time."""
     with contextlib.suppress(RuntimeError):  # the interpreter is ending
         pool = _pool.get(os.getpid()) or _pool.setdefault(
             os.getpid(), ThreadPoolExecutor(1, thread_name_prefix="dualpin-tiered")

@@ -1,4 +1,4 @@
-"""Evaluators of a robot, made when they are first asked for and kept in its memory."""
+"""Evaluators of a robot, made at first use and kept in its caches."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def evaluator_of(
 ) -> Evaluator:
     """The robot's evaluator for a term whose options are settled; made at first use."""
     if engine in ("auto", "tiered") and robot.numbers != "double":
-        engine = "numpy"  # constants of more digits are no machine numbers
+        engine = "numpy"  # constants with more digits than a double cannot be compiled
     kept, key = memory(robot), (term, dtype, *options.values())
     found: Evaluator | None = kept.get((engine, *key))
     if found is None:
@@ -41,7 +41,7 @@ def _made(kernels: Kernels, engine: str) -> Evaluator:
 def function_of(
     robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
 ) -> Evaluator:
-    """The same, with the fast call in front where there is one: other code, same arguments, same results."""
+    """The same, behind the fast call where there is one; arguments and results are the same."""
     general = evaluator_of(robot, term, options, dtype, engine)
     if general.engine not in ("auto", "tiered") or (general.engine == "tiered" and not general.kernels.any):
         return general
@@ -50,6 +50,6 @@ def function_of(
 
 
 def restored(robot: Robot, name: str, dtype: np.dtype, options: Options, engine: str) -> Evaluator:
-    """What was pickled, in the process that reads it."""
+    """An unpickled evaluator."""
     named = term(name)
     return function_of(robot, named, named.settled(robot, options), np.dtype(dtype.char), engine)

@@ -1,4 +1,4 @@
-"""Public functions: what a call asks for is said in Python once, and answered by machine code from then on."""
+"""Public functions: the first call of a form runs in Python; machine code answers later calls of that form."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from . import evaluator
 
 P = ParamSpec("P")
 T = TypeVar("T")
-_OPTIONS = (str, bool, int, type, Frame, NoneType, np.generic, np.dtype)  # that do not change
+_OPTIONS = (str, bool, int, type, Frame, NoneType, np.generic, np.dtype)  # immutable types
 
 
 def ask(asked: Term | tuple[Any, ...], *arrays: Any) -> Any:
-    """What the body of a public function returns: a term, or one followed by its options, and the arrays for it."""
+    """The return value of a public function's body: a term, or a term followed by its options, and its arrays."""
     return asked, arrays
 
 
 def public(body: Callable[P, T]) -> Callable[P, T]:
-    """A function of a robot, arrays and options that returns one array, from a body that says what it asks for.
+    """Make a public function, of a robot, arrays and options and with one array as result, from a body that uses `ask`.
 
-    Its arrays are called as the term calls them; `out`, `dtype` and `engine`, which it takes too, are seen to here.
+    Its arrays have the term's names.  The arguments `out`, `dtype` and `engine` are handled here.
     """
-    parameters = list(inspect.signature(body).parameters)  # those without a place are the last
+    parameters = list(inspect.signature(body).parameters)  # keyword-only parameters are last
 
     ask_for: Callable[..., Any] = body
 

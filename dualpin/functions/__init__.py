@@ -2,10 +2,9 @@
 
 Shapes: q (..., nq), v, a, tau (..., nv); leading axes are batch axes and broadcast.
 Units: SI, radians.  World z up.  Six-vectors are angular first: twists [w; v], wrenches [n; f].
-Every function takes ``engine=``: "auto", "compiled", "tiered" for NumPy's answers until a thread has compiled the
-term, or "numpy" to run the source uncompiled;
-``dtype=``, float64 or float32; and those that return one array take ``out=``, an array of that type and of just the
-result's shape.
+Every function takes ``engine=``: "auto", "compiled", "tiered" (NumPy until a thread has compiled the term), "numpy"
+(the source uncompiled) or "cuda"; and ``dtype=``, float64 or float32.  Functions that return one array take ``out=``,
+an array of that type and of the result's shape.
 """
 
 from .configurations import difference, integrate

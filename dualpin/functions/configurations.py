@@ -30,11 +30,11 @@ def integrate(
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def integrate(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -78,11 +78,11 @@ def difference(
     robot : Robot
     q0, q1 : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def difference(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""How inverse and forward dynamics change with the state, to first order."""
+"""First derivatives of inverse and forward dynamics."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def rnea_derivatives(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How inverse dynamics changes: d tau / dq, d tau / dv, d tau / da = M, each (..., nv, nv).
+    """Derivatives of inverse dynamics: d tau / dq, d tau / dv, d tau / da = M, each (..., nv, nv).
 
     d tau / dq is by displacements of the joints: of a floating, planar or spherical joint in its moving
     frame (the tangent space in which `integrate` steps), of all others the derivative by the coordinate.
@@ -45,11 +45,11 @@ def rnea_derivatives(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 3, nv, nv), optional
-        Where all three are written; what is returned are its parts.
+        An array for all three results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def aba_derivatives(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """How forward dynamics changes: d a / dq, d a / dv, d a / d tau = M^-1, each (..., nv, nv).
+    """Derivatives of forward dynamics: d a / dq, d a / dv, d a / d tau = M^-1, each (..., nv, nv).
 
     Parameters
     ----------
@@ -102,11 +102,11 @@ def aba_derivatives(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 3, nv, nv), optional
-        Where all three are written; what is returned are its parts.
+        An array for all three results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -154,9 +154,9 @@ def rnea_jvp(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
-    """How inverse dynamics changes along a direction, d tau / dq dq + d tau / dv dv + M da, shape (..., nv).
+    """Directional derivative of inverse dynamics, d tau / dq dq + d tau / dv dv + M da, shape (..., nv).
 
-    Some three times the work of `rnea`, where the matrices of `rnea_derivatives` grow with nv^2.
+    It needs about three times the operations of `rnea`; the matrices of `rnea_derivatives` grow with nv^2.
 
     Parameters
     ----------
@@ -168,11 +168,11 @@ def rnea_jvp(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -215,7 +215,7 @@ def rnea_vjp(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The gradient of w . tau: w^T d tau / dq, w^T d tau / dv and M w, each (..., nv).
 
-    What backpropagation asks for, in some three times the work of `rnea`.
+    The product that backpropagation needs, in about three times the operations of `rnea`.
 
     Parameters
     ----------
@@ -227,11 +227,11 @@ def rnea_vjp(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, shape (..., 3, nv), optional
-        Where all three are written; what is returned are its parts.
+        An array for all three results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------

@@ -41,11 +41,11 @@ def rnea(
     f_ext : array_like, shape (..., njoints, 6), optional
         External wrench [n; f] on each joint's body, about and in that joint's moving frame.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -55,7 +55,7 @@ def rnea(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -87,11 +87,11 @@ def joint_wrenches(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
-    """What each body gets from its parent through its joint: the load of bearings, and the actuator's share.
+    """The wrench on each body from its parent through its joint: bearing reactions, and the actuator's torque.
 
         F_b = I_b A_b + V_b x I_b V_b - f_ext_b + sum of F over the children of b
 
-    Its component along the joint's screws is the torque of `rnea`, but for the rotors' inertia.
+    Its component along the joint's screws is the torque of `rnea` without that of the rotors.
 
     Parameters
     ----------
@@ -101,11 +101,11 @@ def joint_wrenches(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -154,11 +154,11 @@ def bias(
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -168,7 +168,7 @@ def bias(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -188,18 +188,18 @@ def bias(
 def gravity(
     robot: Robot, q: ArrayLike, *, out: np.ndarray | None = None, dtype: DTypeLike = "float64", engine: str = "auto"
 ) -> np.ndarray:
-    """Generalised gravity g(q) = dU/dq, what holds the robot at rest, shape (..., nv).
+    """Generalised gravity g(q) = dU/dq, the torques that hold the robot at rest, shape (..., nv).
 
     Parameters
     ----------
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -209,7 +209,7 @@ def gravity(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -249,11 +249,11 @@ def aba(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -263,7 +263,7 @@ def aba(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     Notes
     -----
@@ -272,7 +272,7 @@ def aba(
 
     References
     ----------
-    Featherstone (1983); Featherstone (2008), 7.3 and 6.5.
+    Featherstone (1983); Featherstone (2008), 7.3 (Table 7.1) and 6.5.
     Six-vectors, quaternions and the order of joints: docs/conventions.md.
 
     Examples

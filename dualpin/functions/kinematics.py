@@ -1,4 +1,4 @@
-"""Where frames and bodies are, and how they move."""
+"""Poses, velocities and accelerations of frames and joints."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ def fk(
         A link or joint name; without it, all joint frames in the order of ``robot.joint_names``.
     as_ : "matrix" or "dual_quaternion"
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -101,11 +101,11 @@ def jacobian(
         Twist about the world's origin; about the frame's origin in its own axes; about the frame's
         origin in world axes.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def jacobian(
     Raises
     ------
     FrameNotFoundError, ShapeError, ArgumentError
-        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+        If there is no such frame (the message lists the nearest names), or an array or option is not as above.
 
     References
     ----------
@@ -145,7 +145,8 @@ def jacobian_dot(
 ) -> np.ndarray:
     """Time derivative of the Jacobian, dJ/dt = X_f^-1 ((V_k - V_f) x s_k) by columns.
 
-    V_f is the velocity of the reference: none, the frame's twist, or the translation with its origin.
+    V_f is the twist of the reference: zero for "world", the frame's twist for "local", the translation
+    with the frame's origin for "local_world_aligned".
 
     Parameters
     ----------
@@ -157,11 +158,11 @@ def jacobian_dot(
     reference : "world", "local" or "local_world_aligned"
         Where the observer is, see `jacobian`.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -170,7 +171,7 @@ def jacobian_dot(
     Raises
     ------
     FrameNotFoundError, ShapeError, ArgumentError
-        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+        If there is no such frame (the message lists the nearest names), or an array or option is not as above.
 
     References
     ----------
@@ -211,11 +212,11 @@ def frame_velocity(
     reference : "world", "local" or "local_world_aligned"
         Where the observer is, see `jacobian`.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -225,7 +226,7 @@ def frame_velocity(
     Raises
     ------
     FrameNotFoundError, ShapeError, ArgumentError
-        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+        If there is no such frame (the message lists the nearest names), or an array or option is not as above.
 
     References
     ----------
@@ -255,7 +256,7 @@ def frame_acceleration(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
-    """Spatial acceleration of a frame; gravity is not in it.
+    """Spatial acceleration of a frame, without gravity.
 
         J a + dJ/dt v     the spatial one with "world" and "local", the classical one with
                           "local_world_aligned", whose observer moves along with the origin
@@ -270,14 +271,14 @@ def frame_acceleration(
     reference : "world", "local" or "local_world_aligned"
         Where the observer is, see `jacobian`.
     classical : bool
-        Add w x v to the linear part: with "local" or "local_world_aligned" the acceleration of
-        the frame's origin as a point, what an accelerometer there would see without gravity.
+        Add w x v to the linear part: with "local" or "local_world_aligned" this gives the acceleration of
+        the frame's origin as a point, which an accelerometer there would measure without gravity.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -287,7 +288,7 @@ def frame_acceleration(
     Raises
     ------
     FrameNotFoundError, ShapeError, ArgumentError
-        For a frame the robot does not have, with the nearest names; for other arrays or options than above.
+        If there is no such frame (the message lists the nearest names), or an array or option is not as above.
 
     References
     ----------

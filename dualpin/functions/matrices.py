@@ -1,4 +1,4 @@
-"""The matrices of the equations of motion, and the inverse of one."""
+"""Inertia matrix, its inverse, and Coriolis matrix."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ def crba(
     triangle : bool
         Only the lower triangle, row by row: the entries ``M[np.tril_indices(nv)]``, half the memory.
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -43,7 +43,7 @@ def crba(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -73,7 +73,7 @@ def coriolis(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
-    """Coriolis matrix C(q, v), shape (..., nv, nv): the one with dM/dt = C + C^T of Christoffel's symbols.
+    """Coriolis matrix C(q, v), shape (..., nv, nv): that of the Christoffel symbols, with dM/dt = C + C^T.
 
     Many matrices give the same C v; this one makes dM/dt - 2 C skew for every q and v.  With a
     floating base it is the matrix of the Levi-Civita connection in body velocities.
@@ -84,11 +84,11 @@ def coriolis(
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def coriolis(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -127,11 +127,11 @@ def minv(
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -140,7 +140,7 @@ def minv(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------

@@ -28,11 +28,11 @@ def kinetic_energy(
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def kinetic_energy(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -68,11 +68,11 @@ def potential_energy(
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -81,7 +81,7 @@ def potential_energy(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -110,11 +110,11 @@ def centroidal_momentum_matrix(
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def centroidal_momentum_matrix(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -151,11 +151,11 @@ def com(
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -164,7 +164,7 @@ def com(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -191,11 +191,11 @@ def com_jacobian(
     robot : Robot
     q : array_like, shape (..., nq)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -204,7 +204,7 @@ def com_jacobian(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------

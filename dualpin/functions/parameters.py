@@ -1,4 +1,4 @@
-"""Inverse dynamics by inertial parameters, and what each link adds."""
+"""Inverse dynamics as a function of inertial parameters, and the contribution of each link."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def joint_torque_regressor(
     dtype: DTypeLike = "float64",
     engine: str = "auto",
 ) -> np.ndarray:
-    """Y with rnea = Y p, shape (..., nv, 10 njoints), with armature as many columns more as it has entries.
+    """Y with rnea = Y p, shape (..., nv, 10 njoints); with armature, one more column for each of its entries.
 
     The parameters p of each body: m; m cx, m cy, m cz; Jxx Jxy Jyy Jxz Jyz Jzz about the joint
     frame's origin, as `inertial_parameters` returns them; then, if any joint has armature, the
@@ -39,11 +39,11 @@ def joint_torque_regressor(
     q : array_like, shape (..., nq)
     v, a : array_like, shape (..., nv)
     out : ndarray, optional
-        Where the result is written, float64 or float32 and of its shape.
+        An array for the result, of its shape and of type `dtype`.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def joint_torque_regressor(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------
@@ -86,7 +86,7 @@ def inertial_parameters(robot: Robot) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If it is no robot, or one of symbols.
+        If it is not a robot, or its constants are symbols.
 
     References
     ----------
@@ -105,7 +105,7 @@ def inertial_parameters(robot: Robot) -> np.ndarray:
 
 @dataclass(frozen=True)
 class LinkTerm:
-    """What one link adds: M (..., nv, nv), C (..., nv, nv), g (..., nv), padded with zeros."""
+    """The contribution of one link: M (..., nv, nv), C (..., nv, nv), g (..., nv), padded with zeros."""
 
     name: str
     M: np.ndarray
@@ -140,8 +140,8 @@ def link_terms(
 
         M_i = J_i^T I_i J_i,   C_i = J_i^T (I_i dJ_i/dt + B_i J_i),   g_i = -J_i^T I_i (gravity)
 
-    A new link adds its own term and changes no other.  Trees too: each term is scattered to the
-    joints on the link's path.
+    A new link adds its own term and changes no other.  In trees, each term has entries for the joints
+    on the path from the ground to the link.
 
     Parameters
     ----------
@@ -149,9 +149,9 @@ def link_terms(
     q : array_like, shape (..., nq)
     v : array_like, shape (..., nv)
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -161,7 +161,7 @@ def link_terms(
     Raises
     ------
     ShapeError, ArgumentError
-        Where an array or an option is not as above; the message says what was expected.
+        If an array or an option is not as described above; the message says what was expected.
 
     References
     ----------

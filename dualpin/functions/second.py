@@ -1,4 +1,4 @@
-"""Second derivatives of inverse dynamics: tensors, their products with vectors."""
+"""Second derivatives of inverse dynamics: tensors, and their products with vectors."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ def rnea_hvp(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, shape (..., 3, nv), optional
-        Where all three are written; what is returned are its parts.
+        An array for all three results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -96,8 +96,8 @@ def rnea_hessian(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """The second derivatives of w . tau: by q q, q v, v v and a q, each (..., nv, nv).
 
-    The product of `rnea_second_derivatives` with a vector, without the tensors: what differential
-    dynamic programming adds to the second derivatives of the cost, with w the costate.
+    The product of `rnea_second_derivatives` with a vector, without the tensors.  Differential dynamic
+    programming adds it to the second derivatives of the cost, with w the costate.
 
     Parameters
     ----------
@@ -109,11 +109,11 @@ def rnea_hessian(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`.
     out : ndarray, shape (..., 4, nv, nv), optional
-        Where all four are written; what is returned are its parts.
+        An array for all four results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
@@ -170,11 +170,11 @@ def rnea_second_derivatives(
     f_ext : array_like, shape (..., njoints, 6), optional
         As in `rnea`: wrenches that turn with their bodies.
     out : ndarray, shape (..., 4, nv, nv, nv), optional
-        Where all four are written; what is returned are its parts.
+        An array for all four results; those returned are its parts.
     dtype : float64 or float32
-        What it is computed in, and returned as; arrays of another type are converted.
+        Type of the computation and of the result; arrays of another type are converted.
     engine : "auto", "compiled", "tiered", "numpy" or "cuda"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------

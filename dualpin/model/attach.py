@@ -1,4 +1,4 @@
-"""Model the pieces by themselves, then combine them: a robot that carries bodies, tools, other robots."""
+"""Combine models: a robot that carries bodies, tools or other robots."""
 
 from __future__ import annotations
 
@@ -23,28 +23,27 @@ def attached(
 ) -> Robot:
     """A new robot that carries a body or another robot.
 
-    The old joints keep their places in q and v, the new ones come after them.  The terms of the old
-    links stay what they were, to the bit; only the body that carries something rigidly gets its
-    inertia too.
+    The old joints keep their indices in q and v; the new ones follow.  The terms of the old links do not
+    change in any bit, except for the body to which something is fixed: its inertia includes that.
 
     Parameters
     ----------
     other : Inertia or Robot
         A body, in the frame it is attached at or, on a joint, in the joint's moving frame; or a
-        robot, whose ground is fixed there with all that stands on it.  Its gravity is not asked.
+        robot, whose ground is fixed there.  The gravity of that robot is not used.
     on : str or Frame, optional
-        What carries it, by default the last frame.
+        The frame to which it is attached; by default the last one.
     placement : Pose, optional
-        Of what is attached (or of its joint's fixed side) in that frame.
+        Pose of the attached body or robot (or of its joint's fixed side) in that frame.
     passive : bool
-        Hang it on a joint without a motor, by default about the z-axis of `placement`:
+        Attach it by a joint without a motor, by default about the z-axis of `placement`:
         `dualpin.simulate` gives that joint no torque.
     joint : JointModel, optional
-        Put it on this joint.
+        Attach it by this joint.
     name : str, optional
-        Of the new link, and of its joint; by default "payload", "payload_2", ..., or the robot's name.
+        Name of the new link and of its joint; by default "payload", "payload_2", ..., or the robot's name.
     prefix : str
-        Put before every name of the other robot, where both have the same.
+        Added before every name of the other robot, to make the names differ.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Put a robot together joint by joint, parents first."""
+"""Build a robot joint by joint, parents first."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .robot import STANDARD_GRAVITY, Frame, Joint, Limits, Link, Mimic, Robot, R
 
 @dataclass
 class _Part:
-    """A joint still being described."""
+    """A joint under construction."""
 
     name: str
     model: JointModel
@@ -64,7 +64,7 @@ class Builder:
         self.notes: list[str] = []
         self.source: str | None = None
         self._parts: dict[str, _Part] = {}
-        # a link and a joint may share a name; a link is what things are fixed to
+        # a link and a joint may share a name; things are then fixed to the link
         self._link_places: dict[str, _Place] = {}
         self._places: dict[str, _Place] = {"universe": _Place(None, IDENTITY_POSE)}
         self._frames: list[tuple[str, str, str | None, Pose, int]] = [("universe", "universe", None, IDENTITY_POSE, 0)]
@@ -82,7 +82,7 @@ class Builder:
     def include(
         self, robot: Robot, on: str | Frame | None = None, placement: Pose = IDENTITY_POSE, *, prefix: str = ""
     ) -> None:
-        """All of another robot, its ground fixed in the frame `on`; `prefix` goes before each of its names."""
+        """Add all of another robot, its ground fixed in the frame `on`; `prefix` is added before each of its names."""
         expect_robot("include", robot)
         _check_types(robot.name, placement, None)
         self._check_new_names(robot, prefix)
@@ -109,7 +109,7 @@ class Builder:
         for k in robot.links:
             X = placed(k.joint, k.placement)
             self._links.append((prefix + k.name, k.inertia, named(k.joint), X))
-            if k.joint is None and at.joint is not None:  # what stood on the ground is carried now
+            if k.joint is None and at.joint is not None:  # frames on its ground now move with the carrying body
                 self._parts[at.joint].inertia = self._parts[at.joint].inertia + X @ k.inertia
 
     def _check_new_names(self, robot: Robot, prefix: str) -> None:
@@ -138,7 +138,7 @@ class Builder:
     ) -> None:
         """A joint whose fixed side has the pose `placement` in the frame `on`, and the link it moves.
 
-        A `rotor` adds what the joint feels of it to the armature, and its body to the link `on`.
+        A `rotor` adds its reflected inertia to the armature, and its body to the link `on`.
         `passive` says that there is no motor.
         """
         self._unused(name)
@@ -158,14 +158,14 @@ class Builder:
         self._link(link or name, inertia, place)
 
     def motor(self, joint: str, rotor: Rotor) -> None:
-        """Give a joint that is there a motor, or another: its armature is what it feels of that."""
+        """Set or replace the motor of an existing joint; its reflected inertia becomes the joint's armature."""
         part = self._parts[joint]
         carried = part.rotor.body if part.rotor else None
         if carried is not None and rotor.body is not carried:
             raise ArgumentError(f"joint {joint!r} has a rotor with a body already; another has to have the same")
         part.armature = (ZERO,) * part.model.nv
         _, _, _, _, described_in = self._frames[self._places[joint].frame]
-        new = replace(rotor, body=None) if carried is not None else rotor  # the body is there already
+        new = replace(rotor, body=None) if carried is not None else rotor  # its body was added before
         self._motor(joint, new, _Place(part.parent, part.placement, described_in))
         part.rotor = rotor
 
@@ -194,7 +194,7 @@ class Builder:
     ) -> None:
         """A fixed joint: its link's inertia joins the body that carries it.
 
-        One that is called like the joint of a floating base is told apart by its kind, as in Pinocchio.
+        It may have the name of a floating base's joint; frames are then distinguished by their role, as in Pinocchio.
         """
         if not (name in self._parts and self._parts[name].model.kind == "floating"):
             self._unused(name)
@@ -207,7 +207,7 @@ class Builder:
         self._link(link or name, inertia, place)
 
     def base(self, name: str, inertia: Inertia | None = None) -> None:
-        """The root link of a robot whose base stands on the ground."""
+        """The root link of a robot whose base is fixed to the ground."""
         self._link(name, inertia, _Place(None, IDENTITY_POSE))
 
     def frame(self, name: str, on: str | Frame | None = None, placement: Pose = IDENTITY_POSE) -> None:
@@ -231,7 +231,7 @@ class Builder:
         self._link_places[name] = _Place(at.joint, at.placement, len(self._frames) - 1)
 
     def _unused(self, name: str) -> None:
-        """A joint's or a frame's name is its own; only a link may share it."""
+        """Refuse a name that another joint or frame has; a link may have the same name."""
         if name in self._places:
             raise ArgumentError(f"joint or frame {name!r} of {self.name} is defined twice")
 
@@ -248,7 +248,7 @@ class Builder:
         return place
 
     def robot(self) -> Robot:
-        """The finished robot.  Raises `ArgumentError` for a mimic that cannot be followed."""
+        """The finished robot.  Raises `ArgumentError` for a mimic joint without a valid leader."""
         where: dict[str, tuple[slice, slice]] = {}
         nq = nv = 0
         for part in self._parts.values():
@@ -276,11 +276,11 @@ class Builder:
             tuple(self.notes),
             self.source,
         )
-        # a robot built upon another has its notes already
+        # a robot built on another one already has its notes
         return replace(robot, notes=tuple(dict.fromkeys([*self.notes, *remarks(robot)])))
 
     def _followed(self, part: _Part) -> tuple[str, float, float]:
-        """The joint that leads in the end, and the multiplier and offset through all that follow."""
+        """The last leader of a chain of mimic joints, with the multiplier and offset of the whole chain."""
         multiplier, offset = 1.0, 0.0
         seen: list[str] = []
         while part.mimic is not None:

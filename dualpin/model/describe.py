@@ -1,4 +1,4 @@
-"""A robot in words: its tree, the order of q and v, its limits, and what was assumed."""
+"""A robot as text: its tree, the order of q and v, its limits, and the assumptions of the reader."""
 
 from __future__ import annotations
 

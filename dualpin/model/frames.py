@@ -1,4 +1,4 @@
-"""Frames by name: those of the description, and those at centres of mass, which nobody has to describe."""
+"""Frames by name: those of the description, and those at centres of mass, which are made on request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def find(robot: Robot, name: str | int | Frame) -> Frame:
     Parameters
     ----------
     name : str, int or Frame
-        A link's name is meant before a joint's.  "com:LINK" is the frame at a link's centre of mass
+        A name that a link and a joint share means the link.  "com:LINK" is the frame at a link's centre of mass
         with the axes of the link's frame; it is not listed in `Robot.frame_names`.  An index counts
         `Robot.frames`.
 
@@ -30,7 +30,7 @@ def find(robot: Robot, name: str | int | Frame) -> Frame:
     FrameNotFoundError
         If there is none, with the nearest names.
     ArgumentError
-        If it is no name at all, or of a link without mass.
+        If it is neither a name, an index nor a frame, or is "com:" of a link without mass.
 
     Examples
     --------
@@ -56,14 +56,14 @@ def find(robot: Robot, name: str | int | Frame) -> Frame:
 
 
 def key(robot: Robot, frame: Any) -> int | str:
-    """What `find` knows a frame by, in this robot and in others made from it (of another kind of number, unpickled)."""
+    """A key that `find` accepts, in this robot and in copies of it (with other scalars, unpickled)."""
     return frame.name if frame.role == "com" else robot.frames.index(frame)
 
 
 def _named(robot: Robot) -> dict[str, Frame]:
     kept = memory(robot)
     if "frames" not in kept:
-        # where a link and a joint share a name, the link's frame is meant; of joints the one that moves
+        # of frames with one name the last is taken: a link's before a joint's, a moving joint's before a fixed one's
         order = sorted(robot.frames, key=lambda f: (f.role == "link", f.role != "fixed_joint"))
         kept["frames"] = {f.name: f for f in order}
     named: dict[str, Frame] = kept["frames"]
@@ -71,7 +71,7 @@ def _named(robot: Robot) -> dict[str, Frame]:
 
 
 def _centres(robot: Robot) -> dict[str, Frame]:
-    """The frames at centres of mass asked for so far."""
+    """The frames at centres of mass that were requested before."""
     centres: dict[str, Frame] = memory(robot).setdefault("centres", {})
     return centres
 

@@ -1,7 +1,7 @@
-"""What every joint model is asked: its displacement, `motion(q)`, and the screws its velocities multiply.
+"""The interface of joint models: the displacement `motion(q)`, and the screws that the velocities multiply.
 
-The algorithms know nothing else of a joint, so there is no branch on its kind anywhere.  What the rest of the
-package asks (do coordinates add? how is it written?) a model declares too.
+The algorithms use only these, so they contain no branch on the type of a joint.  A model also declares what the rest of
+the package needs: whether coordinates add, and how the joint is written to a URDF.
 """
 
 from __future__ import annotations
@@ -18,33 +18,33 @@ from ..spatial.vector import ZERO_MOTOR, Vector3, motor, power
 
 @dataclass(frozen=True)
 class Written:
-    """A URDF joint that stands for a joint model, or for one freedom of it."""
+    """A URDF joint that represents a joint model, or one of its degrees of freedom."""
 
     type: str
     axis: Vector3 | None = None
     coordinate: int | None = None
-    """The coordinate whose limits it takes."""
+    """The coordinate whose limits it has."""
     suffix: str = ""
-    """Appended to its name, where one joint becomes several."""
+    """Appended to the name if one joint is written as several."""
 
 
 class JointModel:
-    """What a joint lets its body do.  `kind` names it, `screws` span its twists in the moving frame."""
+    """The motion that a joint allows.  `kind` is its name; `screws` span its twists in the moving frame."""
 
     kind: str
     nq: int
     screws: tuple[Vector3, ...] = ()
     neutral: tuple[float, ...]
     coordinates: tuple[str, ...]
-    """What each coordinate is: "angle" [rad], "length" [m] or "quaternion"."""
+    """The type of each coordinate: "angle" [rad], "length" [m] or "quaternion"."""
     coupling: tuple[Scalar, Scalar] = (ONE, ZERO)
-    """(multiplier, offset) of a joint that follows another, see `following`."""
+    """(multiplier, offset) of a mimic joint, see `following`."""
     additive = True
-    """Whether q + v is where the velocity v leads in one unit of time; else `integrate` says where."""
+    """Whether the velocity v leads from q to q + v in one unit of time; otherwise `integrate` computes the result."""
     velocity_names: tuple[str, ...] = ("",)
-    """What to call its velocities, one each."""
+    """The names of its velocities."""
     layout = ""
-    """How its coordinates and velocities read, where that is not plain from their names."""
+    """An explanation of q and v, if the names do not suffice."""
 
     @property
     def nv(self) -> int:
@@ -57,21 +57,21 @@ class JointModel:
 
     @property
     def drawn(self) -> tuple[Vector3, ...]:
-        """The screws worth a line in a drawing, in the moving frame."""
+        """The screws that a drawing shows, in the moving frame."""
         return self.screws
 
     @property
     def free(self) -> JointModel:
-        """The joint as it is without following another."""
+        """The same joint without a leader."""
         return self
 
     def written(self) -> tuple[Written, ...]:
-        """The URDF joints, one after the other, that move as this one does.
+        """The URDF joints that together move as this one does, in order.
 
         Raises
         ------
         ArgumentError
-            If there are none: what it is, and what can be done instead.
+            If there are none; the message names the type and an alternative.
         """
         raise ArgumentError(f"is {self.kind}, and URDF has no such joint")
 
@@ -81,11 +81,11 @@ class JointModel:
 
     def motion(self, q: Sequence[Scalar]) -> Pose:
         """Pose of the moving frame in the fixed one."""
-        raise NotImplementedError  # every joint model has its own
+        raise NotImplementedError
 
     def quaternion(self, q: Sequence[Scalar]) -> Quaternion:
         """The same as a unit dual quaternion, continuous in q."""
-        raise NotImplementedError  # every joint model has its own
+        raise NotImplementedError
 
     def integrate(self, q: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
         """The coordinates reached from q by moving with the constant body twist S v for one unit of time."""
@@ -103,7 +103,7 @@ class JointModel:
         return total
 
     def bracket(self, u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
-        """The velocities of [S u, S v], by how much two motions fail to commute; zeros where coordinates add.
+        """The velocities of the Lie bracket [S u, S v]; zeros if coordinates add.
 
         The screws of such joints are unit twists along and about coordinate axes, so the power of a
         twist on the unit wrench with the same entries is its component along each.

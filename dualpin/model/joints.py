@@ -1,4 +1,4 @@
-"""Joint models: about one axis, in a plane, in space, about a point.
+"""Joint models: axial, planar, floating and spherical.
 
 A joint about an axis is an axis times dual numbers: a coordinate x with unit u contributes u x
 to the dual angle t + eps d and the screw u axis to the motion subspace.
@@ -83,7 +83,7 @@ class Axial(JointModel):
 
 
 def _check_unit(axis: Vector3, kind: str) -> None:
-    """Numeric axes must have length 1 (to 1e-9, more than rounding leaves); symbols are taken at their word."""
+    """Numeric axes must have length 1 (to 1e-9, more than rounding leaves); symbols are not checked."""
     if all(isinstance(c, (int, float, Exact)) for c in axis):
         length = hypot(*map(float, axis))
         if not abs(length - 1) <= 1e-9:
@@ -98,7 +98,7 @@ def revolute(axis: Vector3 = UZ, kind: str = "revolute") -> Axial:
     axis : Vector3
         A unit vector in the moving frame.
     kind : "revolute" or "continuous"
-        As URDF calls it; a continuous one is one angle too.
+        The type in URDF; a continuous joint also has one angle.
 
     Returns
     -------
@@ -243,7 +243,7 @@ class Planar(JointModel):
         return [x + c * tx - s * ty, y + s * tx + c * ty, angle + w]
 
     def difference(self, q0: Sequence[Scalar], q1: Sequence[Scalar]) -> list[Scalar]:
-        """The inverse of `integrate`; without a solution where angles differ by whole turns and places do not agree."""
+        """The inverse of `integrate`; without a solution if the angles differ by whole turns and positions differ."""
         (x, y, angle), (x1, y1, angle1) = q0, q1
         w = angle1 - angle
         c, s = cos_sin(angle)
@@ -260,7 +260,7 @@ class Floating(JointModel):
     coordinates = ("length",) * 3 + ("quaternion",) * 4
     additive, velocity_names = False, ("wx", "wy", "wz", "vx", "vy", "vz")
     layout = "q = x y z, qw qx qy qz (unit quaternion, scalar first); v = body twist [w; v]"
-    drawn = ()  # a body that goes anywhere has no axis of its own
+    drawn = ()  # it has no fixed axis
     screws = tuple(motor(a, ZERO_VECTOR) for a in AXES) + tuple(motor(ZERO_VECTOR, a) for a in AXES)
 
     def motion(self, q: Sequence[Scalar]) -> Pose:

@@ -1,4 +1,4 @@
-"""The same robot over other numbers: every constant converted, rotations orthonormal again."""
+"""The same robot over other scalars: all constants converted, rotations made orthonormal."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from .robot import Frame, Joint, Link, Robot, Rotor
 def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
     """The robot with every constant x replaced by scalar(x); exact -1, 0, 1 stay what they are.
 
-    Rotations and axes are made orthonormal again in those numbers (in double precision they are so
-    to 1e-16 only), so that identities hold to the digits of the new type.
+    Rotations and axes are made orthonormal with the new scalars (in double precision they are so only to
+    1e-16), so that identities hold to the digits of the new type.
 
     Examples
     --------
@@ -56,7 +56,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
         other.units = tuple(Dual(number(u.real), number(u.dual)) for u in model.units)
         other.offset = Dual(number(model.offset.real), number(model.offset.dual))
         other.screws = tuple(motor(other.axis, ZERO_VECTOR) * u for u in other.units)
-        if model._leader is not None:  # the joint as it is without following another
+        if model._leader is not None:  # convert the joint without its leader
             other._leader = joint_model(model._leader)
         return other
 
@@ -80,7 +80,7 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
 def orthonormal(R: Matrix3) -> Rotation:
     """The nearest rotation, by Newton's iteration R <- R (3 - R^T R) / 2: 16 digits become 32, 64, 128.
 
-    Formulas are taken at their word.
+    Symbolic entries are not changed.
     """
     if not _settled(c for row in R.rows for c in row):
         for _ in range(3):
@@ -89,6 +89,6 @@ def orthonormal(R: Matrix3) -> Rotation:
 
 
 def _settled(entries: Iterable[Scalar]) -> bool:
-    """Whether there is nothing to make orthonormal: exact constants only, or a formula among them."""
+    """Whether it needs no correction: all entries are exact constants, or one is symbolic."""
     entries = list(entries)
     return all(type(x) is Exact for x in entries) or any(getattr(x, "free_symbols", ()) for x in entries)

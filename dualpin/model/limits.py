@@ -1,6 +1,6 @@
-"""The limits of a robot's coordinates: what its joints and those that follow them allow together.
+"""The limits of a robot's coordinates, including those of mimic joints.
 
-A joint that follows another (mimic) states its limits in its own coordinate, so they bound the leader's too:
+The limits of a mimic joint are in its own coordinate, and bound that of its leader:
 
     lower <= multiplier q + offset <= upper
 """
@@ -16,19 +16,19 @@ from ..scalars import Scalar
 from .robot import Joint, Robot
 
 HUGE = {"angle": 200.0, "length": 100.0}
-"""Bounds farther out [rad, m] are placeholders, not stops: half of 32 turns; ten times a large gantry."""
+"""Larger bounds [rad, m] are placeholders, not stops: about 32 turns; ten times a large gantry."""
 FREE = {"angle": pi, "length": 1.0}
-"""How far either way a coordinate without limits is sampled [rad, m]: one turn; two metres."""
+"""A coordinate without limits is sampled between plus and minus this value [rad, m]."""
 
 ROUNDING = 1e-12
-"""Of (limit - offset) / multiplier, relative to the bounds: three operations, with room for decimals in files."""
+"""Relative rounding of (limit - offset) / multiplier: three operations, and decimals in files."""
 
 
 def position_limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bounds of the coordinates, each (nq,); infinite where there is none.
 
-    The limits of followers are included.  Where they leave a leader nothing, its own limits stand
-    alone: `remarks` says so.
+    The limits of mimic joints are included.  If they leave no value for a leader, only its own limits count,
+    and `remarks` reports it.
     """
     own, (lower, upper) = _own(robot), _common(robot)
     empty = _empty(own, (lower, upper))
@@ -36,7 +36,7 @@ def position_limits(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def velocity_limits(robot: Robot) -> np.ndarray:
-    """Of the velocities, either way, (nv,); infinite where there is none, 0 where the description says 0."""
+    """Limits of the absolute velocities, (nv,); infinite where there is none, 0 where the description says 0."""
     most = np.full(robot.nv, inf)
     for j in robot:
         if j.mimic is None:
@@ -49,7 +49,7 @@ def velocity_limits(robot: Robot) -> np.ndarray:
 
 
 def ranges(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-    """Finite ranges to take coordinates from, (nq,) each: the limits, or a turn (2 m) where there are none.
+    """Finite ranges for sampling coordinates, (nq,) each: the limits, or one turn (2 m) where there are none.
 
     Bounds beyond `HUGE` count as none.  The turn is centred between such bounds if that is no huge
     number too, else at zero; next to a single bound it reaches at least half a turn inwards.
@@ -68,7 +68,7 @@ def ranges(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def remarks(robot: Robot) -> list[str]:
-    """What is odd about the limits of leaders and followers, one sentence each."""
+    """Remarks about inconsistent or huge limits, one sentence each."""
     empty, found = _empty(_own(robot), _common(robot)), []
     huge = [j.name for j in robot if any(_beyond(j))]
     if huge:
@@ -87,7 +87,7 @@ def remarks(robot: Robot) -> list[str]:
 
 
 def _own(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-    """Bounds as the joints that follow none state them."""
+    """Bounds of the joints that have coordinates of their own."""
     lower, upper = np.full(robot.nq, -inf), np.full(robot.nq, inf)
     for j in robot:
         if j.mimic is None:
@@ -96,7 +96,7 @@ def _own(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _common(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
-    """Those of followers too; a bound that passes the opposite one by rounding only meets it."""
+    """With those of mimic joints; a bound that passes the opposite one only by rounding is set equal to it."""
     lower, upper = _own(robot)
     for _, i, low, high in _followers(robot):
         slack = ROUNDING * max([1.0, *(abs(x) for x in (lower[i], upper[i]) if isfinite(x))])
@@ -107,12 +107,12 @@ def _common(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _empty(own: tuple[np.ndarray, np.ndarray], common: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Where followers leave nothing of bounds that were in order."""
+    """Where valid bounds become empty by the limits of mimic joints."""
     return (common[0] > common[1]) & (own[0] <= own[1])
 
 
 def _followers(robot: Robot) -> Iterator[tuple[Joint, int, float, float]]:
-    """(follower, index of its leader's coordinate, what its limits allow that coordinate)."""
+    """(mimic joint, index of its leader's coordinate, bounds of that coordinate by the mimic joint's limits)."""
     for j in robot:
         if j.mimic is None or not (j.limits.lower or j.limits.upper):
             continue
@@ -143,7 +143,7 @@ def _coordinates(robot: Robot) -> Iterator[tuple[int, str]]:
 
 
 def _number(x: Scalar) -> float:
-    """nan for what is no number: a symbol bounds nothing."""
+    """The number, or nan for a symbol."""
     try:
         return float(x)
     except (TypeError, ValueError):

@@ -1,7 +1,7 @@
-"""What was computed for a robot, kept beside it for as long as it lives.
+"""Caches of a robot: data that was computed for it, kept as long as the robot exists.
 
-A robot is data and holds none of this: it is found by the robot's serial number, which no other
-robot of the process has, and goes when the robot goes.  Copies and unpickled robots start anew.
+A robot is immutable data and does not hold its caches.  They are found by its serial number, which is unique in the
+process, and are deleted with the robot.  Copies and unpickled robots have serial numbers of their own.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 from .robot import Robot
 
 MEMORY: dict[int, dict[Hashable, Any]] = {}
-"""Serial number of a robot -> what is kept for it.  Read it through `memory`, which makes what is missing."""
+"""Serial number of a robot -> its caches.  Use `memory`, which creates missing ones."""
 
 
 def memory(robot: Robot) -> dict[Hashable, Any]:
-    """What is kept for this robot; written with single, atomic dict operations, so no lock is needed."""
+    """The caches of this robot.  They are changed by single, atomic dict operations only, so no lock is needed."""
     found = MEMORY.get(robot.serial)
     if found is None:
         found = MEMORY.setdefault(robot.serial, {})

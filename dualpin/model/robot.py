@@ -1,4 +1,4 @@
-"""The robot: a tree of joints, each moving a rigid body, with named frames.  Nobody modifies it."""
+"""The robot: a tree of joints, each moving a rigid body, with named frames.  It is immutable."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .tree import Frame, Joint, Limits, Link, Mimic, Rotor
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 BASE = "root_joint"
-"""The joint of a base that floats, as Pinocchio calls it."""
+"""Name of the joint of a floating base, as in Pinocchio."""
 _serials = itertools.count()
 
 
@@ -37,17 +37,17 @@ class Robot:
     links: tuple[Link, ...] = ()
     gravity: Vector3 = field(default_factory=lambda: Vector3(*map(exact, STANDARD_GRAVITY)))
     notes: tuple[str, ...] = ()
-    """What the reader assumed or found odd."""
+    """Assumptions and remarks of the reader."""
     source: str | None = None
     """The file it was read from."""
     serial: int = field(init=False, repr=False, default_factory=_serials.__next__)
-    """No other robot of the process has it: by this number things computed for it are found (`model.memory`)."""
+    """Unique in the process; the key of the robot's caches (`model.memory`)."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {f.name: getattr(self, f.name) for f in fields(self) if f.init}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state, serial=next(_serials))  # another robot, though equal
+        self.__dict__.update(state, serial=next(_serials))  # an equal robot, but not the same one
 
     # the tree, as the algorithms walk it
 
@@ -75,7 +75,7 @@ class Robot:
 
     @property
     def at_rest(self) -> Vector3:
-        """Acceleration that stands for gravity: a base at rest accelerates upwards (Einstein)."""
+        """The upward acceleration of the base that is equivalent to gravity."""
         return motor(ZERO_VECTOR, -self.gravity)
 
     @property
@@ -85,7 +85,7 @@ class Robot:
 
     @cached_property
     def numbers(self) -> str:
-        """What its constants are: "double", "other" (numbers of more digits, as lifted), or "symbolic"."""
+        """The type of its constants: "double", "other" (scalars of more digits, after `lift`), or "symbolic"."""
         values = list(constants(self))
         if all(isinstance(x, (int, float, Exact)) for x in values):
             return "double"
@@ -163,7 +163,7 @@ class Robot:
     # variants
 
     def with_gravity(self, gravity: Sequence[float]) -> Robot:
-        """The same robot elsewhere: gravity as a vector in the world frame [m/s^2]."""
+        """The same robot with another gravity, a vector in the world frame [m/s^2]."""
         return replace(self, gravity=gravity_vector(gravity))
 
     def attach(
@@ -189,7 +189,7 @@ class Robot:
         """The same robot with every constant x replaced by scalar(x); see `dualpin.model.lift`."""
         return home("Robot.lift")(self, scalar)
 
-    # what other rooms make of it
+    # delegates to other rooms, see delegates.py
 
     def kernel(self, name: str, dtype: Any = np.float64, **options: Any) -> Callable[..., np.ndarray]:
         """One term as a callable for loops, (*arrays, out=None) -> array; see `dualpin.call.kernel`."""
@@ -225,14 +225,14 @@ class Robot:
 
 
 def expect_robot(what: str, robot: object) -> None:
-    """Refuse all but a robot; for a name or a path, say what reads it."""
+    """Raise if it is not a robot; for a name or a path the message names `dualpin.load`."""
     if not isinstance(robot, Robot):
         hint = f"; dualpin.load({robot!r}) reads one" if isinstance(robot, str) else ""
         raise ArgumentError(f"{what}: a Robot expected, got {type(robot).__name__}{hint}")
 
 
 def expect_numbers(what: str, robot: Robot) -> None:
-    """Refuse what is no robot, and a robot whose constants are symbols."""
+    """Raise if it is not a robot, or its constants are symbols."""
     expect_robot(what, robot)
     if robot.numbers == "symbolic":
         raise ArgumentError(
@@ -242,7 +242,7 @@ def expect_numbers(what: str, robot: Robot) -> None:
 
 
 def constants(robot: Robot) -> Iterator[Scalar]:
-    """Every number a result can depend on."""
+    """All numbers on which a result can depend."""
     yield from robot.gravity
     yield from (x for f in robot.frames for row in f.placement.rows for x in row)
     for j in robot:

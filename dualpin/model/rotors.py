@@ -1,4 +1,4 @@
-"""Motors: rotors that turn faster than their joints, carried by the link before."""
+"""Motors: geared rotors, carried by the preceding link."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from .tree import Rotor
 def with_rotors(robot: Robot, rotors: Mapping[str, Rotor | Scalar]) -> Robot:
     """The same robot with motors on some joints.
 
-    A rotor with the inertia I about its own axis, turning `ratio` times as fast as its joint, is felt
-    there as ratio^2 I: it becomes the joint's armature and is in every term and sum.  Its mass, if
-    given, is a body of its own on the preceding link.  What couples the turning of the rotor to that of
-    the link that carries it, ratio I w_link . axis v, is left out, as in Pinocchio.
+    A rotor with the inertia I about its own axis that turns `ratio` times as fast as its joint adds the
+    reflected inertia ratio^2 I to the joint's coordinate: the joint's armature, which every term contains.
+    Its mass, if given, is a body on the preceding link.  The coupling of the rotor's rotation with that of
+    the carrying link, ratio I w_link . axis v, is neglected, as in Pinocchio.
 
     Parameters
     ----------
@@ -30,14 +30,14 @@ def with_rotors(robot: Robot, rotors: Mapping[str, Rotor | Scalar]) -> Robot:
     Returns
     -------
     Robot
-        With `Joint.rotor` and `Joint.armature` set; an armature that was there is replaced.
+        With `Joint.rotor` and `Joint.armature` set; an earlier armature is replaced.
 
     Raises
     ------
     FrameNotFoundError
         If there is no such joint.
     ArgumentError
-        If a joint has several coordinates, or an inertia or a ratio makes no sense.
+        If a joint has several coordinates, or an inertia is negative or a ratio is zero.
 
     References
     ----------

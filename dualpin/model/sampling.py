@@ -17,9 +17,9 @@ def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple
     Parameters
     ----------
     n : int, optional
-        How many; None gives one state without a batch axis.
+        Number of states; None gives one state without a batch axis.
     seed : int, optional
-        Of `numpy.random.default_rng`.
+        Seed of `numpy.random.default_rng`.
 
     Returns
     -------
@@ -32,7 +32,7 @@ def sample(robot: Robot, n: int | None = None, seed: int | None = None) -> tuple
     Raises
     ------
     ArgumentError
-        If `n` or `seed` is no number.
+        If `n` or `seed` is not a whole number.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a robot is made of: joints and the bodies they move, frames, links."""
+"""The parts of a robot: joints with the bodies they move, frames, links."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ class Rotor:
     Attributes
     ----------
     inertia : scalar
-        Of what turns with the motor, about its own axis [kg m^2].
+        Inertia of the rotating parts about the motor's axis [kg m^2].
     ratio : scalar
-        How many times as fast as the joint it turns; of a sliding joint in rad/m.
+        Gear ratio: speed of the motor by speed of the joint; in rad/m for a prismatic joint.
     body : Inertia, optional
-        Its mass as the preceding link carries it, in the frame of the joint's fixed side.
+        The motor as a body on the preceding link, in the frame of the joint's fixed side.
     """
 
     inertia: Scalar = 0.0
@@ -56,7 +56,7 @@ class Rotor:
 
     @property
     def reflected(self) -> Scalar:
-        """What the joint feels of it, ratio^2 inertia: its armature."""
+        """The reflected inertia, ratio^2 inertia."""
         return self.inertia * self.ratio * self.ratio
 
 
@@ -67,11 +67,11 @@ class Joint:
     Attributes
     ----------
     placement : Pose
-        Of the joint's fixed side in the parent's moving frame.
+        Pose of the joint's fixed side in the parent's moving frame.
     inertia : Inertia
-        Of everything rigidly attached, about this joint's moving frame.
+        Inertia of all that is rigidly attached, about this joint's moving frame.
     q, v : slice
-        Where its coordinates and velocities lie in the robot's.
+        The indices of its coordinates and velocities in those of the robot.
     """
 
     name: str
@@ -85,11 +85,11 @@ class Joint:
     limits: Limits = field(default_factory=Limits)
     mimic: Mimic | None = None
     armature: tuple[Scalar, ...] = ()
-    """Inertia of its rotors, each felt at the joint's own coordinate [kg m^2, or kg of a slide]."""
+    """Reflected inertias of its rotors, at the joint's own coordinates [kg m^2, or kg for a prismatic one]."""
     rotor: Rotor | None = None
-    """What is known of its motor; what the joint feels of it is in `armature` already."""
+    """Its motor, if known; `armature` contains its reflected inertia."""
     passive: bool = False
-    """Whether it has no motor: `dualpin.simulate` gives it no torque."""
+    """True if it has no motor; `dualpin.simulate` gives it no torque."""
 
     def __repr__(self) -> str:
         return f"<Joint {self.name!r}: {self.kind}, q{_span(self.q)}, v{_span(self.v)}>"
@@ -100,12 +100,12 @@ class Joint:
 
     @property
     def damping(self) -> float:
-        """Viscous friction of the description [N m s/rad or N s/m]; no term takes it by itself."""
+        """Viscous friction of the description [N m s/rad or N s/m]; no term contains it."""
         return self.limits.damping
 
     @property
     def friction(self) -> float:
-        """Dry friction of the description [N m or N]; no term takes it by itself."""
+        """Dry friction of the description [N m or N]; no term contains it."""
         return self.limits.friction
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The vocabulary: vectors, rotations, quaternions, poses, inertias over any scalar; motions as arrays."""
+"""Spatial algebra: vectors, rotations, quaternions, poses, inertias over any scalar; motions as arrays."""
 
 from ..renamed import renamed_names
 from .adjoint import adjoint, coadjoint

@@ -1,4 +1,4 @@
-"""Changes of frame as 6x6 matrices, for those who want them: the algorithms carry motors without any."""
+"""Changes of frame as 6x6 matrices.  The algorithms do not use them."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ from .arrays import from_matrix
 
 
 def adjoint(T: ArrayLike) -> np.ndarray:
-    """Ad_T: takes a twist [w; v] of the frame T to the frame that T is described in, shape (..., 6, 6).
+    """Ad_T: transforms a twist [w; v] from the frame T to the frame in which T is given, shape (..., 6, 6).
 
         Ad = [R, 0; [p] R, R]
 
-    Its inverse transpose takes wrenches, see `coadjoint`; its columns are what the real and the dual
-    part of (1 + eps [p]) R do.
+    Its inverse transpose transforms wrenches, see `coadjoint`.
 
     Parameters
     ----------
@@ -29,7 +28,7 @@ def adjoint(T: ArrayLike) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If a matrix is no rigid motion.
+        If a matrix is not a rigid motion.
 
     References
     ----------
@@ -49,7 +48,7 @@ def adjoint(T: ArrayLike) -> np.ndarray:
 
 
 def coadjoint(T: ArrayLike) -> np.ndarray:
-    """Ad_T^-T: takes a wrench [n; f] of the frame T to the frame that T is described in, shape (..., 6, 6).
+    """Ad_T^-T: transforms a wrench [n; f] from the frame T to the frame in which T is given, shape (..., 6, 6).
 
         Ad^-T = [R, [p] R; 0, R]
 
@@ -66,7 +65,7 @@ def coadjoint(T: ArrayLike) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If a matrix is no rigid motion.
+        If a matrix is not a rigid motion.
 
     References
     ----------
@@ -84,7 +83,7 @@ def coadjoint(T: ArrayLike) -> np.ndarray:
 
 
 def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    from_matrix(T)  # raises where it is no rigid motion
+    from_matrix(T)  # raises if it is not a rigid motion
     X = np.asarray(T, dtype=float)
     return X[..., :3, :3], X[..., :3, 3]
 

@@ -1,7 +1,7 @@
 """Rigid motions as arrays: dual quaternions (..., 8), matrices (..., 4, 4), motors (..., 6).
 
 A dual quaternion is stored real part first, scalar first: w x y z | w x y z.  A motor is a twist
-[w; v].  The work is done by the classes of this package, over one array for each component.
+[w; v].  The classes of this package compute, with one array for each component.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def _dual_quaternion(what: str, value: ArrayLike) -> Quaternion:
     return Quaternion(*(Dual(x[i], x[i + 4]) for i in range(4)))
 
 
-_UNIT = 1e-6  # how far a norm may be from 1: more than any rounding, less than a mistake
+_UNIT = 1e-6  # tolerance of a norm: above rounding, below mistakes
 
 
 def _motion(what: str, value: ArrayLike) -> Quaternion:
@@ -60,7 +60,7 @@ def _together(what: str, *shapes: tuple[int, ...]) -> None:
 
 
 def _stack(q: Quaternion) -> np.ndarray:
-    # + 0.0: zeros without a sign
+    # + 0.0 removes the sign of zeros
     return np.stack(np.broadcast_arrays(*map(_float, (*q.real, *q.dual))), axis=-1) + 0.0
 
 
@@ -154,7 +154,7 @@ def to_matrix(x: ArrayLike) -> np.ndarray:
 
 
 def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
-    """The dual quaternion product a b: the motion b, then a, both about fixed axes, shape (..., 8).
+    """The dual quaternion product a b: the motion b followed by a, both in the fixed frame, shape (..., 8).
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def compose(a: ArrayLike, b: ArrayLike) -> np.ndarray:
 
 
 def inverse(x: ArrayLike) -> np.ndarray:
-    """Of a unit dual quaternion: its conjugate, shape (..., 8).
+    """The inverse of a unit dual quaternion, its conjugate, shape (..., 8).
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def exp(twist: ArrayLike) -> np.ndarray:
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5]
     """
     x = _numbers("exp: twist", twist, (6,))
-    rows = x.reshape(-1, 6)  # arrays also for one: they say nan where floats raise
+    rows = x.reshape(-1, 6)  # an array also for one sample: arrays give nan where floats raise
     with np.errstate(all="ignore"):
         return _stack(Quaternion.exp(_motor("exp: twist", rows) / 2)).reshape(*x.shape[:-1], 8)
 
@@ -292,7 +292,7 @@ def _log(q: Quaternion) -> np.ndarray:
 def _either(what: str, x: ArrayLike) -> Quaternion:
     try:
         matrices = np.shape(x)[-2:] == (4, 4)
-    except ValueError:  # ragged: the next line says so
+    except ValueError:  # ragged: the next line raises
         matrices = False
     return _dual_quaternion(what, from_matrix(x)) if matrices else _motion(what, x)
 
@@ -300,7 +300,7 @@ def _either(what: str, x: ArrayLike) -> Quaternion:
 def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
     """Screw linear interpolation a (a^-1 b)^s: constant screw motion from a (s = 0) to b (s = 1).
 
-    The shorter way round is taken.  (Kavan et al. 2008; Dantam & Chirikjian's screw interpolation)
+    It takes the shorter of the two motions.  (Kavan et al. 2008)
 
     Parameters
     ----------
@@ -338,7 +338,7 @@ class ScrewParameters:
     angle t in [0, pi] and distance d along the unit axis n; the axis is the line n + eps m with
     moment m = point x n, point its foot nearest to the origin; pitch d / t in metres per radian.
     A pure translation has angle 0, its direction as axis through the origin, and infinite pitch;
-    the identity, the z axis, no distance, and pitch 0.
+    the identity has the z axis, distance 0 and pitch 0.
     """
 
     angle: np.ndarray
@@ -349,7 +349,7 @@ class ScrewParameters:
     pitch: np.ndarray
 
 
-TURN = 8 * np.finfo(float).eps  # smaller angles cannot be told from rounding in a rotation matrix
+TURN = 8 * np.finfo(float).eps  # smaller angles cannot be distinguished from rounding in a rotation matrix
 
 
 def screw_parameters(T: ArrayLike) -> ScrewParameters:

@@ -1,8 +1,8 @@
-"""What is not dual-linear: the maps from motions to forces.
+"""Maps from motions to forces, which are not dual-linear.
 
-An inertia takes the twist w + eps v to the momentum p + eps l.  It exchanges the parts (v mostly
-makes p, w mostly makes l) and so does not commute with eps (Brodsky & Shoham 1999); but it is
-symmetric for the power pairing, power(U, I(V)) = power(V, I(U)), and that is all the algorithms ask.
+An inertia maps the twist w + eps v to the momentum p + eps l.  It maps the dual part v mostly to the real part p,
+and w to l, so it does not commute with eps (Brodsky & Shoham 1999).  But it is symmetric with respect to the
+power, power(U, I(V)) = power(V, I(U)), which is all that the algorithms need.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Inertia:
 
     @classmethod
     def of(cls, mass: Scalar, com: Iterable[Scalar], about_com: Iterable[Iterable[Scalar]]) -> Inertia:
-        """Of a body's mass, centre of mass, and rotational inertia about that, in the axes of the frame."""
+        """From mass, centre of mass, and rotational inertia about the centre of mass, in the axes of the frame."""
         J = Matrix3(*(Vector3(*map(exact, row)) for row in about_com))
         return Pose(position=Vector3(*map(exact, com))) @ cls(exact(mass), ZERO_VECTOR, J)
 
@@ -62,7 +62,7 @@ class Inertia:
 
     @property
     def parameters(self) -> list[Scalar]:
-        """m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz about the origin: what the regressor multiplies."""
+        """m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz about the origin, the parameters of the regressor."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rotational.rows
         return [self.mass, *self.moment, xx, xy, yy, xz, yz, zz]
 
@@ -100,7 +100,7 @@ class Articulated:
         return Articulated(self.M + b.M, self.H + b.H, self.J + b.J)
 
     def released(self, U: Wrench, d: Scalar) -> Articulated:
-        """I - U U^T / d: what is left to feel when the screw with U = I(s), d = power(s, U) is let go."""
+        """I - U U^T / d: the articulated inertia when the screw with U = I(s), d = power(s, U) moves freely."""
         f, n = U.real, U.dual
         kf, kn = f * (1 / d), n * (1 / d)
         return Articulated((self.M - kf.outer(f)).mirrored, self.H - kf.outer(n), (self.J - kn.outer(n)).mirrored)
@@ -118,7 +118,7 @@ class Connection:
     """B(V): the bilinear map  D(V, U) = [V x I(U) + U x I(V) - I(V x U)] / 2  for a given V.
 
     This is the Levi-Civita connection of the kinetic energy on SE(3) (Arnold 1966; as a matrix,
-    Echeandia & Wensing 2021).  By Jacobi's identity it sees only the angular part of U: with p
+    Echeandia & Wensing 2021).  By Jacobi's identity it depends only on the angular part of U: with p
     the linear momentum, B(V)(a + eps b) = a x p + eps (B a), twelve numbers in all.
     """
 

@@ -1,4 +1,4 @@
-"""Displacements: the dual rotation (1 + eps [p]) R, kept as its two real factors."""
+"""Displacements: the dual rotation (1 + eps [p]) R, stored as its two real factors."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ EPSILON = float_info.epsilon
 class Pose:
     """Position p and orientation R of one frame in another.
 
-    ``X @ thing`` carries a motor, an inertia or another pose from the frame X describes to the
-    frame it is described in; ``X.pull(motor)`` goes the other way.
+    ``X @ thing`` transforms a motor, an inertia or another pose from the inner to the outer frame;
+    ``X.pull(motor)`` transforms a motor from the outer to the inner frame.
     """
 
     __slots__ = ("position", "rotation", "shift")
@@ -36,7 +36,7 @@ class Pose:
 
     @classmethod
     def about(cls, axis: Vector3, angle: Scalar) -> Pose:
-        """Turn by t about, and slide by d along, an axis through the origin: angle t + eps d."""
+        """Rotation by t about, and translation by d along, an axis through the origin: angle t + eps d."""
         return cls(Rotation.about(axis, angle.real), axis * angle.dual)
 
     @classmethod
@@ -66,7 +66,7 @@ class Pose:
         return m - self.shift.cross(m)
 
     def pull(self, m: Vector3) -> Vector3:
-        """The motor m of the outer frame, described in the inner one."""
+        """The motor m of the outer frame, expressed in the inner one."""
         return self.rotation.T @ self.untranslate(m)
 
     def moved(self, X: Pose) -> Pose:
@@ -98,8 +98,8 @@ class Pose:
     def from_matrix(cls, T: Any) -> Pose:
         """Of a numeric homogeneous matrix; entries within rounding of -1, 0, 1 become exact constants.
 
-        Rounding means 4 eps: of 1 in the rotation, of the longest component in the position.  Only
-        what a product of a few matrices can leave behind is snapped, so nothing visible changes.
+        The tolerance is 4 eps, of 1 in the rotation and of the longest component in the position: the
+        rounding of a product of a few matrices.
         """
         T = np.asarray(T, dtype=float)
         scale = float(np.abs(T[:3, 3]).max())
@@ -108,7 +108,7 @@ class Pose:
 
     @property
     def snapped(self) -> Pose:
-        """The same with numbers within rounding of -1, 0, 1 exact, so that they cost nothing later; symbols stay."""
+        """The same with numbers within rounding of -1, 0, 1 made exact, which saves operations; symbols do not change."""
         entries = [x for row in self.rows for x in row]
         if not any(map(is_symbol, entries)):
             return Pose.from_matrix(self.array)
@@ -127,7 +127,7 @@ IDENTITY_POSE = Pose()
 
 
 def _kept(x: Scalar, scale: float, values: tuple[int, ...]) -> Scalar:
-    """A number snapped, a formula as it is: an exact number of SymPy too, as sqrt(3)/2, unless it is -1, 0 or 1."""
+    """A float snapped; a formula, or an exact number of SymPy such as sqrt(3)/2, unchanged unless it is -1, 0 or 1."""
     if is_symbol(x) and not getattr(x, "is_Float", False):
         return next((exact(n) for n in values if x == n), x)
     return _snapped(float(x), scale, values)

@@ -121,19 +121,19 @@ class Quaternion(Compound):
 
     @property
     def positive(self) -> Quaternion:
-        """Of q and -q, which are the same rotation, the one with w >= 0."""
+        """The one of q and -q, which are the same rotation, with w >= 0."""
         flip = real_part(self.w) < 0
         return type(self)(*(where(flip, -c, c) for c in self))
 
     @classmethod
     def about(cls, axis: Vector3, angle: Scalar) -> Quaternion:
-        """cos(t/2) + axis sin(t/2); of a dual angle about a unit line, the screw displacement."""
+        """cos(t/2) + axis sin(t/2); for a dual angle about a unit line, the screw displacement."""
         c, s = cos_sin(angle / 2)
         return cls(c, *(axis * s))
 
     @classmethod
     def exp(cls, v: Vector3) -> Quaternion:
-        """cos r + v sin r / r with r = |v|; over dual numbers, the motion by the motor 2 v."""
+        """cos r + v sin r / r with r = |v|; over dual numbers, the displacement by the motor 2 v."""
         y = v.dot(v)
         return cls(stumpff(0, y), *(v * stumpff(1, y)))
 
@@ -163,7 +163,7 @@ def displaced(r: Quaternion, t: Vector3) -> Quaternion:
     Parameters
     ----------
     r : Quaternion
-        A unit one: the rotation.
+        A unit quaternion: the rotation.
     t : Vector3
         The translation [m].
 

@@ -35,7 +35,7 @@ class Rotation(Matrix3):
 
     @classmethod
     def about(cls, axis: Vector3, angle: Scalar) -> Rotation:
-        """a a^T + cos t (1 - a a^T) + sin t [a]: what lies along the axis stays, the rest turns.
+        """a a^T + cos t (1 - a a^T) + sin t [a].
 
         A dual angle t + eps d about a unit line gives the screw displacement by t and d
         (Rodrigues 1840; by transference, Study 1903).

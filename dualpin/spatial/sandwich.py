@@ -1,7 +1,7 @@
-"""Points, lines and planes carried by dual quaternions, q x q*: what is conjugated says what is carried.
+"""Points, lines and planes transformed by dual quaternions, q x q*, with different conjugates.
 
-A line u + eps m is a dual vector, and its conjugate is q* alone.  A point 1 + eps p and a plane n - eps d change
-their sign with eps where a line does not, and need both conjugates, q* with eps replaced by -eps.
+A line u + eps m is a dual vector; its right factor is q*.  A point 1 + eps p and a plane n - eps d need both
+conjugates: the right factor is q* with eps replaced by -eps.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .vector import Vector3
 
 
 def transform_points(x: ArrayLike, points: ArrayLike) -> np.ndarray:
-    """Points carried by a motion:  1 + eps p' = q (1 + eps p) conj(q*),  conj: eps to -eps.
+    """Points transformed by a motion:  1 + eps p' = q (1 + eps p) conj(q*),  conj: eps to -eps.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def transform_points(x: ArrayLike, points: ArrayLike) -> np.ndarray:
     Raises
     ------
     ArgumentError, ShapeError
-        If x is no motion, or the leading axes do not go together.
+        If x is not a motion, or the leading axes do not broadcast.
 
     References
     ----------
@@ -56,7 +56,7 @@ def transform_points(x: ArrayLike, points: ArrayLike) -> np.ndarray:
 
 
 def transform_lines(x: ArrayLike, lines: Any) -> Any:
-    """Lines, and all dual vectors, carried by a motion:  u' + eps m' = q (u + eps m) q*.
+    """Lines, and all dual vectors, transformed by a motion:  u' + eps m' = q (u + eps m) q*.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def transform_lines(x: ArrayLike, lines: Any) -> Any:
 
 
 def transform_planes(x: ArrayLike, planes: ArrayLike) -> np.ndarray:
-    """Planes n . p = d carried by a motion:  n' - eps d' = q (n - eps d) conj(q*),  conj: eps to -eps.
+    """Planes n . p = d transformed by a motion:  n' - eps d' = q (n - eps d) conj(q*),  conj: eps to -eps.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ def quaternion_to_matrix(q: ArrayLike) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If a length is not 1 to 1e-6.
+        If a norm is not 1 to 1e-6.
 
     References
     ----------
@@ -177,7 +177,7 @@ def matrix_to_quaternion(R: ArrayLike) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If a matrix is no rotation to 1e-6.
+        If a matrix is not a rotation to 1e-6.
 
     References
     ----------
@@ -205,7 +205,7 @@ def _items(what: str, value: Any, size: int) -> tuple[np.ndarray, bool]:
 
 
 def _against(who: str, x: ArrayLike, items: np.ndarray) -> Quaternion:
-    """The motion (..., 1) that goes with items (..., k, size)."""
+    """The motion with one more axis, (..., 1), to broadcast with items (..., k, size)."""
     q = _stack(_either(f"{who}: x", x))[..., None, :]
     try:
         np.broadcast_shapes(q.shape[:-1], items.shape[:-1])

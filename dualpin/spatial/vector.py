@@ -22,7 +22,7 @@ M = TypeVar("M", bound="Matrix3")
 
 
 class Carrier(Protocol):
-    """What carries motors from one frame to another: a `Pose`."""
+    """An object that transforms motors from one frame to another: a `Pose`."""
 
     rotation: Matrix3
 
@@ -86,7 +86,7 @@ class Vector3(Compound):
         return Vector3(self.x.dual, self.y.dual, self.z.dual)
 
     def moved(self, X: Carrier) -> Vector3:
-        """A motor described in the frame X, carried to the frame X is described in."""
+        """A motor transformed from the frame X to the frame in which X is given."""
         moved: Vector3 = X.translate(X.rotation @ self)
         return moved
 
@@ -188,8 +188,8 @@ ZERO_MOTOR = motor(ZERO_VECTOR, ZERO_VECTOR)
 def power(screw: Twist, wrench: Wrench) -> Scalar:
     """Virtual power w.n + v.f of a wrench f + eps n on a twist w + eps v.
 
-    The dual part of the dot product; Ball's reciprocal product (Ball 1900).  It stands for every
-    product with a transposed motion subspace, whatever the kind of joint.
+    The dual part of the dot product; Ball's reciprocal product (Ball 1900).  It replaces products with the
+    transposed motion subspace, for all types of joints.
 
     Parameters
     ----------

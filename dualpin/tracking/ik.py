@@ -134,7 +134,7 @@ def ik(
     seed : int
         Of the random starts.
     engine : "auto", "compiled" or "numpy"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------

@@ -84,7 +84,7 @@ def manipulability_gradient(
         A link or joint name, its index, or the frame itself.
     q : array_like, shape (..., nq)
     engine : "auto", "compiled" or "numpy"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------

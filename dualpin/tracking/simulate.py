@@ -143,7 +143,7 @@ def simulate(
     rtol, atol : float
         Of adaptive methods and SciPy's.
     engine : "auto", "compiled" or "numpy"
-        What computes it.
+        How it is computed, see docs/engine.md.
 
     Returns
     -------
