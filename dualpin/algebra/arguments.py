@@ -1,4 +1,4 @@
-"""What goes into the dual algebra, and what is said when it cannot be computed."""
+"""Arguments and errors of the dual algebra."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ EPSILON = float(np.finfo(float).eps)
 
 
 class AssumptionError(DualpinError, np.linalg.LinAlgError):
-    """A decomposition that has no dual value here; the message names the assumption that failed."""
+    """A decomposition without a dual value for this matrix; the message names the assumption that failed."""
 
 
 class SingularError(AssumptionError, DualDivisionError):
@@ -44,7 +44,7 @@ def dual_array(what: str, x: Any, ndim: int = 0, *, symbols: bool = False) -> tu
 
 
 def gathered(x: Any) -> Any:
-    """Nested lists of dual numbers as one dual array; motors as what they hold."""
+    """Nested lists of dual numbers, or motors, as one dual array."""
     if isinstance(x, (list, tuple)) and any(hasattr(i, "dual") for i in _leaves(x)):
         return stack([gathered(i) for i in x])
     return Dual(x.real, x.dual) if hasattr(x, "dual") and not isinstance(x, Dual) else x
@@ -67,7 +67,7 @@ def matrices(what: str, A: Any, *, square: bool = False) -> tuple[np.ndarray, np
 
 
 def finite(what: str, a: np.ndarray) -> None:
-    """Refuse what LAPACK's iterations for eigenvalues and singular values do not come to an end with."""
+    """Refuse nan and inf, for which LAPACK's iterations may not end."""
     wrong = ~np.isfinite(a)
     if np.any(wrong):
         at = tuple(int(i) for i in np.argwhere(wrong)[0])
@@ -90,7 +90,7 @@ def where(wrong: np.ndarray) -> str:
 
 
 def eigenvalues(A: np.ndarray) -> np.ndarray:
-    """Of each matrix; real where all are, whatever NumPy's version makes of them."""
+    """Eigenvalues of each matrix; a real array if all are real, in every version of NumPy."""
     w = np.linalg.eigvals(A)
     return w if A.dtype.kind == "c" else real_if_real(w)[0]
 
@@ -102,9 +102,9 @@ def eigenpairs(A: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def real_if_real(w: np.ndarray, *others: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The real parts of all, if no entry of the first has an imaginary part; else all complex.
+    """The real parts of all arrays, if no entry of the first has an imaginary part; else all complex.
 
-    NumPy before 2.5 did so itself for real matrices, and later versions return complex arrays always.
+    NumPy before 2.5 does so itself for real matrices; later versions always return complex arrays.
     """
     real = not np.any(w.imag)
     return tuple(x.real.copy() if real else x.astype(complex, copy=False) for x in (w, *others))

@@ -21,7 +21,7 @@ from .motors import LineVector, Motor, as_motor
 def dual_matrix(T: ArrayLike) -> Dual:
     """The dual orthogonal matrix R + eps [p] R of homogeneous matrices, shape (..., 3, 3).
 
-    It carries motors from the child frame to the parent: composition is the product, inversion the transpose.
+    It transforms motors from the child frame to the parent: composition is the product, inversion the transpose.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def dual_matrix(T: ArrayLike) -> Dual:
     Raises
     ------
     ShapeError, ArgumentError
-        Where they are no homogeneous matrices.
+        If they are not homogeneous matrices.
 
     References
     ----------
@@ -93,7 +93,7 @@ def homogeneous(A: Any) -> np.ndarray:
 def euler_parameters(A: Any) -> Dual:
     """Dual Euler parameters e_0 ... e_3 of a dual orthogonal matrix: its dual quaternion, shape (..., 4).
 
-    The largest of the four squares 4 e_i^2 is rooted, the other three follow from it by division:
+    The square root of the largest of the four 4 e_i^2 is taken; the other three follow by division:
 
         4 e0^2 = 1 + a11 + a22 + a33,   4 e1^2 = 1 + a11 - a22 - a33,   ...
         a32 - a23 = 4 e0 e1,   a21 + a12 = 4 e1 e2,   ...
@@ -141,7 +141,7 @@ def _check_orthogonal(what: str, a: np.ndarray, b: np.ndarray) -> None:
 
 
 def screw_matrix(axis: Any, angle: Any) -> Dual:
-    """The dual matrix of a turn by t and slide by d along a line, for the dual angle t + eps d: shape (..., 3, 3).
+    """The dual matrix of the rotation by t about and translation by d along a line, for t + eps d, (..., 3, 3).
 
         A = E E^T + cos(t) (1 - E E^T) + sin(t) [E]
 
@@ -159,7 +159,7 @@ def screw_matrix(axis: Any, angle: Any) -> Dual:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------
@@ -179,7 +179,7 @@ def screw_matrix(axis: Any, angle: Any) -> Dual:
 def stacked(R: Matrix3) -> Dual:
     """The entries of a matrix of dual numbers as one dual array, shape (..., 3, 3)."""
     entries = [x if isinstance(x, Dual) else Dual(x, ZERO) for row in R.rows for x in row]
-    if any(is_symbol(part) for x in entries for part in (x.real, x.dual)):  # whole numbers leave no 1.0 behind
+    if any(is_symbol(part) for x in entries for part in (x.real, x.dual)):  # whole numbers become integers, not 1.0
         return Dual(*(np.array([_whole(getattr(x, p)) for x in entries], dtype=object).reshape(3, 3)
                       for p in ("real", "dual")))  # fmt: skip
     shape = np.broadcast_shapes(*(x.shape for x in entries))
@@ -216,7 +216,7 @@ def rodrigues(axis: Any, angle: Any) -> Motor:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------
@@ -270,7 +270,7 @@ def compose_screws(first: Any, second: Any, *, body: bool = False) -> Motor:
     """
     a, b = as_motor("compose_screws", first), as_motor("compose_screws", second)
     bottom = 1 - a.dot(b)
-    # the half turn leaves the rounding of T1.T2
+    # at a half turn only the rounding of T1.T2 remains
     lost = np.asarray(np.abs(bottom.real) <= 4 * EPSILON * (1 + np.abs(a.dot(b).real)))
     if np.any(lost):
         raise DualDivisionError(
@@ -298,7 +298,7 @@ def screw_of(rodrigues_vector: Any) -> tuple[Dual, LineVector]:
     Raises
     ------
     DualDivisionError
-        Of a pure translation, which has no axis.
+        For a pure translation, which has no axis.
 
     References
     ----------
@@ -317,7 +317,7 @@ def screw_of(rodrigues_vector: Any) -> tuple[Dual, LineVector]:
 
 
 def twist_between(T0: ArrayLike, T1: ArrayLike, dt: float = 1.0) -> Motor:
-    """The constant twist w + eps v, about the world's origin, that carries the pose T0 to T1 in the time dt.
+    """The constant twist w + eps v, about the world's origin, that moves the pose T0 to T1 in the time dt.
 
         T1 = exp(dt V) T0
 
@@ -338,7 +338,7 @@ def twist_between(T0: ArrayLike, T1: ArrayLike, dt: float = 1.0) -> Motor:
     Raises
     ------
     ShapeError, ArgumentError
-        Where they are no poses.
+        If they are not poses.
 
     References
     ----------

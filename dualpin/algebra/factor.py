@@ -1,7 +1,7 @@
 """Dual factorisations: QR, singular values, eigenvalues.
 
 Differentiating A = Q R, A = U S V^H, A V = V w splits the derivative into a skew part, which turns the
-orthogonal factors, and a rest, which changes the other factor; LAPACK factors the real part.
+orthogonal factors, and a remainder, which changes the other factor; LAPACK factors the real part.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .arguments import (
     where,
 )  # fmt: skip
 
-GAP = 64  # singular and eigenvalues nearer than this many roundings of the largest cannot be told apart
+GAP = 64  # singular values and eigenvalues nearer than this many roundings of the largest count as repeated
 
 
 def qr(A: Any) -> tuple[Dual, Dual]:
@@ -103,8 +103,8 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
     Returns
     -------
     U : Dual, shape (..., m, k);  S : Dual, shape (..., k);  Vh : Dual, shape (..., k, n);  k = min(m, n)
-        In each column of the smaller factor (V if m >= n, else U) the entry of largest real part in
-        modulus is positive; of equal ones the last.
+        In each column of the smaller factor (V if m >= n, else U) the entry of largest modulus in the real part
+        is positive; of equal ones the last.
 
     Raises
     ------
@@ -127,7 +127,7 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
         V, S, Uh = svd(Dual(H(a), H(da)))
         return Uh.H, S, V.H
     finite("svd: A", a)
-    a, scale = scaled(a, (-2, -1))  # the squares below neither over- nor underflow
+    a, scale = scaled(a, (-2, -1))  # prevents overflow and underflow of the squares below
     da, scale = da / scale, scale[..., 0]
     u, s, vh = np.linalg.svd(a, full_matrices=False)
     _distinct("svd: singular values", s, s[..., :1], nonzero=True)
@@ -141,7 +141,7 @@ def svd(A: Any) -> tuple[Dual, Dual, Dual]:
     turn_u, turn_v = f * (p * row + column * H(p)), f * (column * p + H(p) * row)
     ds = diagonals(p).real
     du = u @ (turn_u - p / row) + dav / row
-    if p.dtype.kind == "c":  # the phase is V's to choose: V' has no component i V
+    if p.dtype.kind == "c":  # the phase is free; it is chosen such that V' has no component i V
         du = du + u * (1j * diagonals(p).imag / s)[..., None, :]
     return Dual(u, du), Dual(s * scale, ds * scale), Dual(H(v), H(v @ turn_v))
 
@@ -205,7 +205,7 @@ def eig(A: Any, normalize: str = "transpose") -> tuple[Dual, Dual]:
     Raises
     ------
     AssumptionError
-        If eigenvalues of the real part are repeated (nearer than rounding makes them, judged with the
+        If eigenvalues of the real part are repeated (nearer than their rounding, estimated with the
         condition of the eigenvectors).
 
     Warns
@@ -233,7 +233,7 @@ def eig(A: Any, normalize: str = "transpose") -> tuple[Dual, Dual]:
     unit = np.full(w.shape, normalize == "unit")
     square = (v * v).sum(axis=-2)  # v^H v = 1 here
     if normalize == "transpose" and v.dtype.kind == "c":
-        unit = np.abs(square) < 1e-10  # rounding leaves eps times the condition of v; anything above is no accident
+        unit = np.abs(square) < 1e-10  # rounding of an isotropic vector leaves eps times the condition of v
         if np.any(unit):
             at = tuple(int(i) for i in np.argwhere(unit)[0])
             warnings.warn(
@@ -292,7 +292,7 @@ def _spectrum(name: str, a: np.ndarray, da: np.ndarray) -> tuple[np.ndarray, np.
             left = np.linalg.inv(v)
         except np.linalg.LinAlgError:
             left = np.full_like(v, np.inf)
-        # the distance of an eigenvalue from where it is computed: eps |A| |left vector| (Bauer & Fike)
+        # error bound of a computed eigenvalue: eps |A| |left vector| (Bauer & Fike)
         shaky = np.nan_to_num(np.linalg.norm(left, axis=-1).max(axis=-1, keepdims=True), nan=np.inf)
     apart = np.abs(w[..., :, None] - w[..., None, :])
     spread = np.where(np.eye(w.shape[-1], dtype=bool), np.inf, apart).min(axis=(-1, -2))

@@ -111,7 +111,7 @@ def lstsq(A: Any, b: Any, rcond: float | None = None) -> Dual:
 
     References
     ----------
-    Pennestri & Stefanelli (2007), for `pinv_simple`, whose solution is not of least squares.
+    Pennestri & Stefanelli (2007), whose solution is that of `pinv_simple` and not of least squares.
 
     Examples
     --------
@@ -177,8 +177,8 @@ def pinv(A: Any, rcond: float | None = None) -> Dual:
 def pinv_simple(A: Any, rcond: float | None = None) -> Dual:
     """The inverse A^+ - eps A^+ A' A^+ of Pennestri & Stefanelli (2007), eq 33.
 
-    A left inverse of tall matrices and a right inverse of wide ones, but A A^+ (A^+ A) is not
-    symmetric: not the Moore-Penrose inverse, and not the one that solves least squares problems.
+    It is a left inverse of tall matrices and a right inverse of wide ones.  But A A^+ (or A^+ A) is not
+    symmetric, so it is not the Moore-Penrose inverse and does not solve least squares problems.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def pinv_simple(A: Any, rcond: float | None = None) -> Dual:
     Raises
     ------
     ShapeError
-        If it is no matrix.
+        If it is not a matrix.
 
     References
     ----------
@@ -213,7 +213,7 @@ def pinv_simple(A: Any, rcond: float | None = None) -> Dual:
 
 
 def _pseudo_inverse(name: str, a: np.ndarray, da: np.ndarray, rcond: float | None) -> np.ndarray:
-    """A^+ of the real part, refused where A + eps A' has no constant rank."""
+    """A^+ of the real part; raises if the rank of A + eps A' is not constant."""
     if 0 in a.shape[-2:]:
         return np.zeros((*a.shape[:-2], a.shape[-1], a.shape[-2]), a.dtype)
     finite(f"{name}: A", a)
@@ -223,7 +223,7 @@ def _pseudo_inverse(name: str, a: np.ndarray, da: np.ndarray, rcond: float | Non
     if np.any(small):
         left = da - a @ (p @ da)
         defect = left - (left @ p) @ a
-        # the defect of an A' that respects the null spaces is rounding of these products
+        # if A' respects the null spaces, the defect is only the rounding of these products
         condition = np.where(small, 1.0, s[..., :1] / np.where(small, 1.0, s)).max(axis=-1)
         size = np.abs(da).max(axis=(-1, -2), initial=0.0) * condition
         wrong = np.abs(defect).max(axis=(-1, -2)) > 64 * EPSILON * max(a.shape[-2:]) * size
@@ -279,7 +279,7 @@ def norm(x: Any, axis: int | tuple[int, ...] | None = None, keepdims: bool = Fal
     ----------
     x : Dual or array_like
     axis : int or pair of int, optional
-        Over which it is taken; all by default.
+        The axes over which it is taken; by default all.
     keepdims : bool
         Keep those axes, of length 1.
 
@@ -290,7 +290,7 @@ def norm(x: Any, axis: int | tuple[int, ...] | None = None, keepdims: bool = Fal
     Raises
     ------
     DualDivisionError
-        Of pure duals: sqrt has no derivative at 0.
+        For pure duals: sqrt has no derivative at 0.
 
     References
     ----------

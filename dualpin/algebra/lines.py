@@ -12,7 +12,7 @@ from ..dual import Dual, atan2, cos_sin, sqrt, tan
 from .arguments import EPSILON, AssumptionError, length, where
 from .motors import LineVector, Motor, as_motor
 
-PARALLEL = 8 * EPSILON  # sines below cannot be told from the rounding of two unit vectors
+PARALLEL = 8 * EPSILON  # smaller sines cannot be distinguished from the rounding of two unit vectors
 
 
 def dual_angle(a: Any, b: Any) -> Dual:
@@ -20,14 +20,13 @@ def dual_angle(a: Any, b: Any) -> Dual:
 
         sin = |E1 x E2|,   cos = E1.E2,   theta in [0, pi]
 
-    theta counts about the common perpendicular E1 x E2, s is the distance along it from line 1 to line 2,
-    negative where the perpendicular of that sense points from 2 to 1.  Parallel lines: theta is 0 or pi
-    and s their distance.
+    theta is measured about the common perpendicular E1 x E2; s is the distance along it from line 1 to line 2,
+    negative if the perpendicular points from 2 to 1.  For parallel lines theta is 0 or pi and s their distance.
 
     Parameters
     ----------
     a, b : LineVector, Motor, Dual (..., 3) or array_like (..., 6)
-        Only their axes count.
+        Only their axes are used.
 
     Returns
     -------
@@ -36,7 +35,7 @@ def dual_angle(a: Any, b: Any) -> Dual:
     Raises
     ------
     AssumptionError, ShapeError
-        Where one has no axis (a couple, or zero); for other arrays than above.
+        If one has no axis (a couple, or zero), or an array has another shape.
 
     References
     ----------
@@ -58,7 +57,7 @@ def dual_angle(a: Any, b: Any) -> Dual:
 
 
 def common_perpendicular(a: Any, b: Any) -> tuple[LineVector, np.ndarray, np.ndarray]:
-    """The common perpendicular of two lines, directed from the first to turn into the second, and its feet.
+    """The common perpendicular of two lines, along E1 x E2, and its feet.
 
         E3 = E1 x E2 / |E1 x E2|,   P_i = q_i + h_i u_i,
         h_1 = (q_2 - q_1) x u_2 . u_3 / sin(theta),   h_2 = (q_2 - q_1) x u_1 . u_3 / sin(theta)
@@ -73,12 +72,12 @@ def common_perpendicular(a: Any, b: Any) -> tuple[LineVector, np.ndarray, np.nda
     -------
     line : LineVector
     foot1, foot2 : ndarray, shape (..., 3)
-        Where it meets line 1 and line 2.
+        The points where it meets line 1 and line 2.
 
     Raises
     ------
     AssumptionError
-        Of parallel lines: they have infinitely many.
+        For parallel lines, which have infinitely many.
 
     References
     ----------
@@ -117,7 +116,7 @@ def _pair(what: str, a: Any, b: Any) -> tuple[LineVector, LineVector, np.ndarray
 
 @dataclass(frozen=True)
 class ScrewSum:
-    """The steps of `screw_sum`: everything is dual; `sum` is the plain sum."""
+    """The steps of `screw_sum`, all in dual numbers; `sum` is the sum of the motors."""
 
     theta: Dual
     """The dual angle from the first axis to the second."""
@@ -134,12 +133,12 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
     """The sum of two motors by the triangle of dual angles.
 
         |A| = sqrt(A1.A1 + A2.A2 + 2 A1.A2),   alpha1 = atan2(sin(theta) |A2|, |A1| + |A2| cos(theta))
-        E = E1 turned by alpha1 about E12:   T = tan(alpha1 / 2) E12,   E = E1 + 2 T / (1 + T.T) x (E1 + T x E1)
+        E = E1 rotated by alpha1 about E12:   T = tan(alpha1 / 2) E12,   E = E1 + 2 T / (1 + T.T) x (E1 + T x E1)
 
     Parameters
     ----------
     a, b : Motor, Dual (3,) or array_like (6,)
-        With axes that are not parallel.
+        Their axes must not be parallel.
 
     Returns
     -------
@@ -149,7 +148,7 @@ def screw_sum(a: Any, b: Any) -> ScrewSum:
     Raises
     ------
     AssumptionError, DualDivisionError
-        Of parallel axes, couples, and sums without an axis.
+        For parallel axes, couples, and sums without an axis.
 
     References
     ----------
@@ -191,7 +190,7 @@ def motor_sum(a: Any, b: Any) -> Motor:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------
@@ -231,7 +230,7 @@ class Cylindroid:
         return h1 * np.cos(phi) ** 2 + h2 * np.sin(phi) ** 2
 
     def height(self, phi: ArrayLike) -> np.ndarray:
-        """Where along the nodal line, from the centre."""
+        """The position along the nodal line, from the centre [m]."""
         h1, h2 = self.pitches
         return (h2 - h1) * np.sin(phi) * np.cos(phi)
 

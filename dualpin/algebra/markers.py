@@ -14,24 +14,24 @@ from ..errors import ArgumentError, ShapeError
 from ..spatial import ScrewParameters, compose, exp, screw_parameters, transform_points
 from .linear import solve
 
-FLAT = 1e-9  # of the largest spread: markers nearer than this to one line do not fix a motion
+FLAT = 1e-9  # of the largest spread: markers nearer than this to one line do not determine a motion
 
 
 @dataclass(frozen=True)
 class MarkerMotion:
-    """A motion found from markers, and how well they agree with it.
+    """A motion estimated from markers, with residuals and standard deviations.
 
     Attributes
     ----------
     dual_quaternion : ndarray, shape (..., 8)
-        From before to after, w x y z | w x y z.
+        The motion from before to after, w x y z | w x y z.
     screw : ScrewParameters
         Angle, distance, axis, point, pitch.
     residuals : ndarray, shape (..., k)
-        How far each marker lies from where the motion takes it [m].
+        Distance of each marker from the position predicted by the motion [m].
     noise : ndarray, shape (...)
-        Standard deviation of a measured coordinate, from the residuals and 3 k - 6 degrees of freedom [m]; both
-        measurements together, so that one has 1 / sqrt(2) of it.  With exact data it is rounding.
+        Standard deviation of a residual coordinate, with 3 k - 6 degrees of freedom [m].  It contains the noise of
+        both measurements; that of one is 1 / sqrt(2) of it.
     deviations : dict of ndarray
         Standard deviations of angle [rad], distance [m], axis (3) and point (3) [m] of the screw, to first order.
     """
@@ -52,8 +52,8 @@ def screw_from_markers(before: ArrayLike, after: ArrayLike) -> MarkerMotion:
 
         N v = w v,    [N - w, -v; v^T, 0] (v'; w') = (-N' v; 0)
 
-    By transference its real part is the rotation that fits best, and its dual part the translation that takes centre
-    to centre: the least squares motion of the points.
+    By transference its real part is the best rotation, and its dual part the translation that maps centre to
+    centre: the least squares motion of the points.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def _horn(B: Dual) -> Dual:
 
 
 def _largest(N: Dual) -> Dual:
-    """The unit eigenvector of the largest eigenvalue, which need not wait for the others to be simple."""
+    """The unit eigenvector of the largest eigenvalue; the other eigenvalues may be repeated."""
     w, V = np.linalg.eigh(N.real)
     v = V[..., -1]
     bordered = np.zeros((*v.shape[:-1], 5, 5))
@@ -137,13 +137,13 @@ def _largest(N: Dual) -> Dual:
 
 
 def _deviations(x: np.ndarray, after: np.ndarray, noise: np.ndarray) -> dict[str, np.ndarray]:
-    """Of the screw, from the covariance noise^2 (J^T J)^-1 of a small twist of the markers, J = [-[p], 1]."""
+    """Deviations of the screw, from the covariance noise^2 (J^T J)^-1 of a small twist, J = [-[p], 1]."""
     J = np.zeros((*after.shape[:-1], 3, 6))
     J[..., :3] = np.cross(after[..., None, :], np.eye(3)[None]).swapaxes(-1, -2) * -1
     J[..., 3:] = np.eye(3)
     J = J.reshape(*after.shape[:-2], -1, 6)
     covariance = np.linalg.pinv(J.swapaxes(-1, -2) @ J) * (noise**2)[..., None, None]
-    h = 1e-6  # of central differences: h^2 and rounding / h, far below any deviation worth the name
+    h = 1e-6  # step of central differences: their errors h^2 and rounding / h are far below the deviations
     steps = [[screw_parameters(compose(exp(s * h * e), x)) for s in (1, -1)] for e in np.eye(6)]
 
     def deviation(what: str) -> np.ndarray:

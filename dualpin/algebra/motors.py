@@ -17,7 +17,7 @@ from ..errors import ShapeError
 from ..spatial.vector import Vector3
 from .arguments import EPSILON, SingularError, dual_array, length, scaled, where
 
-ROUNDING = 64 * EPSILON  # what vanishes only to rounding, a few operations on entries of size 1, counts as zero
+ROUNDING = 64 * EPSILON  # values below count as zero: the rounding of a few operations on entries of size 1
 
 
 class Motor:
@@ -30,8 +30,8 @@ class Motor:
 
     Notes
     -----
-    One motor is a `dualpin.spatial.Vector3` of dual numbers, and its algebra stands there; this class holds arrays
-    of them and says what they are as geometry.
+    `dualpin.spatial.Vector3` over dual numbers defines the algebra of motors; this class holds arrays of them and
+    adds their geometry.
 
     References
     ----------
@@ -104,7 +104,7 @@ class Motor:
         return self + -as_motor("difference", b)
 
     def __mul__(self, s: Any) -> Motor:
-        """Times a dual number a + eps a': scaled by a, with the pitch increased by a' / a."""
+        """The product with a dual number a + eps a': scaled by a, with the pitch increased by a' / a."""
         s = s if isinstance(s, Dual) else Dual(np.asarray(s, dtype=float))
         return Motor.of_entries(self.entries * s)
 
@@ -130,7 +130,7 @@ class Motor:
 
     @property
     def magnitude(self) -> Dual:
-        """sqrt(M.M) = a + eps M.M' / a.  A couple has none: `DualDivisionError`."""
+        """sqrt(M.M) = a + eps M.M' / a; raises `DualDivisionError` for a couple."""
         unit, scale = scaled(self.real, -1)
         size = np.sqrt(_dot(unit, unit))
         _need_direction("magnitude", size)
@@ -143,7 +143,7 @@ class Motor:
 
     @property
     def direction(self) -> np.ndarray:
-        """Unit vector of the real part; of a couple, of its dual part."""
+        """Unit vector of the real part; for a couple, of its dual part."""
         size, moment = (length(x, -1, keepdims=True) for x in (self.real, self.dual))
         safe = np.where(moment > 0, moment, 1.0)
         return np.where(size > 0, self.real / np.where(size > 0, size, 1.0), self.dual / safe)
@@ -158,7 +158,7 @@ class Motor:
 
     @property
     def pitch(self) -> np.ndarray:
-        """M.M' / M.M in metres per radian (of a twist); of a couple infinite, of zero nan."""
+        """M.M' / M.M in metres per radian (for a twist); infinite for a couple, nan for zero."""
         unit, scale = scaled(self.real, -1)
         square, mixed = _dot(unit, unit), _dot(unit, self.dual / scale)
         no_couple = np.where(np.any(self.dual != 0, axis=-1), np.inf, np.nan)
@@ -184,7 +184,7 @@ class LineVector(Motor):
         return cls(vector.real, vector.dual)
 
     def __neg__(self) -> LineVector:
-        """The same line, run the other way."""
+        """The same line with the opposite direction."""
         return LineVector(-self.real, -self.dual)
 
     @property
@@ -234,7 +234,7 @@ def line(point: ArrayLike, direction: ArrayLike) -> LineVector:
 
 
 def as_motor(what: str, x: Any) -> Motor:
-    """A motor of a `Motor`, a dual array (..., 3), or an array (..., 6)."""
+    """A motor from a `Motor`, a dual array (..., 3), or an array (..., 6)."""
     if isinstance(x, Motor):
         return x
     a, b = dual_array(what, x, 1)
@@ -264,7 +264,7 @@ def classify(motor: Any, tol: float = ROUNDING) -> np.ndarray:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------
@@ -285,7 +285,7 @@ def classify(motor: Any, tol: float = ROUNDING) -> np.ndarray:
 
 
 def pitch(motor: Any) -> np.ndarray:
-    """M.M' / M.M in metres per radian; infinite of a couple, nan of zero.  Per turn: times 2 pi.
+    """M.M' / M.M in metres per radian; infinite for a couple, nan for zero.  Per turn: times 2 pi.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ def pitch(motor: Any) -> np.ndarray:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------
@@ -316,7 +316,7 @@ def pitch(motor: Any) -> np.ndarray:
 def reciprocal(a: Any, b: Any) -> np.ndarray:
     """Ball's reciprocal product A.B' + A'.B, the dual part of the dot product; zero when a, b are reciprocal.
 
-    Of a twist w + eps v and a wrench f + eps n the virtual power; of two unit lines -s sin(theta), zero when
+    For a twist w + eps v and a wrench f + eps n it is the virtual power; for two unit lines -s sin(theta), zero if
     they meet or are parallel.
 
     Parameters
@@ -331,7 +331,7 @@ def reciprocal(a: Any, b: Any) -> np.ndarray:
     Raises
     ------
     ShapeError
-        Where the last axis is not that of a motor.
+        If the last axis is not that of a motor.
 
     References
     ----------

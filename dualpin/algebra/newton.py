@@ -14,19 +14,19 @@ from ..parts import array
 from .arguments import AssumptionError, dual_array
 from .linear import lstsq, solve
 
-ROUNDING = 1e-9  # steps this small are within reach of rounding, whatever the condition of the root
+ROUNDING = 1e-9  # steps this small may be rounding, even for an ill-conditioned root
 
 
 @dataclass
 class NewtonResult:
-    """The solution and the way to it."""
+    """The solution and the iterates."""
 
     x: Dual
     converged: bool
     iterates: list[Dual] = field(default_factory=list)
     """x_0, x_1, ..., the last of them `x`."""
     values: list[Dual] = field(default_factory=list)
-    """f at the iterates before the last; see `residual` for the last."""
+    """f at all iterates except the last; see `residual`."""
     residual: float = np.inf
     """max |f(x)| over both parts."""
 
@@ -49,18 +49,18 @@ def newton(
     Parameters
     ----------
     f : callable
-        Of a scalar dual number; or of a list of n of them, with a sequence of m dual numbers as its result.
-        Written in the operations and functions of dual numbers (``np.sin``, ...): it is differentiated
-        exactly, by running it on derivatives.
+        A function of a scalar dual number; or of a list of n of them, with a sequence of m dual numbers as its
+        result.  It uses the operations and functions of dual numbers (``np.sin``, ...) and is differentiated
+        exactly.
     x0 : Dual or sequence of Dual
-        Where to begin; a sequence or a dual array (n,) for a system.
+        The start; a sequence or a dual array (n,) for a system.
     tol : float
-        Stop when a step changes no part by more than tol max(1, |x|), or when steps below 1e-9 shrink no more.
+        Stop when a step changes no part by more than tol max(1, |x|), or when steps below 1e-9 no longer shrink.
     max_iterations : int
-        After which it counts as not converging.
+        Raises after this many iterations.
     real_only : sequence of int
-        Unknowns that are real: their dual parts are no unknowns and stay as given.  Then the real and the
-        dual equations are solved together.
+        Indices of unknowns that are real: their dual parts stay as given.  Then the real and the dual equations
+        are solved together.
     jacobian : callable, optional
         The dual derivative (or matrix) instead of the exact differentiation.
 
@@ -71,7 +71,7 @@ def newton(
     Raises
     ------
     SingularError
-        Where the real part of the derivative is singular.
+        If the real part of the derivative is singular.
     AssumptionError
         If the iteration does not converge.
 
@@ -106,7 +106,7 @@ def newton(
         result.iterates.append(x[0] if scalar else x)
         size = max(1.0, float(np.abs(x.real).max()), float(np.abs(x.dual).max()))
         length = float(max(np.abs(step.real).max(), np.abs(step.dual).max()))
-        # near a root steps shrink quadratically; those that no longer do are rounding
+        # near a root steps shrink quadratically; if they no longer do, they are rounding
         result.converged = length <= tol * size or (length <= ROUNDING * size and length > last / 2)
         if result.converged:
             break
@@ -132,7 +132,7 @@ def _linearized(f: Any, x: Dual, scalar: bool, jacobian: Any) -> tuple[Dual, Dua
         F, J = f(argument), jacobian(argument)
         return (stack([F]), stack([stack([J])])) if scalar else (Dual(*dual_array("f", F)), Dual(*dual_array("J", J)))
     n = x.shape[0]
-    # dual numbers whose parts are dual numbers: the inner eps differentiates, once for each unknown
+    # dual numbers with dual parts: the inner eps differentiates by each unknown
     seeds, zero = np.eye(n), np.zeros(n)
     unknowns = [Dual(Dual(x.real[i] + zero, seeds[i]), Dual(x.dual[i] + zero, zero)) for i in range(n)]
     values = f(unknowns[0] if scalar else unknowns)
@@ -154,7 +154,7 @@ def _step(F: Dual, J: Dual, real_only: list[int]) -> Dual:
     m, n = J.shape
     if not real_only:
         return solve(J, F) if m == n else lstsq(J, F)
-    # (J dx; J' dx + J dx') with the columns of the dual unknowns that do not exist left out
+    # (J dx; J' dx + J dx') without the columns of dual parts that are not unknowns
     free = [i for i in range(n) if i not in real_only]
     big = np.block([[J.real, np.zeros((m, len(free)))], [J.dual, J.real[:, free]]])
     y = np.linalg.lstsq(big, np.concatenate((F.real, F.dual)), rcond=None)[0]

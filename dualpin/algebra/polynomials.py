@@ -21,11 +21,11 @@ from .arguments import (
 )
 
 SENSITIVE = 1e3
-"""Condition of a root, sum |c_k x^k| / |x p'(x)|, above which it is found in multiple precision: below, double
-precision costs at most three of sixteen digits."""
-DIGITS = 50  # of multiple precision, beside two for each degree
-APART = 1e-9 * (1 + 1j)  # relative, and absolute at 0: between approximations from which the iteration begins
-STEPS = 600  # of the simultaneous iteration: simple roots need tens, double ones a step for each bit
+"""Condition of a root, sum |c_k x^k| / |x p'(x)|, above which it is computed in multiple precision; below, double
+precision loses at most three of sixteen digits."""
+DIGITS = 50  # of multiple precision, plus two for each degree
+APART = 1e-9 * (1 + 1j)  # relative, and absolute at 0: the least distance of initial approximations
+STEPS = 600  # of the simultaneous iteration: simple roots need some tens, double ones one step for each bit
 
 
 def polyval(x: Any, c: Any) -> Dual:
@@ -44,7 +44,7 @@ def polyval(x: Any, c: Any) -> Dual:
     Raises
     ------
     ShapeError
-        Where the shapes do not go together.
+        If the shapes do not broadcast.
 
     References
     ----------
@@ -69,9 +69,9 @@ def polyroots(c: Any) -> Dual:
 
         x  a root of the real parts p,   x' = -sum c'_k x^k / p'(x)
 
-    The real parts' roots are eigenvalues of the companion matrix, refined by Newton's method.  Where the
-    roots are so sensitive that double precision would cost digits, all roots of the polynomial are found
-    again in multiple precision: they are then those of the coefficients as given.
+    The real parts' roots are eigenvalues of the companion matrix, refined by Newton's method.  If roots are
+    so sensitive that double precision would lose digits, all roots of the polynomial are computed again in
+    multiple precision, as the roots of the given coefficients.
 
     Parameters
     ----------
@@ -81,20 +81,20 @@ def polyroots(c: Any) -> Dual:
     Returns
     -------
     Dual, shape (..., n)
-        By ascending real part, then imaginary part; complex where a root is.
+        By ascending real part, then imaginary part; complex if a root is.
 
     Raises
     ------
     AssumptionError
-        At a repeated root of the real parts: no finite dual part exists, or any will do.  A root counts as
-        repeated when one rounding of the coefficients can make it so,  |p'|^2 / |2 p''| <= u sum |c_k x^k|.
+        For a repeated root of the real parts, where no finite dual part exists or every one is a solution.  A root
+        counts as repeated if a rounding of the coefficients can make it so,  |p'|^2 / |2 p''| <= u sum |c_k x^k|.
     SingularError
         If the leading coefficient is purely dual.
 
     Warns
     -----
     DualpinWarning
-        When the rounding of the coefficients, u sum |c_k x^k| / |p'(x)|, leaves a root fewer than eight digits.
+        If the rounding of the coefficients, u sum |c_k x^k| / |p'(x)|, determines a root to fewer than eight digits.
 
     References
     ----------
@@ -146,7 +146,7 @@ def polyroots(c: Any) -> Dual:
 
 
 def _whole_numbers(c: Any) -> np.ndarray | None:
-    """Lists of Python integers as they are: beyond 2^53 doubles would round them."""
+    """Lists of Python integers, unchanged: doubles would round those beyond 2^53."""
     if not isinstance(c, (list, tuple)):
         return None
     entries = np.asarray(c, dtype=object)
@@ -165,9 +165,9 @@ def _refined(c: np.ndarray, dc: np.ndarray, near: np.ndarray, u: float, at: tupl
         curve = [k * slope[k] for k in range(1, n)]
         u_ = mpmath.mpf(u) if u else mpmath.mpf(10) ** -DIGITS
         try:
-            # a root of multiplicity m is found to 1/m of the digits, and slowly
+            # a root of multiplicity m converges slowly, to 1/m of the digits
             extra = min(n, 6) * mpmath.mp.prec
-            # equal approximations would never part
+            # the iteration cannot separate equal approximations
             start = [mpmath.mpmathify(complex(z)) * (1 + k * APART) + k * APART for k, z in enumerate(near.tolist(), 1)]
             found = mpmath.polyroots(a[::-1], maxsteps=STEPS, extraprec=extra, roots_init=start)
         except mpmath.mp.NoConvergence:

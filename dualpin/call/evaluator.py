@@ -16,8 +16,8 @@ from .kernels import Kernels
 
 ENGINES = ("auto", "compiled", "tiered", "numpy", "cuda")
 """auto: compiled where there is a compiler and the term is a straight-line program, else NumPy; compiled: an error if
-that is impossible; tiered: NumPy until a thread has compiled it; numpy: the source itself on arrays; cuda: kernels of an
-Nvidia GPU, for arrays on it."""
+that is impossible; tiered: NumPy until a thread has compiled it; numpy: the source itself on arrays; cuda: kernels of
+an Nvidia GPU, for arrays on it."""
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 

@@ -1,1 +1,1 @@
-"""The compiled engine: a term becomes a graph, the graph code, the code a kernel that takes arrays."""
+"""The compiled engine: a term becomes a graph, the graph LLVM IR, and the IR a kernel for arrays."""

@@ -108,7 +108,7 @@ class Pose:
 
     @property
     def snapped(self) -> Pose:
-        """The same with numbers within rounding of -1, 0, 1 made exact, which saves operations; symbols do not change."""
+        """The same with numbers within rounding of -1, 0, 1 made exact, to save operations; symbols do not change."""
         entries = [x for row in self.rows for x in row]
         if not any(map(is_symbol, entries)):
             return Pose.from_matrix(self.array)

@@ -1,1 +1,1 @@
-"""Code generation: a schedule as LLVM IR, text that no compiler has seen yet."""
+"""Code generation: a schedule as the text of LLVM IR."""

@@ -1,7 +1,7 @@
 """A writer of LLVM IR whose calls read like C: expressions, `if_`, `for_`, early returns.
 
-Values have one assignment, so there are no variables to change: a loop has its counter, and a value
-that depends on a condition is chosen.  That is SSA form already, and no pass has to make it.
+Values are assigned once: a loop has its counter, and a value that depends on a condition is selected.  So the code is
+in SSA form, without a pass for it.
 
     with c.for_(n) as k:                  for (k = 0; k < n; k++)
         with c.if_(p.item("i64", k) < 0):     if (((int64_t *)p)[k] < 0)
@@ -24,7 +24,7 @@ _COMPARISONS = {
 
 
 class Value:
-    """The result of an expression: its name in IR and its type there."""
+    """The result of an expression: its name and type in the IR."""
 
     def __init__(self, c: Writer, name: str, kind: str) -> None:
         self.c, self.name, self.type = c, name, kind
@@ -89,7 +89,7 @@ class Value:
 
 
 class Record:
-    """A pointer to a struct; an attribute is the field of that name, read where it is asked for."""
+    """A pointer to a struct; reading an attribute loads the field of that name."""
 
     def __init__(self, pointer: Value, fields: Mapping[str, str]) -> None:
         self._pointer, self._fields = pointer, fields
@@ -146,7 +146,7 @@ class Writer:
         return Value(self, str(x), kind)
 
     def call(self, function: str | Value, *arguments: Value, gives: str = "void") -> Value:
-        """A call; of what it gives, the result."""
+        """A call and its result."""
         name = function.name if isinstance(function, Value) else f"@{function}"
         text = f"call {gives} {name}({', '.join(f'{x.type} {x.name}' for x in arguments)})"
         if gives != "void":
@@ -176,7 +176,7 @@ class Writer:
         self._start(after)
 
     def choose(self, condition: Value, yes: Callable[[], Value], no: Callable[[], Value]) -> Value:
-        """condition ? yes() : no(), of which only one is run."""
+        """condition ? yes() : no(); only one of them is evaluated."""
         then, other, after = self._labels("then", "else", "after")
         self._do(f"br i1 {condition.name}, label %{then}, label %{other}")
         ends = []
@@ -192,7 +192,7 @@ class Writer:
 
     @contextmanager
     def for_(self, count: Value) -> Iterator[Value]:
-        """The counter: 0, 1, ... below count."""
+        """A loop with the counter 0, 1, ... below count."""
         before, (head, body, after) = self.block, self._labels("head", "body", "after")
         self._jump(head)
         self._start(head)

@@ -1,12 +1,12 @@
-"""Cache-line stores: results leave as whole lines of the cache, where a vector is as long as a line (AVX-512).
+"""Cache-line stores: results are stored as whole cache lines, where a vector is as long as a line (AVX-512).
 
     rows of a result     | r0 r0 r0 r0 r0 | r1 r1 r1 r1 r1 | r2 ...
     lines of the cache   ... ----][-----------][-----------][-----------][ ...
-    stored               each line once, from one register, also where rows and tiles meet
+    stored               each line once, from one register, also across the borders of rows and tiles
 
-A store that crosses the border between two lines costs two, and rows begin anywhere.  So what belongs to a
-line is put together in registers.  Results too many for the caches go past them;
-`jit.stores` measures from which size on.
+A store that crosses the border between two lines costs two stores, and rows begin at any offset.  So each line is
+assembled in a register.  Results larger than the caches use non-temporal stores; `jit.stores` measures from which size
+on.
 
 Gain (Zen 4): CRBA of tiago_dual 1.9 us instead of 3.8, all joint poses of panda 65 536 times 0.04 us instead of 0.17.
 Angles of the next tile between the stores: FK of talos 161 ns instead of 185 (Zen 4), 189 instead of 207 (Xeon).
@@ -25,11 +25,11 @@ from .transpose import Array, TileTransfer
 from .vector import VectorWriter
 
 Line = tuple[str, str]
-"""Where the line begins that an address is in, and how many numbers before it."""
+"""The beginning of the line that contains an address, and the distance to it in numbers."""
 
 
 def transfer_for(plan: Schedule, number: Number, width: int, host: Host) -> TileTransfer:
-    """The way in and out that takes this host the least time."""
+    """The fastest transfer on this host."""
     vectors, rest = divmod(len(plan.outputs), width)
     if width * number.size < 64 or vectors < tuning.WHOLE_LINES_FROM:
         return TileTransfer(plan, number, width, host)
@@ -37,11 +37,11 @@ def transfer_for(plan: Schedule, number: Number, width: int, host: Host) -> Tile
 
 
 class CacheLineTransfer(TileTransfer):
-    """Rows of whole vectors, which all begin equally far into a line: columns are taken as lines have them.
+    """Rows of whole vectors, which all begin at the same offset in a line; columns are read as the lines need them.
 
-    A row goes on where the row before it ends, also across tiles: nothing but whole lines is written,
-    except by the first tile and the last, since what lies around all results is not ours.  Stores
-    wait for memory; sines and cosines of the next tile are made meanwhile.
+    A row continues in the line where the row before it ends, also across tiles: only whole lines are written,
+    except by the first and the last tile, since memory around the results is not part of them.  Stores wait
+    for memory; the sines and cosines of the next tile are computed in the meantime.
     """
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
@@ -55,7 +55,7 @@ class CacheLineTransfer(TileTransfer):
 
     @property
     def spare(self) -> int:
-        """The end of the tile before."""
+        """The end of the preceding tile."""
         return 1
 
     def store(self, e: VectorWriter, array: Array, first: str, last: str, unrolled: int = 0) -> None:
@@ -73,7 +73,7 @@ class CacheLineTransfer(TileTransfer):
         e.label("edge")
         end = e.at(base, e.value(f"sub i64 0, {back}"))
         e.store_row(e.value(f"select i1 {begun}, ptr {end}, ptr {base}"), W, before[0])
-        super().store(e, array, first, last, unrolled)  # one tile of hundreds: a loop is less to compile
+        super().store(e, array, first, last, unrolled)  # one tile of hundreds: a loop compiles faster
         if self.ahead:
             self.angles.some(e, 0, 0)
         e.do("br label %rest")
@@ -90,34 +90,34 @@ class CacheLineTransfer(TileTransfer):
         e.label("rest")
 
     def _line(self, e: VectorWriter, base: str, aligned: str) -> Line:
-        """If numbers lie across the borders of lines, there are none: rows begin where they begin."""
+        """If numbers are not aligned, lines are not used."""
         within = e.value(f"select i1 {aligned}, i64 {e.align - 1}, i64 0")
         offset = e.value(f"and i64 {e.value(f'ptrtoint ptr {base} to i64')}, {within}")
         back = e.value(f"lshr i64 {offset}, {self.number.size.bit_length() - 1}")
         return e.at(base, e.value(f"sub i64 0, {back}")), back
 
     def _lines(self, e: VectorWriter, array: Array, base: str, line: Line, aligned: str) -> list[Line]:
-        """Of the rows and the one after them."""
+        """The lines of the rows and of the row after them."""
         return [(place, line[1]) for place in self._places(e, array, line[0])]
 
     def _places(self, e: VectorWriter, array: Array, place: str) -> list[str]:
-        """A place in the first row, in those after it, and in the one after them."""
+        """An address in the first row, in those after it, and in the row after them."""
         places = [place]
         for _ in range(self.width):
             places.append(e.value(f"getelementptr i8, ptr {places[-1]}, i64 {array.stride}"))
         return places
 
     def _ends(self, e: VectorWriter, line: Line) -> tuple[list[str], str]:
-        """Of each row the vector that the next goes on from, and how many numbers before that it begins.
+        """For each row, the vector from which the next continues, and the distance to its beginning in numbers.
 
-        The end of the row and, as if this were the next, the beginning: one vector for the two lines.
+        It holds the end of the row and the beginning of the next: one vector for the two lines.
         """
         return self._results(e, e.value(f"sub i64 0, {line[1]}"), self.width), line[1]
 
     def _middle(
         self, e: VectorWriter, tag: str, how: str, lines: list[Line], before: list[str], ends: list[str]
     ) -> None:
-        """All lines that end in these rows, given what `_ends` said of the rows before them and of them."""
+        """All lines that end in these rows, given the results of `_ends` for the rows before them and for them."""
         W, back = self.width, lines[0][1]
         lanes, kind = e.constants([str(lane) for lane in range(W)], "i64"), f"<{W} x i64>"
         old = e.value(f"icmp slt {kind} {lanes}, {e.splat(back, 'i64')}")
@@ -135,7 +135,7 @@ class CacheLineTransfer(TileTransfer):
             self._loop(e, tag, W, self.columns, W, body)
 
     def _with_angles(self, e: VectorWriter, tag: str, body: Callable[[str], None]) -> None:
-        """body(j) for the vectors of a row but the first, and an angle with each."""
+        """body(j) for the vectors of a row except the first, and one angle with each."""
         W, near = self.width, f"%{tag}.near"
 
         def both(j: str) -> None:
@@ -153,7 +153,7 @@ class CacheLineTransfer(TileTransfer):
 
         self._loop(e, tag, W, self.columns, W, both)
         e.do(f"br i1 {near}.all, label %{tag}.left, label %{tag}.far")
-        e.label(f"{tag}.far")  # once more, with the C library for those out of reach
+        e.label(f"{tag}.far")  # again, with the C library for angles beyond the reduction
         self.angles.some(e, 0, 0)
         e.do(f"br label %{tag}.left")
         e.label(f"{tag}.left")
@@ -161,11 +161,11 @@ class CacheLineTransfer(TileTransfer):
 
 
 class ShiftedTransfer(CacheLineTransfer):
-    """Other rows: a line is the end of one vector of a row and the beginning of the next."""
+    """All other rows: a line is the end of one vector of a row and the beginning of the next."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         super().__init__(plan, number, width, host)
-        self.ahead = 0  # the vectors before and their shifts take the registers
+        self.ahead = 0  # no registers are free: the preceding vectors and their shifts need them
 
     @property
     def lead(self) -> int:
@@ -196,7 +196,7 @@ class ShiftedTransfer(CacheLineTransfer):
             ]
 
         self._loop(e, tag, 0, stop, W, body)
-        # the last line of a row, if it is not there already: in every tile of the same rows, as processors foresee
+        # the last line of a row, if not yet written: the same rows in every tile, so the branch is predicted
         rows = self._results(e, self.columns - 2 * W, W)
         for k in range(W):
             at, line = e.at(lines[k + 1][0], -W), e.picked(rows[k], ends[k], picks[k + 1])
@@ -208,7 +208,7 @@ class ShiftedTransfer(CacheLineTransfer):
             e.label(f"{tag}.ended{k}")
 
     def _pick(self, e: VectorWriter, back: str) -> str:
-        """Which numbers of two vectors are in the line of the second."""
+        """The lanes of two vectors that form the line of the second."""
         kind = f"i{self.number.bits}"
         resized = e.value(f"ptrtoint ptr {e.value(f'inttoptr i64 {back} to ptr')} to {kind}")
         second = e.constants([str(self.width + lane) for lane in range(self.width)], kind)

@@ -1,12 +1,12 @@
 """The functions behind every fast call, against the stable C API of CPython 3.11 and later, and NumPy's.
 
-    entry      what Python calls: METH_FASTCALL | METH_KEYWORDS, with a capsule as `self`
-    public     the same for functions that take the robot first: a form of call that came before is known again
-    compute    the arrays checked, the result allocated, the kernel called; null where others must answer
+    entry      called by Python: METH_FASTCALL | METH_KEYWORDS, with a capsule as `self`
+    public     the same for functions of a robot: it looks up the form of the call
+    compute    checks the arrays, allocates the result, calls the kernel; null if the slow call must answer
     release    the destructor of the capsule
 
-Written with `c_like`, so that a line here is a line of C.  Looking up an attribute may run Python code, so that
-comes before the first buffer is held.
+Written with `c_like`, so that a line here is a line of C.  Attribute look-ups may run Python code, so they come before
+the first buffer is acquired.
 """
 
 from __future__ import annotations
@@ -37,26 +37,26 @@ API = {
     "Py_DecRef": "void (ptr)",
 }
 NUMPY = {"PyArray_Empty": ("ptr (i32, ptr, ptr, i32)", 184), "PyArray_GetPtr": ("ptr (ptr, ptr)", 160)}
-"""Of NumPy's table of functions, whose places are part of its binary interface."""
+"""Indices in NumPy's table of functions; they are part of its binary interface."""
 BUFFER = {
     "buf": "ptr", "obj": "ptr", "len": "i64", "itemsize": "i64", "readonly": "i32", "ndim": "i32", "format": "ptr",
     "shape": "ptr", "strides": "ptr", "suboffsets": "ptr", "internal": "ptr",
 }  # fmt: skip
 CODE = {"one": "ptr", "many": "ptr", "scratch_one": "i64", "scratch_many": "i64", "most": "i64"}
-"""Of `jit.fast_call.Code`: two kernels, what each needs to work in, and how many samples are worth one thread."""
+"""Fields of `jit.fast_call.Code`: two kernels, the scratch of each, and the number of samples for one thread."""
 OPTIONS = 6
 FORM = {
     "function": "ptr", "robot": "ptr", "given": "i64", "names": "i64", "spec": "ptr", "inputs": "i64", "out": "i64",
     "options": "i64", "input_at": "ptr", "option_at": "ptr", "option": "ptr", "name": "ptr",
 }  # fmt: skip
-"""Of `jit.public.Form`: how a function was called, and what answers such a call."""
+"""Fields of `jit.public.Form`: the form of a call, and the fast call for it."""
 
 MOST, AXES = 6, 4
-"""Arrays a call can have, and axes one of them for one sample."""
+"""The most arrays of a call, and axes of an array for one sample."""
 BUCKETS, FORMS = 64, 63
-"""Forms of calls are kept in buckets, of which a call looks through one."""
+"""Forms are kept in hash buckets; a call searches one bucket."""
 _READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
-_NORM = 1.9e-6  # of a quaternion's squared norm, 1e-6 of its norm and a little less: the general call decides
+_NORM = 1.9e-6  # tolerance of a squared norm, slightly below 1e-6 of the norm; the general call decides the rest
 
 
 def text(spec: Mapping[str, str], stack: int) -> str:
@@ -100,7 +100,7 @@ def _entry(fields: Mapping[str, str]) -> str:
 
 
 def _public(fields: Mapping[str, str]) -> str:
-    """A call of a form that came before: the arrays are sorted out by their places."""
+    """A call of a known form: its arrays are found by their positions."""
     c = Writer("ptr @public() nounwind", function="ptr", args="ptr", nargs="i64", names="ptr")
     function, args, nargs, names = c.parameters
     arrays = c.room("ptr", MOST + 1)
@@ -130,7 +130,7 @@ def _public(fields: Mapping[str, str]) -> str:
 
 
 def _fits() -> str:
-    """Whether the names and the options of a call are those of a form: the very objects."""
+    """Whether the names and the options of a call are identical objects to those of a form."""
     c = Writer("internal i1 @fits() nounwind", form="ptr", args="ptr", names="ptr")
     place, args, names = c.parameters
     form, no = Record(place, FORM), c.number(0, "i1")
@@ -149,7 +149,7 @@ def _fits() -> str:
 
 
 def _compute(fields: Mapping[str, str], stack: int) -> str:
-    """The result of arrays that are plainly right; null, perhaps with an exception set, for all others.
+    """The result for arrays that need no conversion; null, possibly with an exception set, for all others.
 
     `asked` is an array for the result, None, or null.
     """
@@ -172,7 +172,7 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
             c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
         c.returns(c.null)
 
-    # every dtype is the very one
+    # every dtype is the same object
     dtype, dtype_name = spec.dtype, spec.dtype_name
     with c.for_(held) as k:
         found = c.call("PyObject_GetAttr", array(k), dtype_name, gives="ptr")
@@ -215,7 +215,7 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         give_up(held)
     scratch = code.item("i64", many + 2)
 
-    # a batch: no more samples than one thread should have, and a result apart from what is still to be read
+    # a batch: at most the samples for one thread, and a result that does not overlap the inputs
     row = shapes.at("i64", inputs * (2 + AXES))
     with c.if_(many == 1):
         alone = spec.alone != 0
@@ -231,13 +231,13 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
                 begin = b.buf.to("ptrtoint", "i64")
                 with c.if_((begin < end) & (start < begin + b.len)):
                     give_up(held)
-        # a large one: memory from the pool, and, the first time, how to store it
+        # a large one: memory from the pool and, the first time, the choice of stores
         with c.if_((row.item("i64", 1) * n >= spec.pooled) & (alone == 0)):
             settled = Value(c, "@stores", "ptr").item("i64", 1)
             with c.if_((has_out == 0) | (settled == 0)):
                 give_up(held)
 
-    # quaternions of norm 1, or the general call says which is not
+    # unit quaternions; otherwise the general call raises the error
     strides, single, quaternions = spec.strides, spec.single != 0, spec.quaternions
     with c.if_(quaternions != 0):
         q, at, size = pointers.item("ptr"), spec.quaternion_at, strides.item("i64")
@@ -264,7 +264,7 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         c.store(n, sizes)
         with c.for_(axes) as i:
             c.store(row.item("i64", i + 2), sizes.at("i64", many + i))
-        c.call("Py_IncRef", dtype)  # which the array takes
+        c.call("Py_IncRef", dtype)  # the array takes this reference
         count = (axes + many).to("trunc", "i32")
         return c.call("PyArray_Empty", count, sizes, dtype, c.number(0, "i32"), gives="ptr")
 
@@ -293,7 +293,7 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
     )
     with c.if_(many == 0):
         c.call(kernel, c.number(1), memory, pointers, strides)
-    with c.if_(many == 1):  # other threads of Python may run meanwhile
+    with c.if_(many == 1):  # releases the GIL
         state = c.call("PyEval_SaveThread", gives="ptr")
         c.call(kernel, n, memory, pointers, strides)
         c.call("PyEval_RestoreThread", state)
@@ -334,7 +334,7 @@ def _general() -> str:
 
 
 def _release() -> str:
-    """The capsule goes, and with it what it kept."""
+    """The destructor of the capsule: releases its references."""
     c = Writer("void @release() nounwind", capsule="ptr")
     c.call("Py_DecRef", c.call("PyCapsule_GetContext", *c.parameters, gives="ptr"))
     c.returns()

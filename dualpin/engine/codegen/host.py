@@ -1,4 +1,4 @@
-"""What code is generated for."""
+"""The processor for which code is generated."""
 
 from __future__ import annotations
 

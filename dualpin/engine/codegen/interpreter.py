@@ -1,10 +1,10 @@
-"""The loop that runs bytecode, and the one that fills its constants.
+"""The loop that executes bytecode, and the one that loads its constants.
 
     run:   kind, count, d of a run            switch (kind)
     row:   slot[to] = fma(+-slot[a], slot[b], +-slot[c])    next row, until the run is over
 
-Gain: programs that LLVM could not compile in minutes or gigabytes run 40 times as fast as by NumPy, and
-three times slower than code (tiago_dual `aba_derivatives`, 500 880 operations, Emerald Rapids).
+Gain: programs that LLVM could not compile in minutes or gigabytes run 40 times as fast as with NumPy, and
+three times slower than machine code (tiago_dual `aba_derivatives`, 500 880 operations, Emerald Rapids).
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def _operand(e: VectorWriter, row: str, k: int) -> str:
 
 
 def _signed(e: VectorWriter, row: str, k: int) -> str:
-    """The number in a slot, or the negative of it."""
+    """The number in a slot, or its negative."""
     word, bits = _word(e, row, k), e.number.bits
     sign = e.value(f"and i32 {word}, {-MINUS}")
     if bits == 64:

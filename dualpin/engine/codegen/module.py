@@ -1,21 +1,20 @@
-"""A schedule as LLVM IR: a kernel that takes rows of numbers to rows of numbers.
+"""A schedule as LLVM IR: a kernel that maps rows of numbers to rows of numbers.
 
     void kernel(i64 n, ptr scratch, ptr arrays, ptr strides)
 
-`arrays` holds the addresses of the inputs and, last, of the output; `strides` how many numbers lie
-from one row to the next (0 repeats a row; rows of the output follow each other without gaps).  For
-each tile of as many samples as there are lanes: rows are brought to slots (the last tile repeats its
-last row), stages run, and results are brought to rows.  Loads, stores and trigonometric functions
-are rolled loops; only the robot's own arithmetic is a straight line.
+`arrays` holds the addresses of the inputs and, last, of the output; `strides` the distances between rows in numbers (0
+repeats a row; rows of the output are contiguous).  A tile has as many samples as a vector has lanes.  For each tile,
+rows are transposed to slots (the last tile repeats its last row), stages run, and results are transposed to rows.  Loads,
+stores and trigonometric functions are loops; only the robot's arithmetic is straight-line code.
 
     for each tile:   rows of inputs  ->  slots                        transpose
                      for each stage: chunks, or bytecode              straight line, interpreter
                                      slots of angles -> cos, sin      sincos
                      slots of results  ->  rows                       transpose, cacheline
 
-Constants are read from one table by an address in a register: LLVM's own pool names 64 bits of address a use.
-Gain: RNEA of talos 1.25 times as fast.  Stacks begin on a line, or spilled vectors might cross one: RNEA of panda
-35 ns instead of 38 or 39 in most processes (Zen 4).
+Constants are read from one table by an address in a register: LLVM's own pool needs a 64-bit address for each use.
+Gain: RNEA of talos 1.25 times as fast.  Stack frames are aligned to cache lines, so that spilled vectors do not cross
+them: RNEA of panda 35 ns instead of 38 or 39 in most processes (Zen 4).
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ _CHUNK_ARGS = (
 
 
 def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int = 1) -> list[str]:
-    """The kernel and all it calls, as text; with one lane, it is made for single configurations.
+    """The kernel and the functions it calls, as text; with one lane, it is for single configurations.
 
     With several parts, the first has the kernel and the others most of its chunks.
     """
@@ -70,7 +69,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
     shares = [names[k * len(names) // parts : (k + 1) * len(names) // parts] for k in range(parts)]
     main += [f"declare void @{name}({_CHUNK_ARGS})" for share in shares[1:] for name in share]
     attributes = "nounwind"
-    if lanes > 1:  # or vectors that registers have no room for would lie across lines of the cache, by chance
+    if lanes > 1:  # spilled vectors must not cross cache lines
         attributes += f" alignstack={lanes * number.size}"
     if host.width == 64:
         attributes += ' "prefer-vector-width"="512"'
@@ -80,7 +79,7 @@ def modules(plan: Schedule, number: Number, host: Host, lanes: int, parts: int =
 
 
 def scratch_bytes(plan: Schedule, number: Number, host: Host, lanes: int) -> int:
-    """How much memory a kernel needs to work in, aligned to 64 bytes."""
+    """Bytes of scratch memory of a kernel, aligned to 64 bytes."""
     return (plan.slots + plan.output_slots + transfer_for(plan, number, lanes, host).spare) * lanes * number.size
 
 
@@ -101,7 +100,7 @@ class KernelWriter:
         names: dict[int, str] = {}
 
         def constant(x: float) -> str:
-            # by an address in a register: LLVM's own pool may lie anywhere, and each use would name 64 bits of it
+            # by an address in a register: LLVM's own pool would need a 64-bit address for each use
             k = self.pool.setdefault(exactly(x), len(self.pool))
             return e.broadcast(e.value(f"getelementptr inbounds {self.number.name}, ptr %constants, i64 {k}"))
 
@@ -177,8 +176,8 @@ class KernelWriter:
         e.do("br i1 %any, label %tile, label %exit")
         e.label("tile")
         e.do("%b = phi i64 [0, %entry], [%b.next, %tile.end]")
-        # the same number, of which LLVM does not know that a loop counts it: making the addresses of hundreds of
-        # rows depend on each other took a third of the time to compile, and gained nothing
+        # hides from LLVM that this is the loop counter: strength reduction of hundreds of row addresses took a
+        # third of the compile time and gained nothing
         e.do('%row = call i64 asm "", "=r,0"(i64 %b)')
         for k in range(len(plan.sizes)):
             self.rows.load(e, k, arrays[k], "%row", "%last")
@@ -201,7 +200,7 @@ class KernelWriter:
             e.do(f"%out = getelementptr i8, ptr {arrays[-1].pointer}, i64 %begin.row")
             self.rows.copy_constants(e)
         self._copied(e, ("in",))
-        if plan.bytecode:  # here, since rows may be loaded beyond the slots of the inputs
+        if plan.bytecode:  # in each tile, since loads of rows may write beyond the slots of the inputs
             e.do("call void @load_constants(ptr %scratch, ptr @constants)")
             self._constants(e)
         for call in calls:
@@ -219,7 +218,7 @@ class KernelWriter:
             e.do("br i1 %more, label %tile, label %exit")
         e.label("exit")
         if self.rows.overlaps:
-            e.do("fence seq_cst")  # what went past the caches is seen before anything that follows
+            e.do("fence seq_cst")  # orders non-temporal stores before all that follows
         body = "\n".join(e.lines)
         return (
             "define void @kernel(i64 %n, ptr %scratch, ptr %arrays, ptr %strides) #0 {\nentry:\n"

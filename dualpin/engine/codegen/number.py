@@ -1,4 +1,4 @@
-"""Floating-point formats, and what sines and cosines take in each."""
+"""Floating-point formats, and the constants of sine and cosine in each."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Number:
-    """A floating-point format, and what reducing an angle to [-pi/4, pi/4] takes in it.
+    """A floating-point format, and its constants for reducing an angle to [-pi/4, pi/4].
 
     Attributes
     ----------
     half_pi, split : tuple of float
-        pi/2 as a sum of numbers: in full precision for hardware that multiplies and adds in one
-        operation, and cut short, so that small multiples are exact, for hardware that does not.
+        pi/2 as a sum of numbers: in full precision for hardware with fused multiply-add, and truncated, so
+        that small multiples are exact, for other hardware.
     reach : float
-        Largest |angle| reduced like this; beyond it, and for inf and nan, the C library answers.
+        Largest |angle| that is reduced like this; for larger ones, inf and nan the C library is called.
     sin, cos : tuple of float
         sin r = r + r z S(z), cos r = 1 - z/2 + z^2 C(z), z = r^2: interpolated at Chebyshev's
         nodes, errors below 2e-17 (2e-8 in single precision).

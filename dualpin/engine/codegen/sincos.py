@@ -4,7 +4,7 @@
     single: several angles a vector        | a0 a1 a2 a3 |  ->  | cos a0 ... | sin a0 ... |  (an angle a lane)
     far:    |angle| > reach, inf, nan      the C library, lane by lane
 
-Gain: 0.9 ns a pair on AVX-512, where NumPy's take 10 to 12 ns an element (Emerald Rapids).
+Gain: 0.9 ns for a pair on AVX-512; NumPy's functions take 10 to 12 ns an element (Emerald Rapids).
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from .vector import VectorWriter
 def cos_sin(e: VectorWriter, x: str) -> tuple[str, str, str]:
     """cos x, sin x, and a mask of the lanes where |x| is within reach.  (Cody & Waite 1980)
 
-    x = n pi/2 + r with |r| <= pi/4; two polynomials in r, then the octant n says which is which
-    and of what sign.  Adding 1.5 * 2^52 leaves n in the low bits.  The first product and
+    x = n pi/2 + r with |r| <= pi/4; two polynomials in r are exchanged and negated according to the
+    quadrant n.  Adding 1.5 * 2^52 leaves n in the low bits.  The first product and
     difference are exact, so r is rounded once or twice, and results are within 1.5 ulp (2 without fma).
     """
     c, V = e.number, e.vector
@@ -69,19 +69,19 @@ def _signed(e: VectorWriter, x: str, octant: str) -> str:
 
 
 class SinCos:
-    """IR that takes angles from their slots to the slots of their cosines and sines."""
+    """IR that computes cosines and sines of the angles in slots."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
 
     @property
     def ahead(self) -> int:
-        """How many angles can be seen to while the results of the tile before leave: if all are inputs."""
+        """The number of angles to process while results of the preceding tile are stored, if all are inputs."""
         first = self.plan.stages[0] if self.plan.stages else None
         return len(first.angles) if first and not first.chunks and not self.plan.bytecode and self.width > 1 else 0
 
     def tables(self) -> str:
-        """Of each stage, where its angles are and where their cosines go."""
+        """For each stage, the slots of its angles and of their cosines."""
         plan, text = self.plan, ""
         for k, stage in enumerate(plan.stages):
             if stage.angles and plan.together == 1:
@@ -91,14 +91,14 @@ class SinCos:
         return text
 
     def some(self, e: VectorWriter, k: int, first: int) -> None:
-        """Of stage k, from the first given on."""
+        """The angles of stage k, from `first` on."""
         count = len(self.plan.stages[k].angles) - first
         if count > 0:
             table = e.value(f"getelementptr {{i32, i32}}, ptr @angles{k}, i64 {first}")
             e.do(f"call void @cos_sin(ptr %scratch, ptr {table}, i64 {count})")
 
     def one(self, e: VectorWriter, tile: str, table: str, k: str) -> tuple[str, str, str]:
-        """Angle k of a table: its slot, that of its cosine, before that of the sine, and whether it is within reach."""
+        """Angle k of a table: its slot, that of its cosine (the sine is next), and whether it is within reach."""
         where = e.value(f"getelementptr {{i32, i32}}, ptr {table}, i64 {k}")
         source, target = (
             e.slot(tile, e.value(f"zext i32 {e.value(f'load i32, ptr {p}')} to i64"))
@@ -111,7 +111,7 @@ class SinCos:
         return source, target, e.value(f"icmp eq i{e.width} {bits}, -1")
 
     def calls(self, k: int) -> list[str]:
-        """What fills the slots of a stage's cosines and sines."""
+        """The calls that fill the slots of a stage's cosines and sines."""
         plan, n, angles = self.plan, self.plan.together, self.plan.stages[k].angles
         if not angles:
             return []
@@ -133,9 +133,9 @@ class SinCos:
         return f"<{self.plan.together} x {self.number.name}>"
 
     def _gathered(self, tag: str, group: list[int]) -> list[str]:
-        """Angles as one vector: a part of a row of inputs, or one by one.
+        """Angles as one vector: loaded from a row of inputs, or one by one.
 
-        Not from the slots that this row was just copied to: a processor waits where a load needs bytes of two stores.
+        Not from the slots to which this row was just copied: a load that needs bytes of two stores stalls.
         """
         plan, name, V, n = self.plan, self.number.name, self._together, self.plan.together
         slots = [plan.slot[a] for a in group]
@@ -166,7 +166,7 @@ class SinCos:
         return [self._cos_sin_of() if self.plan.together > 1 else self._cos_sin(), self._cos_sin_far()]
 
     def _cos_sin_of(self) -> str:
-        """Of angles side by side: their cosines, then their sines.  Bits of `valid` say which lanes count."""
+        """Contiguous angles to cosines, then sines.  `valid` is a mask of the used lanes."""
         n, size = self.plan.together, self.number.size
         e = VectorWriter(self.number, n, self.host)
         x = "%angle"
@@ -192,7 +192,7 @@ class SinCos:
         )
 
     def _cos_sin(self) -> str:
-        """Over a table of (slot of the angle, slot of its cosine); the sine is the next slot."""
+        """A loop over a table of (slot of the angle, slot of its cosine); the sine is in the next slot."""
         e = VectorWriter(self.number, self.width, self.host)
         e.do("br label %loop")
         e.label("loop")
@@ -214,7 +214,7 @@ class SinCos:
         )
 
     def _cos_sin_far(self) -> str:
-        """Where the reduction does not reach, and for inf and nan: the C library, lane by lane."""
+        """Angles beyond the reduction, inf and nan: the C library, lane by lane."""
         name, reach = self.number.name, VectorWriter(self.number, self.width, self.host).number_text(self.number.reach)
         lanes = self.width * self.plan.together
         widen, narrow = ("fpext float {} to double", "fptrunc double {} to float")

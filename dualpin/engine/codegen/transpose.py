@@ -6,8 +6,8 @@
     a2 b2 c2 d2            <->        c0 c1 c2 c3
     a3 b3 c3 d3                       d0 d1 d2 d3
 
-Gain: storing each entry straight from the arithmetic took LLVM 41 to 62 s for large robots, tiles take 0.3 to 1.4 s.
-Halves of vectors that change places while they are loaded save a shuffle of three.
+Gain: storing each entry directly from the arithmetic takes LLVM 41 to 62 s for large robots, tiles take 0.3 to 1.4 s.
+Exchanging halves of vectors by the loads saves one of three shuffles.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from .vector import VectorWriter
 
 
 def transposed(e: VectorWriter, rows: list[tuple[str, int]]) -> list[str]:
-    """Columns of `width` rows, given where each is and how many numbers it has; beyond them are zeros.
+    """Columns of `width` rows, given the address and length of each; padded with zeros.
 
-    Halves of vectors change places while they are loaded, which takes no shuffle; then blocks of
-    1, 2, 4, ... lanes between pairs of vectors.
+    The loads exchange halves of vectors, without a shuffle; then blocks of 1, 2, 4, ... lanes are exchanged
+    between pairs of vectors.
     """
     if e.width == 1:
         return [e.load_row(*row) for row in rows]
@@ -46,35 +46,35 @@ def transposed(e: VectorWriter, rows: list[tuple[str, int]]) -> list[str]:
 
 @dataclass(frozen=True)
 class Array:
-    """An array as the kernel knows it: its address, and how many bytes lie from one row to the next."""
+    """An array in a kernel: its address, and the distance between rows in bytes."""
 
     pointer: str
     stride: str
 
 
 class TileTransfer:
-    """IR that moves one tile of samples into its slots and out of them."""
+    """IR that moves one tile of samples into slots and out of them."""
 
     def __init__(self, plan: Schedule, number: Number, width: int, host: Host) -> None:
         self.plan, self.number, self.width, self.host = plan, number, width, host
         self.widest = host.lanes(number.size)
         self.columns = len(plan.outputs)
-        # results may leave after the next rows are loaded: by then they have reached their slots
+        # results may be stored after the next rows are loaded
         self.overlaps = host.width == 64 and width > 1 and self.columns > 0
-        self.ahead = 0  # angles of the first stage whose sines and cosines are made while results leave
+        self.ahead = 0  # angles of the first stage whose sines and cosines are computed between the stores
 
     @property
     def lead(self) -> int:
-        """Entries at the end of the row before that the table has too."""
+        """Entries at the end of the preceding row that the table also contains."""
         return 0
 
     @property
     def spare(self) -> int:
-        """Slots needed after the others, to copy beyond the last."""
+        """Extra slots after the others, for copies beyond the last one."""
         return self.widest if self.width == 1 else 0
 
     def tables(self) -> str:
-        """The constants of a row; or where its entries come from, in bytes."""
+        """The constants of a row, and the source offsets of its entries in bytes."""
         table, kind = "outputs", "i32"
         places = [*self.plan.outputs[self.columns - self.lead :], *self.plan.outputs]
         entries = [str(place * self.width * self.number.size) for place in places]
@@ -83,10 +83,10 @@ class TileTransfer:
             entries = [text(self.plan.constants.get(j, 0.0)) for j in range(self.columns)]
         return f"@{table} = internal constant [{len(entries)} x {kind}] [{', '.join(f'{kind} {x}' for x in entries)}]\n"
 
-    # in
+    # inputs
 
     def load(self, e: VectorWriter, k: int, array: Array, first: str, last: str) -> None:
-        """Input k of the tile's rows: `first`, those after it up to the `last` there is, and that again."""
+        """Load input k of the tile's rows: from `first` up to `last`, which is repeated."""
         start, columns = sum(self.plan.sizes[:k]), self.plan.sizes[k]
         bases = self._addresses(e, array, first, last)
         if self.width == 1:
@@ -111,7 +111,7 @@ class TileTransfer:
         return places
 
     def _copy(self, e: VectorWriter, tag: str, count: int, source: str, target: str, beyond: bool = False) -> None:
-        """Numbers from one place to another, by whole vectors; the last may go `beyond`."""
+        """Copy numbers by whole vectors; the last one may write `beyond` the end."""
         wide = e.of_width(self.widest)
 
         def vector(j: int | str, n: int) -> None:
@@ -120,15 +120,15 @@ class TileTransfer:
 
         self._each(wide, tag, count, wide.width, vector)
 
-    # out
+    # outputs
 
     def copy_constants(self, e: VectorWriter) -> None:
-        """What does not depend on the inputs, to a row that the rest will be written to."""
+        """Write the constant results into a row."""
         if self.plan.constants:
             self._copy(e, "constants", self.columns, "@row", "%out")
 
     def store(self, e: VectorWriter, array: Array, first: str, last: str, unrolled: int = tuning.UNROLLED) -> None:
-        """The results of the tile's rows, which follow each other without gaps; `last` is the last of all."""
+        """Store the results of the tile's rows, which are contiguous; `last` is the last row of all."""
         bases = self._addresses(e, array, first, last)
 
         def group(j: int | str, count: int) -> None:
@@ -155,7 +155,7 @@ class TileTransfer:
         self, e: VectorWriter, tag: str, count: int, step: int, body: Callable[[int | str, int], None],
         unrolled: int = tuning.UNROLLED,
     ) -> None:  # fmt: skip
-        """body(j, how many) for j = 0, step, ...: written out if few, else a loop and what is left of it."""
+        """body(j, count) for j = 0, step, ...: unrolled if few, else a loop and its remainder."""
         full = count // step
         if full <= unrolled // step:
             for j in range(0, full * step, step):

@@ -4,7 +4,8 @@
     b     | b0 b1 b2 b3 |
     fma(a, b, c)  ->  | a0 b0 + c0   a1 b1 + c1   a2 b2 + c2   a3 b3 + c3 |
 
-Gain: 4 (AVX2) or 8 (AVX-512) samples an instruction; RNEA of ur5 0.045 us with vectors, 0.36 without (Emerald Rapids).
+Gain: 4 (AVX2) or 8 (AVX-512) samples for each instruction; RNEA of ur5 0.045 us with vectors, 0.36 without (Emerald
+Rapids).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .number import Number
 
 
 class VectorWriter:
-    """Lines of IR that work on vectors of `width` numbers.  Methods return the name of their value."""
+    """Lines of IR for vectors of `width` numbers.  Methods return the name of their value."""
 
     def __init__(self, number: Number, width: int, host: Host) -> None:
         self.number, self.host = number, host
@@ -35,7 +36,7 @@ class VectorWriter:
         self.align = width * number.size
 
     def of_width(self, width: int) -> VectorWriter:
-        """More of the same lines, on vectors of another width."""
+        """A writer to the same lines, for vectors of another width."""
         other = copy.copy(self)
         other._set_width(width)
         return other
@@ -69,7 +70,7 @@ class VectorWriter:
     # memory
 
     def at(self, base: str, i: int | str) -> str:
-        """The place of the number i after the one at `base`."""
+        """The address of number i after `base`."""
         return self.value(f"getelementptr {self.number.name}, ptr {base}, i64 {i}")
 
     def slot(self, base: str, index: int | str) -> str:
@@ -82,7 +83,7 @@ class VectorWriter:
         self.do(f"store {self.vector} {x}, ptr {self.slot(base, index)}, align {self.align}")
 
     def load_row(self, p: str, count: int) -> str:
-        """`count` numbers, the lanes beyond them zero.  Rows of arrays may lie anywhere."""
+        """`count` numbers; the other lanes are zero.  Rows of arrays may be unaligned."""
         if not count:
             return "zeroinitializer"
         if count == self.width:
@@ -137,7 +138,7 @@ class VectorWriter:
         return self.value(f"call {self.vector} @llvm.{name}.{self.suffix}({self.vector} {a})")
 
     def fma(self, a: str, b: str, c: str) -> str:
-        """a b + c, rounded once where the hardware can."""
+        """a b + c, rounded once where the hardware has a fused operation."""
         if not self.host.fma:
             return self.binary("fadd", self.binary("fmul", a, b), c)
         V = self.vector
@@ -150,7 +151,7 @@ class VectorWriter:
     # rearrangement
 
     def joined(self, a: str, b: str, half: VectorWriter) -> str:
-        """Two vectors of half the width, one after the other."""
+        """The concatenation of two vectors of half the width."""
         pick = self.constants([str(lane) for lane in range(self.width)], "i32")
         return self.value(f"shufflevector {half.vector} {a}, {half.vector} {b}, <{self.width} x i32> {pick}")
 
@@ -159,7 +160,7 @@ class VectorWriter:
         return self.value(f"shufflevector {self.vector} {a}, {self.vector} {b}, <{self.width} x i32> {pick}")
 
     def picked(self, a: str, b: str, lanes: str) -> str:
-        """Lanes of a, or `width` and more of b, that are known only when it runs.  AVX-512."""
+        """Lanes of a, or of b for indices from `width` on, selected at run time.  AVX-512."""
         arguments = f"{self.vector} {a}, {self.integer} {lanes}, {self.vector} {b}"
         return self.value(f"call {self.vector} @{self._pick}({arguments})")
 

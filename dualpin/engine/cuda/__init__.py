@@ -1,6 +1,6 @@
 """Kernels for Nvidia's GPUs: the graph that becomes vector code for the host, one thread a sample.
 
-program    the graph as one thread's lines of operations     order      which of them comes when
+program    the graph as one thread's operations               order      the order of operations
 thread     those lines as LLVM IR      warp      32 threads and their shared memory
 ptx        IR to PTX, by LLVM          build     a term of a robot, from the cache or the compiler
 driver     PTX to machine code, memory, streams, launches

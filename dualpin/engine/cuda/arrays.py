@@ -1,7 +1,6 @@
-"""Arrays on a device: ours, and those of PyTorch, CuPy, JAX and whatever speaks their protocols.
+"""Arrays on a device: dualpin's own, and those of PyTorch, CuPy, JAX and other libraries with their protocols.
 
-Results come in the arguments' own kind, on their library's current stream: nothing is copied and
-nobody waits.
+Results have the type of the arguments, in the current stream of their library: without copies and without waiting.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ from . import dlpack
 from .dlpack import Lent, contiguous
 from .driver import Device, Event, device
 
-LEGACY = 0  # the default stream, which waits for all others and for which all others wait
+LEGACY = 0  # the default stream, which synchronises with all others
 
 
 class DeviceArray:
-    """An array in the memory of a GPU, made by dualpin; other libraries take it as theirs without a copy.
+    """An array in the memory of a GPU, made by dualpin; other libraries can use it without a copy.
 
-    It speaks DLPack and the CUDA array interface: ``torch.from_dlpack(x)``, ``cupy.asarray(x)``.
+    It supports DLPack and the CUDA array interface: ``torch.from_dlpack(x)``, ``cupy.asarray(x)``.
 
     Attributes
     ----------
@@ -62,7 +61,7 @@ class DeviceArray:
         return dlpack.capsule(self, self.pointer, self.shape, self.dtype, self.device.ordinal)
 
     def to_host(self, into: np.ndarray | None = None) -> np.ndarray:
-        """A copy as a NumPy array, or in one without gaps of as many bytes; waits for the results."""
+        """A copy as a NumPy array, or in a given contiguous array of the same size; waits for the results."""
         x = np.empty(self.shape, self.dtype) if into is None else into
         if x.nbytes != self.nbytes or not x.flags.c_contiguous:
             raise ArgumentError(f"an array of {self.nbytes} bytes without gaps expected, got {x.shape} of {x.dtype}")
@@ -84,23 +83,23 @@ def to_device(x: np.ndarray, where: Device | str | int = "cuda", stream: int = L
     source = np.ascontiguousarray(x)
     result = DeviceArray(source.shape, source.dtype, place, stream)
     place.to_device(result.pointer, source.ctypes.data, source.nbytes, stream)
-    place.wait(stream)  # the source may go
+    place.wait(stream)  # the source may be deleted afterwards
     return result
 
 
 class Adapter:
-    """How arrays of a library are asked and made.
+    """The interface to arrays of a library.
 
     Attributes
     ----------
     follows : bool
-        Whether its allocator knows streams: arrays that are let go stay until what reads them is done.
+        Whether its allocator is stream-ordered: freed arrays remain valid until kernels in the stream have read them.
     """
 
     follows = False
 
     def signature(self, x: Any) -> Any:
-        """All that decides how an array is walked along, but its address; None where that takes asking."""
+        """Shape, strides, type and device of an array, if they are cheap to read; else None."""
         return None
 
     def pointer(self, x: Any, stream: int) -> int:
@@ -120,11 +119,11 @@ class Adapter:
         return Lent(about["data"][0], shape, tuple(strides), dtype, 0, x)
 
     def stream(self, where: Device) -> int:
-        """Where the library's next operation would go."""
+        """The library's current stream."""
         return LEGACY
 
     def empty(self, shape: tuple[int, ...], dtype: np.dtype, where: Device, stream: int, columns: int) -> Any:
-        """An array for results; its first axis is the one whose entries are neighbours if so many axes follow."""
+        """An array for results; if `columns` axes follow the first one, the first one is contiguous."""
         return DeviceArray(shape, dtype, where, stream)
 
     def finished(self, result: Any) -> Any:
@@ -198,7 +197,7 @@ class CuPy(Adapter):
 
 class Jax(Adapter):
     def stream(self, where: Device) -> int:
-        # XLA's own streams cannot be asked for: ours follows them, and they follow ours
+        # XLA's streams are not accessible: an own stream waits for them, and they wait for it
         if where.ordinal not in _streams:
             _streams[where.ordinal] = where.stream()
         return _streams[where.ordinal]
@@ -212,7 +211,7 @@ _OTHERS, _OURS, _TORCH, _CUPY, _JAX = Adapter(), Ours(), Torch(), CuPy(), Jax()
 
 
 def adapter(x: Any) -> Adapter | None:
-    """How to ask an array on a device; None for all that is on the host."""
+    """The adapter for an array on a device; None for arrays on the host."""
     kind = type(x)
     if kind is DeviceArray:
         return _OURS
@@ -234,11 +233,11 @@ def _on_cuda(x: Any) -> bool:
 
 
 _reading: deque[tuple[Event, Any]] = deque()
-"""Arguments that kernels may still be reading, and the point in the stream after which they are not."""
+"""Arguments that kernels may still read, each with the event after which they are free."""
 
 
 def held(needs: Any, stream: int) -> None:
-    """Keep arguments until what is in the stream is done; those of calls that are done are let go."""
+    """Keep arguments until the work in the stream is done; release those of finished calls."""
     _reading.append((Event(stream), needs))
     with contextlib.suppress(IndexError):  # another thread took it
         while _reading[0][0].passed():
@@ -257,7 +256,7 @@ def handle(stream: Any) -> int:
 
 
 def one_step(shape: tuple[int, ...], strides: tuple[int, ...], itemsize: int) -> int | None:
-    """The distance in numbers between neighbours of axes that are walked along as one; None if they cannot be."""
+    """The constant stride, in numbers, of several axes taken as one; None if there is none."""
     axes = [(size, step) for size, step in zip(shape, strides, strict=True) if size != 1]
     if not axes:
         return 1
@@ -269,7 +268,7 @@ def one_step(shape: tuple[int, ...], strides: tuple[int, ...], itemsize: int) ->
 
 
 def span(x: Lent) -> tuple[int, int]:
-    """Between which addresses an array lies, counted from its own."""
+    """The first and last byte of an array, relative to its address."""
     steps = [(size - 1) * step for size, step in zip(x.shape, x.strides, strict=True)]
     if 0 in x.shape:
         return 0, 0
@@ -285,5 +284,5 @@ class _Description:
 
 def overlap(a: Lent, b: Lent) -> bool:
     """Whether two arrays share a number."""
-    # NumPy knows by their description; the numbers, on a device, are not touched
+    # NumPy decides from addresses and strides; the memory on the device is not accessed
     return bool(np.shares_memory(np.asarray(_Description(a)), np.asarray(_Description(b))))

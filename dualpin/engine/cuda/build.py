@@ -1,4 +1,4 @@
-"""A term of a robot as a GPU kernel: traced, laid out, written as PTX, assembled, and kept on disk."""
+"""A term of a robot as a GPU kernel: traced, laid out, written as PTX, assembled, and cached on disk."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from .program import PART, Program, program
 from .scalar import DEVICE
 
 STAGED_BYTES = 896
-"""Of shared memory for a thread: with 256 threads on a multiprocessor, as many as have all registers, it is full."""
+"""Bytes of shared memory for a thread: 256 threads, the most with all registers, then fill a multiprocessor."""
 THREADS = 128
 """Of a block, at most."""
 RESIDENT = 2
-"""Blocks that have room on a multiprocessor: more would leave each thread too few registers."""
+"""Resident blocks of a multiprocessor: more would leave too few registers for each thread."""
 
 NUMBERS = {8: 115, 4: 230}
-"""How many numbers of so many bytes a thread's registers have room for, addresses and such apart."""
+"""How many numbers of this size fit into a thread's registers, beside addresses and counters."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What a kernel is made from."""
+    """The program and layout from which a kernel is made."""
 
     program: Program
     number: Number
@@ -49,7 +49,7 @@ class Plan:
         return ptx.bounded(ptx.assembly(warp.device(self.program, self.number, self.layout)), threads, resident)
 
     def about(self) -> dict[str, Any]:
-        """What a caller must know, as plain data."""
+        """The data that a caller needs."""
         made = self.program
         return {
             "sizes": list(self.layout.sizes), "operations": made.operations, "parts": len(made.parts),
@@ -66,19 +66,19 @@ def plan(
     strided: bool = False,
     part: int = PART,
 ) -> Plan:
-    """The program of a term and where its arrays go.
+    """The program of a term and the layout of its arrays.
 
     Parameters
     ----------
     strided : bool
-        For arrays whose columns are not neighbours, such as structures of arrays.
+        For arrays with any strides, such as structures of arrays.
     part : int
-        Operations of one function.
+        Number of operations of one function.
 
     Raises
     ------
     UntraceableError
-        If the term cannot be a straight line of operations.
+        If the term is not a straight-line program.
     TooLongError
         If it is too long for a GPU.
     """
@@ -92,12 +92,12 @@ def plan(
 def built(
     robot: Robot, term: Term, options: Options, dtype: Any, where: driver.Device, *, strided: bool
 ) -> tuple[dict[str, Any], driver.Function]:
-    """The kernel on a device: read from the cache, or made and kept there.
+    """The kernel on a device: read from the cache, or made and cached.
 
     Raises
     ------
     UntraceableError, TooLongError
-        If the term is no program for a GPU.
+        If the term cannot be compiled for a GPU.
     CompilerError, DeviceError
         If it cannot be compiled or loaded.
     """
@@ -110,7 +110,7 @@ def built(
         if found is not None:
             try:
                 return found[0], driver.Function(found[1], where)
-            except Exception:  # whatever is wrong with it, it can be made again
+            except Exception:  # a damaged file: compile again
                 pass
         made = plan(robot, term, options, dtype, strided=strided)
         code = driver.assembled(made.ptx(), where)

@@ -1,4 +1,4 @@
-"""DLPack: how libraries lend each other arrays.  (dmlc/dlpack, version 0.8, which all of them read)"""
+"""DLPack: sharing arrays between libraries.  (dmlc/dlpack, version 0.8, which all of them read)"""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _raw_pointer = ctypes.PYFUNCTYPE(c_void_p, c_void_p, c_char_p)(("PyCapsule_GetPo
 
 
 class Lent(NamedTuple):
-    """An array of another library, theirs as long as `keep` lives."""
+    """An array of another library, valid as long as `keep` exists."""
 
     pointer: int
     shape: tuple[int, ...]
@@ -51,9 +51,9 @@ class Lent(NamedTuple):
 def received(array: Any, stream: int) -> Lent:
     """An array that can be used from this stream on.
 
-    The capsule keeps the memory: it is not consumed, so its own destructor gives the memory back.
+    The capsule owns the memory: it is not consumed, so its own destructor releases the memory.
     """
-    capsule = array.__dlpack__(stream=stream or 1)  # 1 is the default stream, which has no number of its own
+    capsule = array.__dlpack__(stream=stream or 1)  # 1 means the default stream in DLPack
     if not _valid(capsule, b"dltensor"):
         raise ValueError("not a DLPack capsule that can be read")
     t = _Managed.from_address(_pointer(capsule, b"dltensor")).tensor
@@ -67,13 +67,13 @@ def received(array: Any, stream: int) -> Lent:
 
 
 def contiguous(shape: tuple[int, ...], itemsize: int) -> tuple[int, ...]:
-    """Strides in bytes of an array whose last axis has its numbers side by side."""
+    """Strides in bytes of a C-contiguous array."""
     steps = itertools.accumulate((max(1, n) for n in reversed(shape[1:])), lambda a, b: a * b, initial=itemsize)
     return tuple(reversed(list(steps))) if shape else ()
 
 
 _lent: dict[int, tuple[Any, Any]] = {}
-"""What other libraries hold of ours: by the address of its description."""
+"""Arrays that other libraries hold, by the address of the descriptor."""
 
 
 @_Deleter
@@ -83,13 +83,13 @@ def _returned(address: int) -> None:
 
 @_Deleter
 def _unread(capsule: int) -> None:
-    """The destructor of a capsule: if nobody took the array, it is ours again."""
+    """The destructor of a capsule: releases the array if no library has taken it."""
     if _raw_valid(capsule, b"dltensor"):
         _returned(_raw_pointer(capsule, b"dltensor"))
 
 
 def capsule(owner: Any, pointer: int, shape: tuple[int, ...], dtype: np.dtype, device: int) -> Any:
-    """A capsule that lends a contiguous array; `owner` lives until it comes back."""
+    """A capsule that shares a contiguous array; `owner` is kept until it is released."""
     axes = (c_int64 * len(shape))(*shape)
     item = dtype.itemsize
     steps = (c_int64 * len(shape))(*(s // item for s in contiguous(shape, item)))

@@ -1,7 +1,7 @@
 """The CUDA driver, called by ctypes: devices, memory, streams, modules, launches.
 
-Nothing else of CUDA is needed: the driver assembles PTX itself.  All libraries on a device share its
-primary context, so their arrays and streams can be used together.
+No other part of CUDA is needed: the driver assembles PTX.  All libraries on a device share its primary context, so
+their arrays and streams can be used together.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _ERROR_LOG, _ERROR_LOG_SIZE = 5, 6
 _PTX = 1
 _OUT_OF_MEMORY, _NOT_READY = 2, 600
 _NO_TIMING = 2
-_ELSEWHERE = (201, 400, 709)  # invalid context, handle: this thread works with another device, or none yet
+_ELSEWHERE = (201, 400, 709)  # invalid context or handle: this thread has another device, or none yet
 
 
 @cache
@@ -58,7 +58,7 @@ def _reason(found: ctypes.CDLL, status: int) -> str:
 
 
 def call(name: str, *args: Any) -> None:
-    """One function of the driver; its failure is an error that says what the driver says."""
+    """Call a function of the driver; raises with the driver's message if it fails."""
     found = library()
     status = getattr(found, name)(*args)
     if status:
@@ -67,14 +67,14 @@ def call(name: str, *args: Any) -> None:
 
 
 def version() -> int:
-    """Of the driver: 13000 is CUDA 13.0."""
+    """The driver's CUDA version: 13000 is CUDA 13.0."""
     value = c_int()
     call("cuDriverGetVersion", byref(value))
     return value.value
 
 
 def count() -> int:
-    """How many devices there are; none without a driver."""
+    """The number of devices; 0 without a driver."""
     try:
         value = c_int()
         call("cuDeviceGetCount", byref(value))
@@ -92,7 +92,7 @@ class Device:
     capability : int
         90 is 9.0.
     multiprocessors, shared_per_multiprocessor, shared_per_block, registers, threads_per_multiprocessor : int
-        What there is of each; bytes, and registers of a multiprocessor.
+        The device's resources; sizes in bytes, registers of a multiprocessor.
     """
 
     multiprocessors: int
@@ -120,7 +120,7 @@ class Device:
 
     @contextlib.contextmanager
     def current(self) -> Iterator[None]:
-        """This thread works with the device; afterwards with what it worked with before."""
+        """A context manager that makes this device current for the thread."""
         before = c_void_p()
         call("cuCtxGetCurrent", byref(before))
         if before.value == self.context.value:
@@ -135,7 +135,7 @@ class Device:
     # memory
 
     def allocate(self, size: int, stream: int) -> int:
-        """The address of so many bytes, for what follows in the stream."""
+        """Allocate bytes in stream order; returns the address."""
         address = c_uint64()
         with self.current():
             if self.pools:  # type: ignore[attr-defined]
@@ -145,7 +145,7 @@ class Device:
         return address.value
 
     def free(self, address: int, stream: int) -> None:
-        """Give memory back, once what is in the stream is done with it."""
+        """Free memory in stream order."""
         with self.current():
             if self.pools:  # type: ignore[attr-defined]
                 call("cuMemFreeAsync", c_uint64(address), c_void_p(stream))
@@ -163,12 +163,12 @@ class Device:
     # streams
 
     def wait(self, stream: int) -> None:
-        """Until all that is in the stream is done."""
+        """Wait until all work in the stream is done."""
         with self.current():
             call("cuStreamSynchronize", c_void_p(stream))
 
     def follow(self, stream: int, other: int) -> None:
-        """What comes into a stream from now on waits for what is in the other; this thread does not."""
+        """Let later work in a stream wait for the present work of another; the thread does not wait."""
         if stream == other:
             return
         with self.current():
@@ -176,7 +176,7 @@ class Device:
             call("cuStreamWaitEvent", c_void_p(stream), event.handle, 0)
 
     def stream(self) -> int:
-        """A stream of our own, which waits for no other."""
+        """A new non-blocking stream."""
         handle = c_void_p()
         with self.current():
             call("cuStreamCreate", byref(handle), 1)
@@ -216,7 +216,7 @@ _lock = threading.Lock()
 
 
 def device(which: str | int = "cuda") -> Device:
-    """The device of that number or name: "cuda" is the first, "cuda:1" the second.
+    """The device of a number or name: "cuda" is the first, "cuda:1" the second.
 
     Raises
     ------
@@ -258,7 +258,7 @@ def assembled(ptx: str, where: Device) -> bytes:
 
 @cache
 def launcher() -> Any:
-    """The driver's launch, told its types once."""
+    """The driver's launch function with its argument types."""
     types = (c_void_p, *[c_uint] * 7, c_void_p, c_void_p, c_void_p)
     return ctypes.CFUNCTYPE(c_int, *types)(("cuLaunchKernel", library()))
 
@@ -269,7 +269,7 @@ class Function:
     Attributes
     ----------
     registers, local : int
-        Of a thread; local memory in bytes.
+        Registers, and bytes of local memory, of a thread.
     """
 
     def __init__(self, code: bytes, where: Device, name: bytes = b"kernel") -> None:
@@ -288,19 +288,19 @@ class Function:
         return value.value
 
     def allow_shared(self, size: int) -> None:
-        """Blocks may have so many bytes of shared memory."""
+        """Allow blocks this many bytes of shared memory."""
         with self.device.current():
             call("cuFuncSetAttribute", self.handle, _DYNAMIC_SHARED, size)
 
     def resident(self, threads: int, shared: int) -> int:
-        """How many such blocks have room on a multiprocessor."""
+        """The number of such blocks that fit on a multiprocessor."""
         value = c_int()
         with self.device.current():
             call("cuOccupancyMaxActiveBlocksPerMultiprocessor", byref(value), self.handle, threads, c_size_t(shared))
         return value.value
 
     def launch(self, blocks: int, threads: int, shared: int, stream: int, numbers: Sequence[int]) -> None:
-        """Begin, with whole numbers of 64 bits and addresses as arguments."""
+        """Launch the kernel; arguments are 64-bit integers and addresses."""
         values, extra = self._arguments(len(numbers))
         values[:] = numbers
         arguments = (self.handle, blocks, 1, 1, threads, 1, 1, shared, stream, None, extra)
@@ -312,7 +312,7 @@ class Function:
             raise DeviceError(f"CUDA: launch of {blocks} blocks: {_reason(library(), status)}")
 
     def _arguments(self, count: int) -> tuple[Any, Any]:
-        """This thread's block of arguments, and the list that describes it to the driver."""
+        """This thread's buffer of arguments, and the pointers to them for the driver."""
         found = getattr(self._blocks, "found", None)
         if found is None:
             values, size = (ctypes.c_int64 * count)(), c_size_t(8 * count)

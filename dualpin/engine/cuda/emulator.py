@@ -1,6 +1,6 @@
-"""A GPU kernel on the processor of the host, its warps as loops: what tests run where there is no GPU.
+"""A GPU kernel compiled for the host, with its warps as loops, for tests without a GPU.
 
-Slow, and right to the last bit: the same functions, the same order of operations.
+It is slow, and equal to the GPU's result bit for bit: the same functions, in the same order of operations.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class Emulated:
     Parameters
     ----------
     plan : Plan
-        What would be built for a GPU.
+        The plan of a GPU kernel.
     """
 
     def __init__(self, plan: Plan) -> None:

@@ -1,9 +1,8 @@
-"""Sines and cosines of angles beyond the reach of a short reduction.  (Payne & Hanek 1983)
+"""Sines and cosines of large angles.  (Payne & Hanek 1983)
 
-A GPU has no C library to ask.  x = m 2^k with an integer m; of the product m 2^k (2/pi) only the
-remainder modulo 4 matters, so digits of 2/pi whose multiples by m 2^k are multiples of 4 are left
-out, and 192 bits of the next ones are enough for every double: no double is nearer than 2^-62 to a
-multiple of pi/2.
+A GPU has no C library.  x = m 2^k with an integer m; only the remainder of m 2^k (2/pi) modulo 4 matters, so the digits
+of 2/pi whose products with m 2^k are multiples of 4 are omitted.  192 bits of the following digits suffice for every
+double, since no double is nearer than 2^-62 to a multiple of pi/2.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from ..codegen.number import DOUBLE, Number
 from ..codegen.sincos import turned
 from .scalar import Scalar
 
-BITS = 1216  # of 2/pi: as many as the largest double needs
+BITS = 1216  # bits of 2/pi that the largest double needs
 LEAD = 63  # zeros before the binary point, so that small exponents need no special case
 
 
@@ -23,7 +22,7 @@ LEAD = 63  # zeros before the binary point, so that small exponents need no spec
 def digits() -> tuple[int, ...]:
     """2/pi in words of 64 bits, the first of them 63 zeros and the digit before the point.
 
-    By Machin's formula in whole numbers, with 64 bits to spare.
+    By Machin's formula in integers, with 64 guard bits.
     """
     one = 1 << (BITS + 64)
 
@@ -41,7 +40,7 @@ def digits() -> tuple[int, ...]:
 
 
 def function(number: Number) -> str:
-    """``{T, T} far(T x)``: cosine and sine of any angle; not numbers where it is infinite or none."""
+    """``{T, T} far(T x)``: cosine and sine of any angle; nan for inf and nan."""
     T, e = number.name, Scalar(DOUBLE)
     x = "%x" if number.size == 8 else e.value("fpext float %x to double")
     raw = e.value(f"bitcast double {x} to i64")
@@ -64,7 +63,7 @@ def function(number: Number) -> str:
     p0 = _op(e, "add", _op(e, "mul", mantissa, w0), _op(e, "add", high, over))
     f0, f1 = _call(e, "fshl", p0, p1, 2), _call(e, "fshl", p1, low, 2)
 
-    # above a half, the fraction is a negative one of the next multiple of pi/2
+    # a fraction above one half is negative relative to the next multiple of pi/2
     above = _op(e, "ashr", f0, 63)
     octant = _op(e, "sub", _op(e, "lshr", p0, 62), above)
     f0, f1 = _op(e, "xor", f0, above), _op(e, "xor", f1, above)
