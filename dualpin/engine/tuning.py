@@ -1,8 +1,8 @@
-"""Every number of the engine that was chosen by measurement: what it decides, what was measured, and where.
+"""The constants of the engine that were chosen by measurement, with the measurement and the machine.
 
-Machines: "Zen 4", an AMD EPYC; "Emerald Rapids", an Intel Xeon; "Xeon", Intel's with AMX and 2 MiB of second cache a
-core, whose name the host hides.  All have AVX-512, two cores of a shared machine, Python 3.11, NumPy 2.4, llvmlite 0.50
-and Pinocchio 4.1; batches of 4096 on one thread unless said otherwise.
+Machines: "Zen 4", an AMD EPYC; "Emerald Rapids", an Intel Xeon; "Xeon", an Intel Xeon with AMX and 2 MiB of
+second-level cache a core, whose model the host does not report.  All have AVX-512, two cores of a shared machine,
+Python 3.11, NumPy 2.4, llvmlite 0.50 and Pinocchio 4.1; batches of 4096 on one thread unless said otherwise.
 To measure again: change the number here and run `python -m validation.benchmarks`.
 """
 
@@ -18,7 +18,7 @@ ABA of talos 1.8 times.  Chunks of 120, 400 and 700 were up to 25 % slower.
 """
 
 BYTECODE_FROM = 200_000
-"""Operations from which a program is bytecode for a compiled loop instead of code.
+"""Operations from which a program is bytecode instead of machine code.
 
 LLVM takes 25 to 45 us an operation, and memory in proportion.  `aba_derivatives` of tiago_dual (500 880 operations):
 0.30 ms a sample as bytecode, 13 ms by NumPy; code would be some three times as fast (Emerald Rapids).
@@ -30,27 +30,27 @@ LARGEST_GRAPH = 4_000_000
 # --- code generation ------------------------------------------------------------------------------
 
 UNROLLED = 64
-"""Columns of a row whose loads and stores are written out; longer rows get a loop.
+"""Columns of a row whose loads and stores are unrolled; longer rows get a loop.
 
 Xeon: loops for all rows cost RNEA of panda 8 %; none at all gain 5 % (FK of panda) or nothing, and CRBA of talos
 compiles in 1.5 s instead of 0.3.
 """
 
 TOGETHER = 32
-"""Bytes of angles whose sines and cosines a kernel for one configuration makes at a time.
+"""Bytes of angles whose sines and cosines a kernel for one configuration computes at a time.
 
 Xeon: RNEA of ur5 takes 75 ns with 32 bytes, 106 with 64 (panda 117 and 135); loaded from the slots to which the row was
-copied, instead of from the row, 98 and 123: a load that needs bytes of two stores waits for both.
+copied, instead of from the row, 98 and 123: a load that needs bytes of two stores stalls.
 """
 
 WHOLE_LINES_FROM = 4
 """Vectors in a row of results from which it is stored as whole cache lines.
 
-Shorter rows are mostly first and last lines, which need the general store anyway.
+Shorter rows are mostly first and last lines, which need the general store in any case.
 """
 
 STREAM_FROM = 8 << 20
-"""Bytes of results from which whole lines go past the caches, until it is measured (`jit.stores`).
+"""Bytes of results from which stores are non-temporal, until it is measured (`jit.stores`).
 
 Zen 4, all joint poses of panda 65 536 times (75 MB): 0.04 us each instead of 0.17.  From 2 MiB on: no gain.
 """
@@ -71,7 +71,7 @@ takes 13 / 30 / 55 ms instead of 33 / 87 / 150.
 """
 
 PROCESSES_FROM = 30_000
-"""Nodes of a graph from which several processes compile: each takes 0.1 s to begin.
+"""Nodes of a graph from which several processes compile: each takes 0.1 s to start.
 
 Emerald Rapids, two processes: Coriolis of tiago_dual 2.1 s instead of 3.7, RNEA derivatives 3.1 instead of 5.0.
 """
@@ -80,7 +80,7 @@ PROCESSES = 4
 """Processes that compile one program, at most."""
 
 KERNELS_PER_LINKER = 64
-"""A linker (ORC) remembers the names of what it linked, 11 kB a kernel, and goes with the last of them.
+"""Kernels of one linker (ORC).  It keeps the names of what it linked, 11 kB a kernel, until the last is deleted.
 
 One linker for many kernels: 0.4 ms to link one, against 1.5 ms for an execution engine each (Emerald Rapids).
 """
@@ -88,10 +88,10 @@ One linker for many kernels: 0.4 ms to link one, against 1.5 ms for an execution
 # --- calling --------------------------------------------------------------------------------------
 
 PARALLEL_FROM = 300e-6
-"""Seconds of work that more than one thread is worth: waking another takes some 20 to 50 us."""
+"""Seconds of work from which several threads are used: waking a thread takes 20 to 50 us."""
 
 PART = 100e-6
-"""Seconds of work that a thread takes at a time: long beside the taking, short beside the wait for the last.
+"""Seconds of work that a thread takes at a time: long compared with taking it, short compared with the last wait.
 
 With both, two threads are 1.5 to 2.0 times as fast as one on 65 536 samples (RNEA and ABA of panda and talos).
 """
@@ -99,11 +99,11 @@ With both, two threads are 1.5 to 2.0 times as fast as one on 65 536 samples (RN
 STACK = 4 * 1024
 """Bytes of scratch that a fast call takes from the stack; more comes from the heap.
 
-No more than a page, since the page that guards a stack is one: threads of 32 KiB are safe.
+At most a page, since the guard of a stack is one page: threads with stacks of 32 KiB are safe.
 """
 
 CALL_SECONDS, OPERATION_SECONDS, NUMBER_SECONDS = 1e-9, 4e-10, 3e-10
-"""What a sample takes, roughly: at all, for each operation of a tile (divided by its lanes), for each number in or out.
+"""Estimated seconds of a sample: constant, for each operation of a tile (divided by its lanes), for each number.
 
 Two or three instructions a nanosecond, and the memory; only used to decide on threads.
 """

@@ -4,8 +4,8 @@
 
 `arrays` holds the addresses of the inputs and, last, of the output; `strides` the distances between rows in numbers (0
 repeats a row; rows of the output are contiguous).  A tile has as many samples as a vector has lanes.  For each tile,
-rows are transposed to slots (the last tile repeats its last row), stages run, and results are transposed to rows.  Loads,
-stores and trigonometric functions are loops; only the robot's arithmetic is straight-line code.
+rows are transposed to slots (the last tile repeats its last row), stages run, and results are transposed to rows.
+Loads, stores and sines are loops; only the robot's arithmetic is straight-line code.
 
     for each tile:   rows of inputs  ->  slots                        transpose
                      for each stage: chunks, or bytecode              straight line, interpreter

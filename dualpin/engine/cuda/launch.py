@@ -1,4 +1,4 @@
-"""A kernel on a device, and how it is begun."""
+"""A kernel on a device, and its launch configuration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Launch:
     Parameters
     ----------
     about : dict
-        What `Plan.about` says of it.
+        The data of `Plan.about`.
     """
 
     def __init__(self, about: dict[str, Any], function: Function, where: Device) -> None:
@@ -25,7 +25,7 @@ class Launch:
         function.allow_shared(self.warp_bytes * self.warps)
 
     def start(self, n: int, stream: int, numbers: Sequence[int]) -> None:
-        """n samples, with the address and two strides of each array; a few are spread, a warp to a multiprocessor."""
+        """Launch for n samples, with address and two strides of each array; few warps go to separate multiprocessors."""
         tiles = -(-n // WARP)
         warps = max(1, min(self.warps, tiles // self.device.multiprocessors))
         self.function.launch(-(-tiles // warps), WARP * warps, warps * self.warp_bytes, stream, (n, *numbers))

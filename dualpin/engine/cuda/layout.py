@@ -1,4 +1,4 @@
-"""Where the arrays of a kernel are for a thread: in global memory, or for a while in shared memory."""
+"""Which arrays of a kernel are staged in shared memory, and which stay in global memory."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ WARP = 32
 class Layout:
     """The inputs in their order, then the output.
 
-    Rows in shared memory have an odd number of places, so that 32 threads that read the same column
-    meet 32 different banks.
+    Rows in shared memory have an odd length, so that 32 threads that read the same column access 32
+    different banks.
 
     Attributes
     ----------
     offsets : tuple of int or None
-        Where a warp's rows of an array begin in its shared memory; None: the array stays where it is.
+        Offset of a warp's rows of each array in shared memory; None: the array stays in global memory.
     room : int
-        How many numbers a warp keeps in shared memory.
+        Numbers of a warp in shared memory.
     strided : bool
-        Whether columns may lie any distance apart.  Otherwise each row is without gaps.
+        Whether columns may have any stride.  Otherwise each row is contiguous.
     """
 
     sizes: tuple[int, ...]
@@ -32,14 +32,14 @@ class Layout:
 
 
 def strided(sizes: Sequence[int]) -> Layout:
-    """Everything stays where it is, whatever its strides."""
+    """All arrays stay in global memory, with any strides."""
     return Layout(tuple(sizes), (None,) * len(sizes), 0, True)
 
 
 def staged(sizes: Sequence[int], most: int) -> Layout:
-    """As many arrays in shared memory as fit in so many numbers a thread.
+    """As many arrays in shared memory as fit into this many numbers for each thread.
 
-    Results first: written by each thread alone they would leave in parts of lines.
+    Results come first, since uncoalesced stores write parts of lines.
     """
     offsets: list[int | None] = [None] * len(sizes)
     room = 0
@@ -50,5 +50,5 @@ def staged(sizes: Sequence[int], most: int) -> Layout:
 
 
 def row(size: int) -> int:
-    """Places of a row in shared memory."""
+    """Length of a row in shared memory."""
     return size | 1

@@ -1,8 +1,8 @@
-"""The order of a program: of all that compute the same, one that keeps few values waiting.
+"""The order of operations: one with few live values.
 
-A thread has registers for about a hundred numbers; what waits beyond them goes to memory and back.
-Operations are taken depth first from the results, of each the operand that lies deepest first: what
-is quickly made anew is made last, and waits least.  (Sethi & Ullman 1970, for trees)
+A thread has registers for about a hundred numbers; further live values are spilled to memory.  Operations are taken
+depth first from the results, the deepest operand first, so that values which are computed quickly are computed late.
+(Sethi & Ullman 1970, for trees)
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def arranged(
 
 
 def operands(nodes: list[Node], steps: dict[int, Step], i: int) -> tuple[int, ...]:
-    """What an operation needs; after fusion, others than in the graph."""
+    """The operands of an operation after fusion."""
     if i in steps:
         return steps[i].args
     op, *args = nodes[i]
@@ -35,7 +35,7 @@ def operands(nodes: list[Node], steps: dict[int, Step], i: int) -> tuple[int, ..
 
 
 def depths(nodes: list[Node], steps: dict[int, Step], order: Sequence[int]) -> dict[int, int]:
-    """How many operations follow each other to make a value."""
+    """The length of the longest chain of operations to each value."""
     depth: dict[int, int] = {}
     for i in order:
         args = operands(nodes, steps, i)
@@ -47,7 +47,7 @@ def depths(nodes: list[Node], steps: dict[int, Step], order: Sequence[int]) -> d
 def depth_first(
     nodes: list[Node], steps: dict[int, Step], outputs: Sequence[int], depth: dict[int, int]
 ) -> Iterator[int]:
-    """Each result after what it needs, the deepest operand first."""
+    """Each value after its operands, the deepest operand first."""
     done: set[int] = set()
 
     def pending(i: int) -> Iterator[int]:
@@ -72,7 +72,7 @@ def depth_first(
 
 
 def waiting(nodes: list[Node], steps: dict[int, Step], line: Sequence[int], registers: int) -> int:
-    """How many values wait outside registers, summed over the operations."""
+    """The number of live values beyond the registers, summed over the operations."""
     last: dict[int, int] = {}
     for n, i in enumerate(line):
         for a in operands(nodes, steps, i):

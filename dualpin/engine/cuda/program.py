@@ -1,8 +1,8 @@
-"""From a graph to what one thread does: lines of operations, each after the sines and cosines it needs.
+"""From a graph to the program of one thread.
 
-A thread has at most 255 registers, so the order matters more here than on a processor: sines and
-cosines are made a few at a time, just before they are needed, and a program too long for one
-function is cut into several, which pass values through the thread's local memory.
+A thread has at most 255 registers, so the order matters more than on a CPU: sines and cosines are computed a few at a
+time, just before their use, and a program too long for one function is cut into several, which pass values through
+the thread's local memory.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from ..graph.trace import Node, Sym, Trace
 from .order import arranged
 
 ANGLES = 8
-"""Sines and cosines made side by side: enough for their long chains of operations to overlap."""
+"""Sines and cosines computed together, so that their long dependency chains overlap."""
 PART = 8_000
-"""Operations of one function: assemblers take more than linear time, and registers run out."""
+"""Operations of one function: the time of assemblers is more than linear, and registers are limited."""
 LONGEST = 150_000
 """Operations beyond which a program is refused: its code alone would be larger than the caches of a GPU."""
 
 
 class TooLongError(DualpinError):
-    """A term that is too long a program for a GPU."""
+    """The program of a term is too long for a GPU."""
 
 
 @dataclass
@@ -37,7 +37,7 @@ class Segment:
 
 @dataclass
 class Part:
-    """Segments that make one function; `reads` and `writes` are the slots of values passed between parts."""
+    """Segments of one function; `reads` and `writes` are the slots of values passed between parts."""
 
     segments: list[Segment] = field(default_factory=list)
     reads: dict[tuple[str, int], int] = field(default_factory=dict)
@@ -46,7 +46,7 @@ class Part:
 
 @dataclass
 class Program:
-    """Everything the emission needs to know.
+    """The program with the data for code generation.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Program:
     constants : dict
         Results that do not depend on the inputs: position -> value.
     passed : int
-        Slots of local memory for values that another part will read.
+        Slots of local memory for values passed between parts.
     """
 
     nodes: list[Node]
@@ -72,7 +72,7 @@ class Program:
 
 
 def program(traced: Trace, registers: int, part: int = PART, together: int = ANGLES) -> Program:
-    """The program of one thread that has room for so many numbers.
+    """The program of one thread with registers for this many numbers.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def program(traced: Trace, registers: int, part: int = PART, together: int = ANG
 
 
 def segments(nodes: list[Node], line: list[int], steps: dict[int, Step], together: int) -> Iterator[Segment]:
-    """The line of operations, cut where sines and cosines have to be made."""
+    """The operations, cut where sines and cosines have to be computed."""
     wanted = list(dict.fromkeys(nodes[i][1] for i in line if nodes[i][0] in ("sin", "cos")))  # by first use
     made: set[int] = set()
     computed: set[int] = set()
@@ -119,7 +119,7 @@ def segments(nodes: list[Node], line: list[int], steps: dict[int, Step], togethe
 
 
 def cut(line: Iterator[Segment], most: int) -> Iterator[Part]:
-    """Parts of about equal length, none longer than so many operations."""
+    """Parts of about equal length, each of at most this many operations."""
     whole = list(line)
     total = sum(len(s.steps) for s in whole)
     size = -(-total // max(1, -(-total // most)))
@@ -146,7 +146,7 @@ def value_of(nodes: list[Node], i: int) -> Value:
 
 
 def made_and_read(nodes: list[Node], part: Part) -> tuple[set[Value], set[Value]]:
-    """What a part computes, and what it needs besides inputs and constants."""
+    """The values that a part computes, and those it needs besides inputs and constants."""
     made: set[Value] = set()
     read: set[Value] = set()
     for s in part.segments:
@@ -158,7 +158,7 @@ def made_and_read(nodes: list[Node], part: Part) -> tuple[set[Value], set[Value]
 
 
 def placed(nodes: list[Node], parts: list[Part]) -> int:
-    """Give values that a later part reads a slot, which is free again after the last part that reads it."""
+    """Assign slots to values that later parts read; a slot is free after the last part that reads it."""
     flow = [made_and_read(nodes, part) for part in parts]
     last = {v: n for n, (made, read) in enumerate(flow) for v in read - made}
     slot: dict[Value, int] = {}

@@ -1,4 +1,4 @@
-"""From IR to PTX, the portable assembly of Nvidia's GPUs, by LLVM's own back end."""
+"""From IR to PTX, the portable assembly of Nvidia GPUs, by LLVM's back end."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def target() -> Any:
         llvm.initialize_all_targets()
         llvm.initialize_all_asmprinters()
         return llvm.Target.from_triple(DEVICE.triple)
-    except Exception as e:  # an incomplete installation fails in many ways
+    except Exception as e:  # an incomplete installation raises various errors
         raise CompilerError(f"llvmlite has no back end for Nvidia's GPUs: {type(e).__name__}: {e}") from e
 
 
 def assembly(text: str) -> str:
-    """PTX of a module, its small functions inlined; the robot's arithmetic stays as it was written."""
+    """PTX of a module, with small functions inlined and without further optimisation."""
     llvm = binding()
     machine = target().create_target_machine(cpu=DEVICE.cpu, features=DEVICE.features, opt=2)
     try:
@@ -45,7 +45,7 @@ def inlinable(text: str, machine: Any) -> str:
 
 
 def inlined(module: Any, machine: Any) -> None:
-    """Functions marked so become part of their callers; nothing else changes."""
+    """Inline the functions with the attribute alwaysinline; run no other pass."""
     llvm = binding()
     options = llvm.create_pipeline_tuning_options(speed_level=0)
     builder = llvm.create_pass_builder(machine, options)
@@ -55,5 +55,5 @@ def inlined(module: Any, machine: Any) -> None:
 
 
 def bounded(ptx: str, threads: int, blocks: int) -> str:
-    """The same for blocks of so many threads, so many of which have room at once: this decides on registers."""
+    """Add the launch bounds, threads of a block and resident blocks, from which the assembler allots registers."""
     return re.sub(r"(\.entry kernel\([^)]*\)\s*)\{", rf"\1.maxntid {threads}\n.minnctapersm {blocks}\n{{", ptx, count=1)

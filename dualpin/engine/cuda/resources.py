@@ -1,6 +1,6 @@
-"""What a kernel takes of a GPU: registers, spills, and how many threads have room, as `ptxas` reports it.
+"""The resources of a kernel: registers, spills and occupancy, as `ptxas` reports them.
 
-`ptxas` comes with the wheel nvidia-cuda-nvcc; it is asked only for this report, never to run.
+`ptxas` comes with the wheel nvidia-cuda-nvcc; it is needed only for this report.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from .layout import WARP
 
 HINT = "pip install 'dualpin[cuda]' brings it"
 _REGISTERS, _WARPS, _BLOCKS = 65536, 64, 32  # of a multiprocessor
-_UNIT = 256  # registers are given to a warp so many at a time
+_UNIT = 256  # registers are allotted to a warp in units of this size
 _SHARED = {80: 164, 86: 100, 87: 164, 89: 100, 90: 228}  # KiB of a multiprocessor
 _RESERVED = 1024  # bytes of each block's shared memory
 
 
 @dataclass(frozen=True)
 class Resources:
-    """Of one kernel on one architecture.
+    """The resources of a kernel on an architecture.
 
     Attributes
     ----------
     registers : int
-        Of a thread, at most 255.
+        Registers of a thread, at most 255.
     stack : int
         Bytes of local memory of a thread: spills, and values passed between parts.
     spill_stores, spill_loads : int
-        Bytes that a thread writes to and reads from local memory for want of registers.
+        Bytes that a thread spills to and reloads from local memory.
     shared : int
-        Bytes of a block.
+        Bytes of shared memory of a block.
     blocks : int
-        How many have room on a multiprocessor.
+        Resident blocks of a multiprocessor.
     occupancy : float
-        Threads that have room, of the most there can be.
+        Resident threads as a share of the maximum.
     """
 
     architecture: str
@@ -75,7 +75,7 @@ def ptxas() -> str | None:
 
 
 def assembled(ptx: str, architecture: str) -> tuple[bytes, str]:
-    """Machine code, and what the assembler says of it.
+    """Machine code, and the report of the assembler.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def assembled(ptx: str, architecture: str) -> tuple[bytes, str]:
 
 
 def resources(plan: Plan, architecture: str = "sm_90") -> Resources:
-    """What the kernel of a plan takes.
+    """The resources of the kernel of a plan.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def _sum(pattern: str, text: str) -> int:
 
 
 def resident(registers: int, shared: int, capability: int) -> int:
-    """Blocks that have room on a multiprocessor (CUDA C++ Programming Guide, compute capabilities)."""
+    """Resident blocks of a multiprocessor (CUDA C++ Programming Guide, compute capabilities)."""
     warps = THREADS // WARP
     of_warp = -(-registers * WARP // _UNIT) * _UNIT
     limits = [_BLOCKS, _WARPS // warps, _REGISTERS // max(1, of_warp) // warps]

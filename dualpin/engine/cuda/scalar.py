@@ -1,4 +1,4 @@
-"""Lines of IR that work on one number at a time: what one thread of a GPU does."""
+"""Lines of scalar IR, for one thread of a GPU."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from ..codegen.number import Number
 from ..codegen.vector import VectorWriter
 
 DEVICE = Host("nvptx64-nvidia-cuda", "sm_80", "+ptx70", 8, True)
-"""Code for this architecture runs on it and on all that came after."""
+"""Code for this architecture also runs on later ones."""
 
 
 class Scalar(VectorWriter):
-    """The vocabulary of `VectorWriter` on plain numbers, so that both write sines, cosines and arithmetic alike."""
+    """The interface of `VectorWriter` for scalars, so that both use the same code for sines, cosines and arithmetic."""
 
     def __init__(self, number: Number, host: Host = DEVICE) -> None:
         super().__init__(number, 1, host)
-        self.here = "entry"  # the block that lines go to
+        self.here = "entry"  # the current block
         self._blocks = itertools.count(1)
 
     def _set_width(self, width: int) -> None:
@@ -47,7 +47,7 @@ class Scalar(VectorWriter):
         )
 
     def get(self, pointer: str, space: int = 0, fixed: bool = False) -> str:
-        """The number at an address; one that nobody changes may come through the read-only cache."""
+        """Load a number; a constant one (`fixed`) may use the read-only cache."""
         note = ", !invariant.load !1" if fixed else ""
         return self.value(f"load {self.vector}, {address(space)} {pointer}, align {self.align}{note}")
 
@@ -55,7 +55,7 @@ class Scalar(VectorWriter):
         self.do(f"store {self.vector} {x}, {address(space)} {pointer}, align {self.align}")
 
     def entry(self, pointer: str, index: int | str, space: int = 0, kind: str = "i64") -> str:
-        """The address of a number so many after the one at `pointer`."""
+        """The address of the number at `index` from `pointer`."""
         return self.value(f"getelementptr {self.vector}, {address(space)} {pointer}, {kind} {index}")
 
 

@@ -1,4 +1,4 @@
-"""What one thread does, as LLVM IR: its sample, from its row of the inputs to its row of the results."""
+"""The code of one thread as LLVM IR: one sample, from its row of the inputs to its row of the results."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from .layout import Layout
 from .program import Part, Program, Value, value_of
 from .scalar import GLOBAL, SHARED, Scalar, address
 
-LINE = 32  # bytes of memory that are written together
+LINE = 32  # bytes of a memory transaction
 _BINARY = {"+": "fadd", "-": "fsub", "*": "fmul"}
 
 
 def arguments(layout: Layout, columns: str = "s") -> str:
-    """Of `compute`: each array's row, the distance of its columns where that may vary, and local memory."""
+    """Parameters of `compute`: each array's row, the stride of its columns if it may vary, and local memory."""
     texts = []
     for k, offset in enumerate(layout.offsets):
         texts.append(f"{address(GLOBAL if offset is None else SHARED)} %x{k}")
@@ -26,7 +26,7 @@ def arguments(layout: Layout, columns: str = "s") -> str:
 
 
 def functions(program: Program, number: Number, layout: Layout, host: Host) -> str:
-    """``void compute(...)`` and what it calls."""
+    """``void compute(...)`` and the functions it calls."""
     parts = program.parts
     texts = [far.function(number)] if any(s.angles for part in parts for s in part.segments) else []
     names = ["compute"] if len(parts) == 1 else [f"part{n}" for n in range(len(parts))]
@@ -42,7 +42,7 @@ def functions(program: Program, number: Number, layout: Layout, host: Host) -> s
 
 
 class _Part:
-    """One function: names of the values it has, and the lines that made them."""
+    """One function: the names of its values, and its lines."""
 
     def __init__(self, program: Program, part: Part, number: Number, layout: Layout, host: Host) -> None:
         self.program, self.part, self.layout = program, part, layout
@@ -50,7 +50,7 @@ class _Part:
         self.e = Scalar(number, host)
         self.names: dict[Value, str] = {}
         self.result_of = {value_of(self.nodes, i): i for i in program.places}
-        self.due: dict[int, dict[int, str]] = {}  # results of a group that is not complete yet
+        self.due: dict[int, dict[int, str]] = {}  # results of incomplete groups
 
     def function(self, name: str) -> str:
         program, part, e = self.program, self.part, self.e
@@ -73,13 +73,13 @@ class _Part:
         return f"define internal void @{name}({arguments(self.layout)}) {kind} #0 {{\n{body}\n  ret void\n}}\n"
 
     def place(self, k: int, j: int) -> tuple[str, int]:
-        """The address of column j of array k, and the kind of memory it is in."""
+        """The address of column j of array k, and its address space."""
         space = GLOBAL if self.layout.offsets[k] is None else SHARED
         step: int | str = self.e.value(f"mul i64 %s{k}, {j}") if self.layout.strided and j else j
         return self.e.entry(f"%x{k}", step, space), space
 
     def get(self, i: int, sign: int = 1) -> str:
-        """The value of a node, loaded where it is not known yet."""
+        """The value of a node, loaded at its first use."""
         e, key = self.e, value_of(self.nodes, i)
         found = self.names.get(key)
         if found is None:
@@ -95,7 +95,7 @@ class _Part:
         return found if sign > 0 else e.negative(found)
 
     def keep(self, key: Value, x: str) -> None:
-        """A value that was made: written where other parts, or the caller, want it."""
+        """Store a value if other parts or the caller need it."""
         self.names[key] = x
         if key in self.part.writes:
             self.e.put(self.e.entry("%passed", self.part.writes[key]), x)
@@ -103,9 +103,9 @@ class _Part:
             self.result(j, x)
 
     def result(self, j: int, x: str) -> None:
-        """Result j, which goes to rows in global memory together with its neighbours.
+        """Store result j; in global memory together with its neighbours.
 
-        Parts of a line that come at different times would each be read and written again.
+        Separate stores to parts of a line would each need a read and a write of the line.
         """
         size = 1 if self.layout.strided or self.layout.offsets[-1] is not None else LINE // self.e.number.size
         group = self.due.setdefault(j // size, {})
@@ -134,7 +134,7 @@ class _Part:
         return e.where_less(*map(get, a))
 
     def turn(self, angles: list[int]) -> None:
-        """Cosines and sines side by side, and off the way those of angles beyond reach."""
+        """Cosines and sines of several angles, with a branch for angles beyond the short reduction."""
         e, T = self.e, self.e.vector
         xs = [self.get(a) for a in angles]
         fast = [cos_sin(e, x) for x in xs]

@@ -1,11 +1,11 @@
-"""What a warp does, as LLVM IR: rows to shared memory, a sample a thread, rows to global memory.
+"""The code of a warp as LLVM IR: rows to shared memory, one sample in each thread, rows to global memory.
 
-    fetch     brings a tile of 32 rows from global to shared memory, neighbours side by side
+    fetch     copies a tile of 32 rows from global to shared memory, with coalesced loads
     compute   each thread computes its sample, from its row to its row
     put       writes the results from shared to global memory
 
-The three are the same text for a GPU and for the processor of the host, where the threads of a warp
-are a loop: so they are tested where there is no GPU.
+The three are the same text for a GPU and for the host, where the threads of a warp are a loop; so they are tested
+without a GPU.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .program import Program
 from .scalar import DEVICE, GLOBAL, SHARED, Scalar, address
 
 _G, _S = address(GLOBAL), address(SHARED)
-_TOGETHER = 16  # loads under way at a time
+_TOGETHER = 16  # loads in flight
 _NVVM = """declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
@@ -80,7 +80,7 @@ exit:
 def emulated(program: Program, number: Number, layout: Layout, host: Host) -> str:
     """``void kernel(i64 n, ptr tile, ptr arrays, ptr row strides, ptr column strides)``: a warp as loops.
 
-    Where threads wait for each other on a GPU, one loop over them ends and the next begins.
+    Where threads synchronise on a GPU, one loop over them ends and the next begins.
     """
     loads = []
     for k in range(len(layout.sizes)):
@@ -127,7 +127,7 @@ def _every_thread(name: str, body: str, following: str) -> str:
 
 
 def _common(program: Program, number: Number, layout: Layout, host: Host) -> str:
-    """What is the same on every machine."""
+    """The part that is the same on all machines."""
     *inputs, out = range(len(layout.sizes))
     texts = [Scalar(number, host).declarations]
     texts += [_fetch(k, number, layout, host) for k in inputs if layout.offsets[k] is not None]
@@ -154,7 +154,7 @@ def _put(number: Number, layout: Layout) -> str:
 
 
 def _sample(number: Number, layout: Layout) -> str:
-    """One thread's sample, if there is one for it."""
+    """One thread's sample; the last warp may have fewer than 32."""
     lines = [
         "  %lane.wide = zext i32 %lane to i64",
         "  %sample = add i64 %first, %lane.wide",
@@ -176,7 +176,7 @@ def _sample(number: Number, layout: Layout) -> str:
 
 
 def _fetch(k: int, number: Number, layout: Layout, host: Host) -> str:
-    """A tile of array k to shared memory: 32 neighbours at a time where rows follow each other, else row by row."""
+    """Copy a tile of array k to shared memory: 32 numbers at a time if rows are contiguous, else row by row."""
     size, e = layout.sizes[k], Scalar(number, host)
     for start in range(0, size, _TOGETHER):
         steps = range(start, min(size, start + _TOGETHER))
@@ -199,7 +199,7 @@ def _write(number: Number, layout: Layout, host: Host) -> str:
 
 
 def _across(e: Scalar, j: int, size: int) -> str:
-    """The place in shared memory of a thread's j-th number, where the warp walks along all rows."""
+    """The index in shared memory of a thread's j-th number, when the warp copies contiguous rows."""
     i = e.value(f"add i32 %lane, {WARP * j}")
     if row(size) > size:
         i = e.value(f"add i32 {i}, {e.value(f'udiv i32 {i}, {size}')}")

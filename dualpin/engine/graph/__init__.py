@@ -1,1 +1,1 @@
-"""What is to be computed: algorithms run on symbols, and the order, cuts and places of their operations."""
+"""Graphs and schedules: algorithms run on symbols, and the order, chunks and slots of their operations."""

@@ -1,17 +1,17 @@
-"""Programs too long for a compiler: bytecode, which the loop of `codegen.interpreter` runs.
+"""Bytecode for programs that are too long to compile, executed by the loop of `codegen.interpreter`.
 
 From `tuning.BYTECODE_FROM` operations on, a program is a table of rows of four 32-bit words.  Almost
 every operation is one of
 
     slot[to] = +-slot[a] slot[b] +- slot[c]          row: to | a | b | c     (bit 31 of a, c: the negative)
 
-with known ones and zeros where there are no operands, so that a run of them needs no decisions:
+with constant ones and zeros for missing operands, so that a run of them needs no branches:
 
     kind | count | d | 0                             before each run of one kind
     to   | a     | b | c                             count times
     END  | 0     | 0 | 0
 
-Steps, order and rounding are those of compiled code, and so are the bits of the results.
+Operations, order and rounding are those of compiled code, so the results have the same bits.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from collections.abc import Iterator
 from .schedule import Schedule, Stage, Step, exactly
 
 MULTIPLY, INVERT, ROOT, SELECT, END = range(5)
-MINUS = 1 << 31  # with the number of a slot: the negative of what is there
+MINUS = 1 << 31  # added to the index of a slot: its negative
 
 Row = tuple[int, int, int, int]
-"""(to, a, b, c), or before each run of one kind (kind, how many, d, 0), d the fourth operand of a selection."""
+"""(to, a, b, c), or before each run of one kind (kind, count, d, 0), d the fourth operand of a select."""
 
 
 def encoded(plan: Schedule, stage: Stage) -> bytes:
@@ -40,7 +40,7 @@ def encoded(plan: Schedule, stage: Stage) -> bytes:
 
 
 def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
-    one, nothing = plan.known[exactly(1.0)], plan.known[exactly(-0.0)]  # x + -0 is x, whatever its sign
+    one, nothing = plan.known[exactly(1.0)], plan.known[exactly(-0.0)]  # x + -0 == x for every x, including -0
     for chunk in stage.chunks:
         for step in chunk:
             places = [plan.slots + place for place in plan.places.get(step.i, ())]

@@ -1,15 +1,14 @@
-"""From a graph to a program: order, fused operations, chunks, and a place in memory for every value.
+"""From a graph to a program: order, fused operations, chunks, and a slot for every value in memory.
 
 A kernel works on tiles: one row of a tile (a *slot*) holds one value for as many samples as the
-machine has lanes.  Inputs, sines and cosines, values passed between chunks, and outputs each have
-their slots.
+machine has lanes.  Inputs, sines and cosines, values passed between chunks, and outputs have slots.
 
-    stage 0   what angles need that are not inputs themselves (chunks)
+    stage 0   operations that compute angles (chunks)
               sines and cosines of stage 0's angles (a loop over their slots)
     stage 1   ...
 
-Chunks are straight lines of at most `tuning.CHUNK` operations.  Compilers of straight-line code are worse
-than linear in its length and spill badly; cut like this, compile time is linear and the code faster.
+Chunks are straight-line functions of at most `tuning.CHUNK` operations.  The compile time of straight-line code is more
+than linear in its length, and it spills badly; with chunks compile time is linear and the code is faster.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from .trace import ARITHMETIC, Node, Sym, Trace
 
 
 def exactly(x: float) -> tuple[float, float]:
-    """A key that tells 0 from -0."""
+    """A key that distinguishes 0 from -0."""
     return x, math.copysign(1.0, x)
 
 
@@ -46,7 +45,7 @@ class Stage:
 
 @dataclass
 class Schedule:
-    """Everything the emission needs to know.
+    """The program with all data for code generation.
 
     Attributes
     ----------
@@ -55,18 +54,18 @@ class Schedule:
     sine, cosine : dict
         Angle -> slot.
     together : int
-        How many cosines lie side by side, followed by their sines.
+        Number of contiguous cosines, followed by their sines.
     slots : int
-        How many of those there are.
+        The number of slots.
     places : dict
-        Node -> where it goes among the results, which are numbered apart: its slot, or with `direct`
-        all entries of the row that it is.
+        Node -> its index among the results, which are numbered separately: its slot, or with `direct` all its
+        entries of the row.
     constants : dict
-        The same for results that do not depend on the inputs: place -> value.
+        Results that do not depend on the inputs: place -> value.
     outputs : list of int
         The place of each entry of the result.
     known : dict
-        Of bytecode: the slots of its numbers, which follow each other.
+        For bytecode: the slots of its constants, which are contiguous.
     """
 
     nodes: list[Node]
@@ -85,7 +84,7 @@ class Schedule:
 
     @property
     def bytecode(self) -> bool:
-        """Whether it is too long to be code: then every value has a slot."""
+        """Whether it is too long to compile; then every value has a slot."""
         return bool(self.known)
 
     @property
@@ -98,10 +97,10 @@ class Schedule:
 
 
 def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direct: bool = False) -> Schedule:
-    """Order, fuse, cut and place.
+    """Order and fuse operations, cut chunks and assign slots.
 
-    `together` says how many angles are handled at a time: so many cosines lie side by side, then their sines.
-    With `direct`, results go straight to their row.
+    `together` is the number of angles in one vector: so many cosines are contiguous, then their sines.
+    With `direct`, results are stored directly to their row.
     """
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
@@ -115,7 +114,7 @@ def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direc
     slots = starts[-1]
     sine, cosine = {}, {}
     for stage in stages:
-        stage.angles.sort(key=lambda a: slot.get(a, slots))  # inputs in their order: often side by side
+        stage.angles.sort(key=lambda a: slot.get(a, slots))  # inputs in their order are often contiguous
         for k in range(0, len(stage.angles), together):
             for lane, angle in enumerate(stage.angles[k : k + together]):
                 cosine[angle], sine[angle] = slots + lane, slots + together + lane
@@ -155,7 +154,7 @@ def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direc
 def fused(program: Trace, order: list[int]) -> dict[int, Step]:
     """Steps by node; a product used once, by a sum, becomes part of it: a b + c in one operation.
 
-    Decided here and not by the compiler, so that every lane width gives the same bits.
+    This is not left to the compiler, so that every vector width gives the same bits.
     """
     nodes = program.graph.nodes
     uses, position = [0] * len(nodes), [0] * len(nodes)
@@ -176,7 +175,7 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
         if op in ("+", "-"):
             a, b = args
             products = [p for p in args if uses[p] == 1 and nodes[p][0] == "*"]
-            if products:  # the later one: the other is at hand when it is needed
+            if products:  # the later product; the other is still in a register
                 p = max(products, key=position.__getitem__)
                 signs = (1, 1) if op == "+" else (1, -1) if p == a else (-1, 1)  # x y - b, a - x y
                 steps[i] = Step(i, "fma", (*steps.pop(p).args, b if p == a else a), signs)
@@ -186,15 +185,15 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
 
 
 def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: int) -> list[Stage]:
-    """Which stage each step belongs to: the latest that still serves all its users."""
-    level = [0] * len(nodes)  # how many rounds of sines and cosines come before a value
+    """Assign each step to a stage, the latest before all its uses."""
+    level = [0] * len(nodes)  # number of rounds of sines and cosines before a value
     for i in order:
         op, *args = nodes[i]
         if op not in ("in", "const"):
             level[i] = max([level[a] for a in args]) + (op in ("sin", "cos"))
     last = max([level[i] for i in order], default=0)
     stage = [last] * len(nodes)
-    angles: dict[int, int] = {}  # angle -> the round that makes its sine and cosine
+    angles: dict[int, int] = {}  # angle -> the round that computes its sine and cosine
     for i in reversed(order):
         op, *args = nodes[i]
         if op in ("sin", "cos"):
@@ -215,10 +214,10 @@ def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: i
 
 
 def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
-    """Slots for values that another chunk, or the loop of sines and cosines, will read.
+    """Slots for values that another chunk, or the loop of sines and cosines, reads.
 
-    A slot is free again after the last chunk that reads it, so that no chunk reads and writes the
-    same one: then the compiler may be told that the two never overlap.
+    A slot is free after the last chunk that reads it, so that no chunk reads and writes the same one:
+    the pointers of a chunk are then noalias.
     """
     parts: list[tuple[list[int], list[int]]] = []  # what each chunk or loop computes, and reads
     for stage in stages:

@@ -1,9 +1,8 @@
-"""Expression graphs: the algorithms run on symbols, and what they would compute is written down.
+"""Expression graphs: the algorithms run on symbols, which record the operations.
 
-A `Sym` is a scalar like any other, so the one source of every algorithm runs on it unchanged.  Each
-operation becomes a node of a `Graph`, once: equal operations are the same node (hash-consing), known
-zeros and ones vanish, constants fold, signs move outwards.  The result is the straight-line program
-of one term of one robot.
+A `Sym` is a scalar, so algorithms run on it unchanged.  Each operation becomes a node of a `Graph`, once: equal
+operations are the same node (hash-consing), exact zeros and ones are eliminated, constants are folded, signs move
+outwards.  The result is the straight-line program of one term of one robot.
 """
 
 from __future__ import annotations
@@ -23,15 +22,15 @@ Node = tuple
 """(operation, *operands): operands are indices of nodes, except those of "in" and "const"."""
 
 ARITHMETIC = ("+", "-", "*", "inv", "neg", "sqrt", "select")
-"""What a core computes; the rest is loaded ("in"), known ("const") or tabulated beforehand ("sin", "cos")."""
+"""Operations of chunks; other nodes are loaded ("in"), constant ("const") or computed by a loop ("sin", "cos")."""
 
 
 class UntraceableError(DualpinError):
-    """An algorithm asked which way to go: not a straight line of operations, so it cannot be compiled."""
+    """An algorithm branches on a value: it is not a straight-line program, so it cannot be compiled."""
 
 
 class Graph:
-    """Nodes in the order they came up; operands always precede what uses them.
+    """Nodes in the order of their creation; operands precede their uses.
 
     "in" (array, position)   "const" (value)   "+" "-" "*" (a, b)   "inv" "neg" "sqrt" "sin" "cos" (a)
     "select" (x, y, a, b): a where x < y, else b
@@ -51,7 +50,7 @@ class Graph:
         return i
 
     def known(self, *key: Any) -> int | None:
-        """The node, if it came up before."""
+        """The node, if it exists."""
         return self._index.get(key)
 
     def inputs(self, array: int, size: int) -> list[Sym]:
@@ -68,8 +67,8 @@ class Graph:
     def live(self, outputs: Iterable[Any]) -> list[int]:
         """Nodes the outputs depend on, each after its operands, depth first.
 
-        Depth first because a value computed just before its use seldom has to be stored: where the
-        source walks the whole tree down and then up, this order finishes one subtree at a time.
+        Depth first, since a value computed just before its use seldom has to be stored: where the source
+        traverses the whole tree outwards and then inwards, this order finishes one subtree at a time.
         """
         order: list[int] = []
         done = bytearray(len(self.nodes))
@@ -91,7 +90,7 @@ class Graph:
         return order
 
     def count(self, outputs: Iterable[Any]) -> dict[str, int]:
-        """How often each operation occurs in what the outputs need; "flops" sums + - * inv."""
+        """The number of each operation that the outputs need; "flops" is the sum of + - * inv."""
         total: dict[str, int] = {}
         for i in self.live(outputs):
             op = self.nodes[i][0]
@@ -203,13 +202,13 @@ class Sym:
         return self._new("*", self.graph.node("const", c), self.i)
 
     def __truediv__(self, b: Any) -> Any:
-        if type(b) is Sym:  # one reciprocal serves all that is divided by b
+        if type(b) is Sym:  # one reciprocal for all divisions by b
             x = b._positive()
             return self * b._new("inv", b.i) if x is None else -(self / x)
         c = _number(b)
         if c is None:
             return NotImplemented
-        # a known zero: infinite or no number, as it is for arrays
+        # an exact zero gives inf or nan, as for arrays
         return self * (1.0 / c if c else math.copysign(math.inf, c))
 
     def __rtruediv__(self, b: Any) -> Any:
@@ -239,7 +238,7 @@ class Sym:
 
 
 class Choice:
-    """x < y between symbols: no answer yet, but `dualpin.dual.where` can choose by it."""
+    """x < y between symbols: it has no truth value, but `dualpin.dual.where` can select by it."""
 
     def __init__(self, x: Any, y: Any) -> None:
         self.x, self.y = x, y
@@ -336,7 +335,7 @@ def trace(robot: Robot, term: Term, options: Options) -> Trace:
     Raises
     ------
     UntraceableError
-        If the term chooses its way by the numbers it meets.
+        If the term branches on a value.
     """
     for x in (x for j in robot for x in (*robot.gravity, *j.inertia.parameters, *j.placement.position)):
         if _number(x) is None:
@@ -348,7 +347,7 @@ def trace(robot: Robot, term: Term, options: Options) -> Trace:
 
 
 def evaluate(program: Trace, inputs: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
-    """The outputs for given inputs, node by node in their own arithmetic: the meaning of a graph."""
+    """Evaluate a graph for given inputs, node by node, in the arithmetic of the inputs."""
     nodes, value = program.graph.nodes, {}
     for i in program.graph.live(program.outputs):
         op, *args = nodes[i]

@@ -1,10 +1,9 @@
 """Compiled kernels kept between runs.
 
-One file a kernel.  It holds machine code, so it is believed only if nobody else could have written
-it and every bit is in place: the folder is the user's own and closed to others' writing, the file
-names the machine, the compiler, the sources and the robot it was made for, and a checksum covers
-all.  Anything else is compiled again.  Files appear by an atomic rename, so processes that run at
-the same time cannot meet half of one.
+There is one file for each kernel.  It holds machine code, so it is used only if no other user could have written it
+and it is undamaged: the folder belongs to the user and is not writable by others, the file names the machine, the
+compiler, the sources and the robot for which it was made, and a checksum covers all.  Any other file is compiled again.
+Files are written by an atomic rename, so concurrent processes never read an incomplete one.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ _MAGIC = b"dualpin kernel 1\n"
 
 
 def folder(room: str = "kernels") -> Path:
-    """Where kernels are kept, or "calls": in ``DUALPIN_CACHE_DIR``, or the platform's cache folder for dualpin."""
+    """The folder of kernels, or of "calls": in ``DUALPIN_CACHE_DIR``, or in the platform's cache folder."""
     chosen = os.environ.get("DUALPIN_CACHE_DIR")
     return (Path(chosen).expanduser() if chosen else _usual_folder()) / room
 
@@ -104,7 +103,7 @@ def _announce(message: str) -> None:
 
 
 def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None:
-    """What was stored under this key, or None: then it has to be compiled."""
+    """The content stored under this key, or None if it has to be compiled."""
     place = folder(room)
     path = place / _name(key)
     try:
@@ -132,12 +131,12 @@ def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None
 
 
 def stored(key: str) -> bool:
-    """Whether there is a file for this key; what it is worth `load` says."""
+    """Whether there is a file for this key; `load` checks it."""
     return (folder() / _name(key)).exists()
 
 
 def store(key: str, about: dict[str, Any], code: bytes, room: str = "kernels") -> None:
-    """Keep a kernel; where that is impossible, say so once and go on."""
+    """Store a kernel; if that is impossible, warn once and continue."""
     place = folder(room)
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -169,7 +168,7 @@ def packed(key: str, about: dict[str, Any], code: bytes) -> bytes:
 
 
 def unpacked(key: str, content: bytes) -> tuple[dict[str, Any], bytes]:
-    """The inverse of `packed`; `ValueError` for content that is not exactly that, for this key."""
+    """The inverse of `packed`; `ValueError` for any other content or key."""
     magic, checksum, rest = content[: len(_MAGIC)], content[len(_MAGIC) : len(_MAGIC) + 65], content[len(_MAGIC) + 65 :]
     if magic != _MAGIC:
         raise ValueError("not a kernel of this format")

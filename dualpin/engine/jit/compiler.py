@@ -1,6 +1,6 @@
 """From LLVM's IR to machine code that can be called.
 
-llvmlite lets LLVM work for one thread at a time, so large programs are compiled by several processes.
+llvmlite runs LLVM in one thread at a time, so large programs are compiled by several processes.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from . import worker
 from .host import CompilerError, Host, binding
 from .threads import get_num_threads
 
-_numbers = itertools.count()  # of what is linked: names must differ
-_linkers: list[Any] = []  # the one in use
-_in_memory: weakref.WeakSet[Any] = weakref.WeakSet()  # what was linked and is still used
+_numbers = itertools.count()  # makes the names of linked objects unique
+_linkers: list[Any] = []  # the current one
+_in_memory: weakref.WeakSet[Any] = weakref.WeakSet()  # linked code that is still in use
 
 
 def object_code(text: str, host: Host, quick: bool = False) -> bytes:
-    """IR to machine code.  No optimisation passes: folding was done on the graph."""
+    """IR to machine code, without optimisation passes, since constants were folded on the graph."""
     binding()
     try:
         return worker.object_code(text, host.triple, host.cpu, host.features, quick)
@@ -40,16 +40,16 @@ def object_code(text: str, host: Host, quick: bool = False) -> bytes:
 
 
 def _about(host: Host, quick: bool) -> bytes:
-    """What a process that compiles is told before the text."""
+    """The header that a compiling process receives before the text."""
     path = [p for p in sys.path if isinstance(p, str)]
     about = {"path": path, "triple": host.triple, "cpu": host.cpu, "features": host.features, "quick": quick}
     return json.dumps(about).encode()
 
 
 def helpers() -> list[subprocess.Popen[bytes]]:
-    """Processes that compile, as many as may help this one."""
+    """Processes that compile, as many as this process may use."""
     found: list[subprocess.Popen[bytes]] = []
-    # in a program that Python is only a part of, `sys.executable` is something else
+    # if Python is embedded, `sys.executable` is another program
     python = Path(sys.executable or "").name.startswith("python")
     with contextlib.suppress(OSError):  # no more processes
         for _ in range(min(get_num_threads(), tuning.PROCESSES) - 1 if python else 0):
@@ -63,7 +63,7 @@ def helpers() -> list[subprocess.Popen[bytes]]:
 
 
 class Workbench:
-    """Places where many programs are compiled, one at a time each: this process and others.  Set up at first use."""
+    """This process and others, each of which compiles one program at a time.  They are started at first use."""
 
     def __init__(self) -> None:
         self._places: queue.SimpleQueue[subprocess.Popen[bytes] | None] = queue.SimpleQueue()
@@ -95,7 +95,7 @@ class Workbench:
             self._places.put(place)
 
     def close(self) -> None:
-        """What is not begun is given up; what this process compiles is finished first."""
+        """Cancel all that has not begun; wait for the compilation of this process."""
         self._closed = True
         if self._threads is not None:
             self._threads.shutdown(wait=False, cancel_futures=True)
@@ -103,12 +103,12 @@ class Workbench:
                 process.kill()
             self._threads.shutdown(wait=True)
             for process in self._others:
-                with contextlib.suppress(OSError), process:  # which closes its pipes and waits for its end
+                with contextlib.suppress(OSError), process:  # closes its pipes and waits for its end
                     pass
 
 
 class Compilers:
-    """This process and others that help it with a large program: begun early, ended in any case."""
+    """This process and helpers for a large program, which are started early and always ended."""
 
     def __init__(self, host: Host, nodes: int) -> None:
         binding()
@@ -124,11 +124,11 @@ class Compilers:
 
     def __exit__(self, *_: object) -> None:
         for process in self.others:
-            with process:  # which closes its pipes and waits for its end
+            with process:  # closes its pipes and waits for its end
                 process.kill()
 
     def object_codes(self, texts: Sequence[str], quick: bool) -> list[bytes]:
-        """The first is compiled here, each of the others by a process, and here where that fails."""
+        """Compile the first text here, and each other one in a process, or here if that fails."""
         host, about = self.host, _about(self.host, quick)
         asked = list(zip(self.others, texts[1:], strict=False))
         for process, text in asked:
@@ -144,7 +144,7 @@ class Compilers:
 def loaded(
     objects: Sequence[bytes], exports: Sequence[str] = ("kernel",), imports: Mapping[str, int] | None = None
 ) -> Any:
-    """Object code in executable memory: addresses by name, as long as it is kept."""
+    """Object code in executable memory: addresses by name, valid as long as the result is kept."""
     library = binding().JITLibraryBuilder()
     for code in objects:
         library.add_object_img(code)
@@ -163,7 +163,7 @@ def loaded(
 
 
 def _leave_in_memory() -> None:
-    """Nothing that is linked is given back any more: that would ask LLVM, which this process must not."""
+    """Never release linked code: that would call LLVM, which this forked process must not do."""
     for tracker in list(_in_memory):
         tracker.detach()
 
@@ -171,11 +171,11 @@ def _leave_in_memory() -> None:
 when_lost(_leave_in_memory)
 
 stores = (ctypes.c_int64 * 2)(tuning.STREAM_FROM, 0)
-"""What machine code reads: bytes from which results go past the caches, and whether `jit.stores` measured that."""
+"""Read by machine code: bytes from which stores are non-temporal, and whether `jit.stores` has measured it."""
 
 
 def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
-    """Objects of these sizes that follow each other."""
+    """Contiguous objects of these sizes."""
     ends = list(itertools.accumulate(sizes))
     if not ends or ends[-1] != len(code):
         raise CompilerError(f"objects of {sizes} bytes expected, got {len(code)}")
@@ -183,9 +183,9 @@ def split(code: bytes, sizes: Sequence[int]) -> list[bytes]:
 
 
 def linker(number: int) -> Any:
-    """One for many kernels: an execution engine for each would take four times as long.
+    """A linker for many kernels: an execution engine for each would take four times as long.
 
-    Not one for all: a linker remembers the names of what was linked, and ends with the last kernel it linked.
+    Not one for all: a linker keeps the names of all it linked, and is deleted with its last kernel.
     """
     if number % tuning.KERNELS_PER_LINKER == 0 or not _linkers:
         llvm = binding()
@@ -196,7 +196,7 @@ def linker(number: int) -> Any:
 
 @Once
 def kernel_imports() -> dict[str, int]:
-    """What kernels need: the C library's sine and cosine, and how to store, under names of our own."""
+    """Symbols that kernels import: the C library's sine and cosine, and the choice of stores."""
     library = ctypes.CDLL("msvcrt" if os.name == "nt" else None)
     if not hasattr(library, "sin"):
         library = ctypes.CDLL("libm.so.6" if sys.platform.startswith("linux") else "libm.dylib")

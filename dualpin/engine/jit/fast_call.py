@@ -2,13 +2,12 @@
 
 For a robot of a few joints the kernel takes less time than any Python code around it, for one
 configuration and for thousands.  So the function that Python calls is compiled too, from
-`codegen.fast_call`: one for all kernels, told about its own by a `Spec` in the capsule that is its
-`self`.  It takes exactly what is certain - float64 (or float32) arrays, C-contiguous, of the right shape
-or with one batch axis before it - and leaves everything else to a Python function that converts,
-allocates large results, spreads over threads or explains.
+`codegen.fast_call`: one for all kernels, with a `Spec` in the capsule that is its `self`.  It accepts float64 (or
+float32) arrays, C-contiguous, of the right shape or with one batch axis before it.  All other calls go to a Python
+function that converts, allocates large results, uses several threads or raises the error.
 
-Only the stable ABI of CPython 3.11 and later and NumPy's table of functions are used: no structure of either is
-looked into.  Attribute look-up, which may run Python code, comes before the first buffer is held.
+Only the stable ABI of CPython 3.11 and later and NumPy's table of functions are used; internal structures of either are
+not accessed.  Attribute look-ups may run Python code and come before the first buffer is acquired.
 """
 
 from __future__ import annotations
@@ -47,20 +46,20 @@ class Code(ctypes.Structure):
     many: Kernel | None = None
 
     def adopt(self, kernel: Kernel, many: bool) -> None:
-        """From now on the entry calls this kernel by itself."""
+        """Let the entry call this kernel directly."""
         with LOCK:
             if self.address[many]:
-                return  # another thread was first; what it set may be running now
+                return  # another thread was first, and its kernel may be in use
             if many:
                 self.many, self.most = kernel, int(tuning.PARALLEL_FROM / kernel.seconds)
             else:
                 self.one = kernel
             self.scratch[many] = kernel.scratch
-            self.address[many] = kernel.address  # last: it says that the rest is there
+            self.address[many] = kernel.address  # last: the entry reads the other fields only if it is set
 
 
 class Spec(ctypes.Structure):
-    """What the entry must know; each field takes eight bytes."""
+    """The data of the entry; each field has eight bytes."""
 
     _fields_ = [
         ("code", ctypes.c_void_p),
@@ -88,11 +87,11 @@ class _Method(ctypes.Structure):
 
 
 def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
-    """Whether this Python has the stable ABI the entry relies on, and the tables room for these arrays."""
+    """Whether this Python has the required stable ABI, and the shapes fit into the tables."""
     return (
         platform.python_implementation() == "CPython"
         and sys.version_info >= (3, 11)
-        and not sysconfig.get_config_var("Py_GIL_DISABLED")  # borrowed references need the lock
+        and not sysconfig.get_config_var("Py_GIL_DISABLED")  # borrowed references need the GIL
         and ctypes.sizeof(ctypes.c_void_p) == 8
         and hasattr(ctypes.pythonapi, "PyObject_Vectorcall")
         and len(shapes) <= source.MOST
@@ -104,18 +103,18 @@ def bound(
     code: Code, name: str, shapes: list[tuple[int, ...]], dtype: np.dtype, quaternions: list[int], doc: str,
     *, slow: Callable[..., Any], alone: bool,
 ) -> Callable[..., np.ndarray]:  # fmt: skip
-    """A callable (*arrays, out=None) -> array; `slow` gets all calls that are not plainly right.
+    """A callable (*arrays, out=None) -> array; `slow` gets all calls that need conversion.
 
-    Batches go through here when `out` is given and lies apart from the inputs.
+    It accepts batches if `out` is given and does not overlap the inputs.
 
     Parameters
     ----------
     shapes : list of tuple
-        Of each input and, last, of the result, for one sample.
+        Shapes of each input and, last, of the result, for one sample.
     quaternions : list of int
-        Where unit quaternions start in the first input: one whose norm is off goes to `slow`.
+        Indices of unit quaternions in the first input; if a norm is wrong, the call goes to `slow`.
     alone : bool
-        Whether any batch is computed on this thread; else `slow` gets those worth several.
+        Whether all batches are computed on this thread; else `slow` gets those worth several threads.
     """
     table = np.zeros((len(shapes), 2 + source.AXES), np.int64)  # ndim, bytes, axes
     for row, shape in zip(table, shapes, strict=True):
@@ -131,14 +130,14 @@ def bound(
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
     owner = SimpleNamespace(name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(dtype,))
     capsule = _new_capsule(ctypes.addressof(spec), None, addresses()["release"])
-    _keep(owner)  # given back by `release`, when the capsule goes
+    _keep(owner)  # released by `release`, the capsule's destructor
     _set_context(capsule, id(owner))
     copyreg.pickle(type(capsule), _reduced)
     return _new_function(ctypes.addressof(method), capsule, None)
 
 
 def spec_of(f: Any) -> int | None:
-    """Where the spec of a fast call is; None if it is something else."""
+    """The address of the spec of a fast call; None for other objects."""
     capsule = getattr(f, "__self__", None)
     if type(capsule).__name__ != "PyCapsule" or _destructor(capsule) != addresses()["release"]:
         return None
@@ -147,7 +146,7 @@ def spec_of(f: Any) -> int | None:
 
 
 def _reduced(capsule: Any) -> tuple[Any, ...]:
-    """How a capsule is pickled: a function of C is pickled as the attribute of that name of its `self`."""
+    """Pickling of a capsule: a C function is pickled as an attribute of its `self`."""
     if _destructor(capsule) != addresses()["release"]:
         raise TypeError("cannot pickle 'PyCapsule' object")
     owner = ctypes.cast(_context(capsule), ctypes.py_object).value
@@ -159,7 +158,7 @@ def _self_with(name: str, make: Callable[..., Any], arguments: tuple[Any, ...]) 
 
 
 def _api(name: str, result: Any, *arguments: Any) -> Any:
-    """A function of Python's, of our own: others may say of `ctypes.pythonapi`'s what they like."""
+    """A function of the C API with its own types, since other packages may change those of `ctypes.pythonapi`."""
     return ctypes.PYFUNCTYPE(result, *arguments)((name, ctypes.pythonapi))
 
 
@@ -185,18 +184,18 @@ def addresses() -> dict[str, Any]:
     found = disk.load(key, "calls")
     try:
         code = loaded([found[1]], names, imports) if found else None
-    except CompilerError:  # whatever is wrong with it, it can be made again
+    except CompilerError:  # damaged: compile again
         code = None
     if code is None:
         made = object_code(text, host)
         code = loaded([made], names, imports)
         disk.store(key, {}, made, "calls")
-    return {name: code[name] for name in names} | {"code": code}  # which keeps the memory
+    return {name: code[name] for name in names} | {"code": code}  # keeps the memory
 
 
 _PYTHON = (*source.API, "PyObject_Vectorcall")
 forms = ((ctypes.c_void_p * (source.FORMS + 1)) * source.BUCKETS)()
-"""The forms of calls that came before, in buckets: how many, and their addresses."""
+"""The known forms of calls, in buckets: their number and addresses."""
 
 
 def _numpy() -> dict[str, int]:

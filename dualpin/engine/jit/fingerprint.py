@@ -1,4 +1,4 @@
-"""What a kernel depends on, in a few characters: the robot, the sources, the machine."""
+"""The key of a kernel: a hash of the robot, the sources and the machine."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from ...spatial.pose import Pose
 from ...terms import Options, Term
 from .host import Host, binding
 
-# what decides the numbers a kernel computes, or how it wants to be called
+# sources that determine the results or the calling convention of a kernel
 _SOURCES = (
     "algorithms", "engine", "model", "spatial", "dual.py", "parts.py", "scalars.py", "terms.py", "ufuncs.py",
 )  # fmt: skip
-# what only calls it
+# sources that only call kernels
 _CALLERS = {
     f"engine/{name}.py" for name in ("jit/cache", "codegen/c_like", "codegen/fast_call", "jit/fast_call", "jit/threads")
 }
@@ -29,7 +29,7 @@ _CALLERS = {
 
 @cache
 def sources() -> str:
-    """A hash of the source files that kernels are made from."""
+    """A hash of the source files from which kernels are made."""
     root = Path(__file__).parents[2]
     total = hashlib.sha256()
     for name in _SOURCES:
@@ -42,7 +42,7 @@ def sources() -> str:
 
 
 def robot_key(robot: Robot) -> str | None:
-    """A hash of every constant of the robot; None if code from outside the package takes part."""
+    """A hash of all constants of the robot; None if it uses classes from outside the package."""
     known: str | None = memory(robot).get("fingerprint")
     if known is None:
         total = hashlib.sha256()
@@ -58,7 +58,7 @@ def _description(robot: Robot) -> Iterator[str | None]:
     yield _numbers(robot.gravity)
     for j in robot:
         kind = type(j.model)
-        # another's joint model: its source is not among those hashed
+        # a joint model from outside: its source is not hashed
         yield kind.__qualname__ if kind.__module__.startswith(__package__.partition(".")[0] + ".") else None
         yield f"{-1 if j.parent is None else j.parent.index} {j.q} {j.v} {j.model.kind} {j.mimic}"
         yield _pose(j.placement)
@@ -84,12 +84,12 @@ def _model_part(value: Any) -> str:
 
 
 def compiler_key(host: Host) -> str:
-    """What compiles, and for what machine."""
+    """The compiler and its target."""
     return f"LLVM {'.'.join(map(str, binding().llvm_version_info))}|{host.key}"
 
 
 def key(robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int) -> str | None:
-    """Everything a kernel depends on, as text, or None for a kernel that must not be kept."""
+    """All that a kernel depends on, as text; None for a kernel that must not be cached."""
     from ... import __version__
 
     mine = robot_key(robot)

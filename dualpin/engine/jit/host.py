@@ -1,4 +1,4 @@
-"""The machine this process runs on, as LLVM knows it."""
+"""The machine of this process, as LLVM describes it."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _initialised() -> Any:
         llvm.Target.from_default_triple()
     except ModuleNotFoundError as e:
         raise CompilerError(f"llvmlite: {e} (pip install llvmlite)") from e
-    except Exception as e:  # an incomplete installation fails in many ways
+    except Exception as e:  # an incomplete installation raises various errors
         raise CompilerError(f"llvmlite: {type(e).__name__}: {e}") from e
     return llvm
 

@@ -41,7 +41,7 @@ class Kernel:
     sizes : list of int
         Numbers in a row of each input.
     shape : tuple of int
-        Of one result.
+        Shape of one result.
     dtype : dtype
         float64 or float32, of inputs and results.
     operations : int
@@ -64,7 +64,7 @@ class Kernel:
         self._pointers, self._strides = ctypes.c_void_p * count, ctypes.c_int64 * count
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, self._pointers, self._strides)
         self._function = prototype(self.address)
-        self.seconds = (  # a rough figure, to decide on threads
+        self.seconds = (  # an estimate, to choose the number of threads
             tuning.CALL_SECONDS
             + tuning.OPERATION_SECONDS * self.operations / self.lanes
             + tuning.NUMBER_SECONDS * (sum(self.sizes) + self.width)
@@ -108,7 +108,7 @@ def rowwise(x: np.ndarray, dtype: np.dtype) -> np.ndarray:
 
 
 def scratch(size: int) -> tuple[np.ndarray, int]:
-    """This thread's working memory of at least so many bytes, and its aligned address."""
+    """This thread's scratch memory of at least `size` bytes, and its aligned address."""
     known = getattr(_scratch, "memory", None)
     if known is None or len(known[0]) < size + 64:
         memory = np.empty(size + 64, np.uint8)
@@ -120,7 +120,7 @@ def build(
     robot: Robot, term: Term, options: Options, dtype: Any = np.float64, single: bool = False, host: Host | None = None,
     begun: Begun | None = None, soon: bool = False,
 ) -> Kernel:  # fmt: skip
-    """The kernel of a term: read from the cache, or traced, compiled and kept there.
+    """The kernel of a term: read from the cache, or traced, compiled and cached.
 
     `single` makes the kernel for one configuration at a time; its results have the same bits.
     `begun` is what was done of that already.  With `soon`, a long one is not optimised unless it is in the cache.
@@ -128,7 +128,7 @@ def build(
     Raises
     ------
     UntraceableError
-        If the term cannot be a straight line of operations.
+        If the term is not a straight-line program.
     CompilerError
         If this machine has no working compiler.
     """
@@ -156,7 +156,7 @@ _SOON = "|soon"  # in the name of what waits for the real one
 
 @dataclass
 class Begun:
-    """A kernel for many samples of which Python's part is done; LLVM's is another thread's."""
+    """A batch kernel that is traced and scheduled, and is being compiled by another thread."""
 
     about: dict[str, Any]
     objects: Future[list[bytes]]
@@ -167,7 +167,7 @@ class Begun:
 
 
 def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, bench: Workbench) -> Begun | None:
-    """Trace a kernel for many samples and let others compile it; None if it is in the cache."""
+    """Trace a batch kernel and submit it for compilation; None if it is in the cache."""
     host = this_host()
     lanes = host.lanes(dtype.itemsize)
     key = kernel_key(robot, term, options, dtype, host, lanes)
@@ -181,7 +181,7 @@ def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, bench: Wo
 def compiled(
     robot: Robot, term: Term, options: Options, dtype: np.dtype, host: Host, lanes: int, soon: bool = False
 ) -> tuple[dict[str, Any], bytes]:
-    """Trace and compile: what a caller must know about the kernel, and its object code."""
+    """Trace and compile: the data for calling the kernel, and its object code."""
     start = time.perf_counter()
     program = trace(robot, term, options)
     with Compilers(host, len(program.graph.nodes)) as compilers:
@@ -199,7 +199,7 @@ def compiled(
 def _written(
     program: Trace, dtype: np.dtype, host: Host, lanes: int, parts: Callable[[], int]
 ) -> tuple[Schedule, dict[str, Any], list[str]]:
-    """A program in order, what a caller must know about it, and its text in so many parts."""
+    """The schedule, the data for calling the kernel, and its text in several parts."""
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     together = max(1, min(host.width, tuning.TOGETHER) // number.size) if lanes == 1 else 1
     plan = schedule(program, together=together, direct=lanes == 1)

@@ -1,12 +1,12 @@
 """Public functions as built-in functions: `rnea(robot, q, v, a)` finds its kernel in machine code.
 
-A call has a form: the function, the robot, how many arguments come by position, the names of the others, and the
-options, each the very object.  The first call of a form is Python's; it says which fast call answers such calls and
-where the arrays are, and from then on `codegen.fast_call.public` knows it.  Whatever differs is a form of its own.
+A call has a form: the function, the robot, the number of positional arguments, the names of the others, and the
+options, compared by identity.  The first call of a form runs in Python and records which fast call answers it and where
+its arrays are; `codegen.fast_call.public` answers later calls of this form.
 
-The built-in functions are made before there is any machine code: until then, and for every call of no known form,
-they are `PyObject_Vectorcall`, whose arguments are those of a built-in function, with the callable as `self`.  As for
-all built-in functions that is a module, here one that can be called, so that they are pickled by their name.
+The built-in functions exist before there is machine code: until then, and for unknown forms, they call
+`PyObject_Vectorcall`, whose arguments are those of a built-in function, with the callable as `self`.  As for all
+built-in functions `self` is a module, here a callable one, so that they are pickled by name.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ _FIELDS: dict[str, Any] = {"i64": ctypes.c_int64, "ptr": ctypes.c_void_p}
 
 
 class Form(ctypes.Structure):
-    """How a function was called, and what answers such a call."""
+    """The form of a call, and the fast call that answers it."""
 
     _fields_ = [(name, _FIELDS[kind]) for name, kind in source.FORM.items()]
     kept: tuple[Any, ...] = ()
 
     def forget(self) -> None:
-        """The robot is gone, and another may soon have its address.  One store: this may come at any moment."""
+        """Invalidate the form when its robot is deleted and its address may be reused; by one atomic store."""
         self.robot = None
         self.kept = ()
 
     def alike(self, other: Form) -> bool:
-        """Whether the options are equal, if not the same: of such there may be no end."""
+        """Whether the options are equal but not identical; such forms are not recorded, to bound their number."""
         head = ("function", "robot", "given", "names", "out", "options")
         return self.kept[:2] == other.kept[:2] and all(getattr(self, x) == getattr(other, x) for x in head)
 
 
 class Body(types.ModuleType):
-    """The `self` of a public function: what Python calls when machine code does not answer."""
+    """The `self` of a public function, called when machine code does not answer."""
 
     def __init__(self, name: str, module: str, call: Callable[..., Any], doc: str) -> None:
         super().__init__(module)
@@ -58,12 +58,12 @@ def _vectorcall() -> Any:
     return ctypes.pythonapi.PyObject_Vectorcall
 
 
-_bodies: list[Body] = []  # that are not machine code yet
-_buckets: list[list[Form]] = [[] for _ in range(source.BUCKETS)]  # what `forms` points to
+_bodies: list[Body] = []  # functions without machine code so far
+_buckets: list[list[Form]] = [[] for _ in range(source.BUCKETS)]  # the targets of `forms`
 
 
 def builtin(function: Callable[..., Any], call: Callable[..., Any]) -> Any:
-    """A built-in function with the name, the signature and the docstring of `function`, that does what `call` does."""
+    """A built-in function with name, signature and docstring of `function` that executes `call`."""
     plain = [p.replace(annotation=inspect.Parameter.empty) for p in inspect.signature(function).parameters.values()]
     signature = str(inspect.Signature(plain))
     doc = f"{function.__name__}{signature}\n--\n\n{inspect.getdoc(function)}"
@@ -75,16 +75,16 @@ def builtin(function: Callable[..., Any], call: Callable[..., Any]) -> Any:
 def remember(
     function: Any, robot: Any, answer: Any, args: Sequence[Any], names: Sequence[str], arrays: Sequence[int], out: int
 ) -> None:
-    """From now on machine code knows this form of call.
+    """Record a form, so that machine code answers its calls.
 
     Parameters
     ----------
     answer : callable
-        Takes such calls' arrays, in order.
+        The callable for the arrays, in order.
     args : sequence
-        All arguments, those with names last.
+        All arguments, keyword arguments last.
     arrays, out : int
-        Which of them are the arrays, and which the array for the result; -1 if there is none.
+        Indices of the arrays, and of the array for the result; -1 if there is none.
     """
     spec = spec_of(answer)
     rest = [k for k in range(1, len(args)) if k not in arrays and k != out]
@@ -108,15 +108,15 @@ def remember(
             return
         free = next((k for k, x in enumerate(here) if not x.robot), len(here))
         if free == source.FORMS:
-            return  # looking through more would take longer than Python's way
+            return  # a longer search would be slower than the Python route
         weakref.finalize(robot, form.forget).atexit = False
         here[free : free + 1] = [form]
         there[1 + free] = ctypes.addressof(form)
-        there[0] = len(here)  # last: it says that the rest is there
+        there[0] = len(here)  # last, when the other fields are complete
 
 
 def _adopt() -> None:
-    """Every public function is machine code now."""
+    """Switch all public functions to machine code."""
     address = addresses()["public"]
     for body in _bodies:
         body.method.function = address

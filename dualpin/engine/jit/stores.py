@@ -1,11 +1,10 @@
-"""From which size on results go past the caches: measured once on a machine, and kept beside the kernels.
+"""The size from which results use non-temporal stores: measured once on each machine, and kept with the kernels.
 
-Whole lines stored as usual stay in the caches, where they are read soon; past them, they wait for memory but fetch
-nothing and displace nothing.  Which takes less time for a result of which size differs between processors of one
-vendor already, so it is measured: rows like those of a kernel, of 1 to 32 MB, both ways in turns.  The bits are the
-same.
+Ordinary stores leave lines in the caches, where they can be read soon.  Non-temporal stores wait for memory, but fetch
+no lines and evict none.  Which is faster for which size differs even between processors of one vendor, so it is
+measured: rows like those of a kernel, of 1 to 32 MB, with both stores alternately.  The bits are the same.
 
-It takes a tenth of a second, when the first result of `memory.FROM` bytes is asked for.
+It takes a tenth of a second, at the first result of `memory.FROM` bytes.
 """
 
 from __future__ import annotations
@@ -33,12 +32,12 @@ from .kernel import Kernel
 
 SIZES = tuple(1 << k for k in range(20, 26))
 REPETITIONS, GAIN = 5, 0.98
-_COLUMNS = 81  # an inertia matrix of nine joints: rows that begin anywhere in a line
+_COLUMNS = 81  # an inertia matrix of nine joints: unaligned rows
 _NEVER = 1 << 62
 
 
 def settle() -> None:
-    """Find out, if nobody has: from the file, or by measuring."""
+    """Set the threshold if it is not set: from the file, or by measuring."""
     if known[1]:
         return
     with LOCK:
@@ -47,7 +46,7 @@ def settle() -> None:
         host = this_host()
         found = _read(host.key)
         if found is None:
-            found = _measured() if host.width == 64 else known[0]  # others store no whole lines
+            found = _measured() if host.width == 64 else known[0]  # other widths do not store whole lines
             _write(host.key, found)
         known[0], known[1] = found, 1
 
@@ -66,16 +65,16 @@ def _read(key: str) -> int | None:
 
 
 def _write(key: str, found: int) -> None:
-    with contextlib.suppress(OSError):  # then the next process measures again
+    with contextlib.suppress(OSError):  # the next process will measure again
         _place().parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         write_text(_place(), json.dumps({"machine": key, "past the caches from": found}, indent=1) + "\n")
 
 
 def _measured() -> int:
-    """The least size from which going past the caches is quicker, whatever larger size is tried."""
+    """The least size from which non-temporal stores are faster for all larger sizes."""
     kernel, width = _rows_like_a_kernels(), 8 * _COLUMNS
     x, out = np.ones((SIZES[-1] // width, 9)), memory.empty((SIZES[-1] // width, _COLUMNS), np.dtype(float))
-    out.fill(0.0)  # its pages are there
+    out.fill(0.0)  # page faults before the measurement
     best, before = _NEVER, known[0]
     try:
         for size in reversed(SIZES):
@@ -95,7 +94,7 @@ def _measured() -> int:
 
 
 def _rows_like_a_kernels() -> Kernel:
-    """A kernel of some arithmetic and rows of results, from the same generator as all."""
+    """A kernel with little arithmetic and rows of results, from the same code generator."""
     graph, host = Graph(), this_host()
     x = graph.inputs(0, 9)
     plan = schedule(Trace(graph, [9], [a * b + c for a, b in zip(x, reversed(x), strict=True) for c in x]))
@@ -105,7 +104,7 @@ def _rows_like_a_kernels() -> Kernel:
     about = {"sizes": plan.sizes, "operations": plan.operations, "lanes": lanes, "objects": [len(code)],
              "scratch": ir.scratch_bytes(plan, DOUBLE, host, lanes)}  # fmt: skip
     kernel = Kernel(about, code, (_COLUMNS,), np.dtype(float))
-    kernel.seconds = tuning.PARALLEL_FROM / (1 << 40)  # no other threads
+    kernel.seconds = tuning.PARALLEL_FROM / (1 << 40)  # one thread only
     return kernel
 
 

@@ -15,12 +15,12 @@ from ...errors import ArgumentError
 from .. import tuning
 
 count = ctypes.c_int64(0)
-"""Where machine code reads whether there is one thread (1), several (2), or nobody knows yet (0)."""
+"""Read by machine code: one thread (1), several (2), or not yet known (0)."""
 
 _chosen: int | None = None
 _pool: tuple[int, ThreadPoolExecutor] | None = None
-_pool_lock = threading.Lock()  # nobody replaces the pool between finding it and the last `submit`
-_here = threading.local()  # `busy` in a thread at work on parts: to wait for others there would be for itself
+_pool_lock = threading.Lock()  # the pool must not be replaced between finding it and the last `submit`
+_here = threading.local()  # `busy` in a worker thread, which must not wait for the pool: that would be a deadlock
 
 
 def available() -> int:
@@ -40,7 +40,7 @@ def get_num_threads() -> int:
     Raises
     ------
     ArgumentError
-        Where ``DUALPIN_NUM_THREADS`` is no number.
+        If ``DUALPIN_NUM_THREADS`` is not a number.
 
     Examples
     --------
@@ -98,8 +98,8 @@ def set_num_threads(n: int | None) -> None:
 def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple: int) -> None:
     """work(start, stop) over 0 ... n, in parts of a multiple of samples, on as many threads as are worth it.
 
-    `seconds` is what one sample is expected to take.  Each thread takes the next part when it has
-    done one, so that a slow one does not hold up the others.
+    `seconds` is the expected time of one sample.  Each thread takes the next part when it has finished
+    one, so that a slow one does not delay the others.
     """
     step = max(1, int(tuning.PART / seconds) // multiple) * multiple
     parts = -(-n // step)
@@ -114,7 +114,7 @@ def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple:
         try:
             while (k := next(numbers)) < end[0]:
                 work(k * step, min((k + 1) * step, n))
-        except BaseException:  # an error, or Ctrl-C: nobody goes on
+        except BaseException:  # an error, or Ctrl-C: all threads stop
             end[0] = 0
             raise
         finally:
@@ -125,7 +125,7 @@ def spread(work: Callable[[int, int], object], n: int, seconds: float, multiple:
         some()
     finally:
         for future in others:
-            future.cancel()  # one that has not begun by now has nothing left to do
+            future.cancel()  # a task that has not begun has nothing left to do
         for future in others:
             if not future.cancelled():
                 future.result()
@@ -138,7 +138,7 @@ def _submitted(task: Callable[[], None], n: int) -> list[Future]:
     with _pool_lock, contextlib.suppress(RuntimeError):
         if _pool is None or _pool[0] < n:
             if _pool is not None:
-                _pool[1].shutdown(wait=False)  # those at work finish
+                _pool[1].shutdown(wait=False)  # running tasks finish
             _pool = (n, ThreadPoolExecutor(n, thread_name_prefix="dualpin"))
         for _ in range(n):
             futures.append(_pool[1].submit(task))

@@ -1,9 +1,9 @@
-"""LLVM at work.  Imported, or run as a process of its own that needs nothing but llvmlite and so begins at once:
+"""Compilation by LLVM.  Imported, or run as a separate process that needs only llvmlite and so starts quickly:
 
     python worker.py     in: the arguments of `object_code` and sys.path, as JSON; then IR.  out: object code.
                          again, until the input ends
 
-All are sent with their lengths: a pipe may have other ends in processes that know nothing of it.
+Messages are sent with their lengths, since other processes may hold ends of the pipe, so that it is never closed.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import json
 import sys
 from typing import IO
 
-LENGTH = 8  # bytes that say how many follow
+LENGTH = 8  # bytes of a length
 
 
 def object_code(text: str, triple: str, cpu: str, features: str, quick: bool) -> bytes:
-    """IR to an object file; `quick` is a third of the time, for slower code."""
+    """IR to an object file; `quick` takes a third of the time and gives slower code."""
     import llvmlite.binding as llvm
 
     machine = llvm.Target.from_triple(triple).create_target_machine(
@@ -31,7 +31,7 @@ def send(pipe: IO[bytes], data: bytes) -> None:
 
 
 def receive(pipe: IO[bytes]) -> bytes:
-    """What was sent, or nothing if it did not come whole."""
+    """A message; empty if it is incomplete."""
     head = pipe.read(LENGTH)
     size = int.from_bytes(head, "little")
     data = pipe.read(size) if len(head) == LENGTH and size < 1 << 40 else b""
