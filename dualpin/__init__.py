@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from . import locking as locking  # from now on, no fork leaves locks of other threads behind
+from . import locking as locking  # registers the fork handlers
 
 __version__ = "0.2.0"
 

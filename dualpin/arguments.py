@@ -1,4 +1,4 @@
-"""Rules for arguments that know no robot: each stands here once, and names what was expected."""
+"""Checks of arguments that do not depend on a robot; each error names what was expected."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .errors import ArgumentError, ShapeError, nearest
 
 
 def numbers(what: str, value: ArrayLike) -> np.ndarray:
-    """`value` as float64; complex, text and objects are refused rather than cut."""
+    """`value` as float64; complex numbers, text and objects are refused, not truncated."""
     try:
         x = np.asarray(value)
     except ValueError as e:
@@ -29,7 +29,7 @@ def is_symbol(x: object) -> bool:
 
 
 def entries(what: str, value: Any) -> np.ndarray:
-    """As `numbers`, but symbols are let in: then an array of objects, each a float or a formula."""
+    """As `numbers`, but symbols are allowed: the result is then an array of objects, each a float or a formula."""
     try:
         x = np.asarray(value)
     except ValueError as e:
@@ -53,7 +53,7 @@ def _hint(x: np.ndarray) -> str:
 
 
 def choice(what: str, value: object, choices: tuple[str, ...]) -> str:
-    """`value` if it is one of the choices, else an error that offers the nearest."""
+    """`value` if it is one of the choices; the error lists the nearest ones."""
     if not isinstance(value, str) or value not in choices:
         raise ArgumentError(f"{what} {value!r} is not known; {nearest(str(value), choices)}")
     return value
@@ -87,7 +87,7 @@ def real(
     Raises
     ------
     ArgumentError
-        That says what was expected and what came.
+        If it is not; the message says what was expected and what was given.
     """
     x = None
     if not isinstance(value, (bool, str, bytes)) and getattr(value, "shape", ()) == () and not _boolean(value):

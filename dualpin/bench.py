@@ -27,12 +27,12 @@ TERMS_MEASURED = (
     "rnea", "aba", "crba", "coriolis", "fk", "jacobian", "gravity", "bias", "minv", "centroidal_momentum_matrix",
     "joint_torque_regressor", "rnea_derivatives", "aba_derivatives",
 )  # fmt: skip
-AGREEMENT = 1e-8  # scaled; measured terms are right or the figures mean nothing (tolerances: the cross-check)
+AGREEMENT = 1e-8  # largest scaled difference of measured terms; the cross-check has the tight tolerances
 REPETITIONS = 5
-SLICE = 0.08  # seconds of each measurement: after the other's turn, caches and clocks take some calls to settle
+SLICE = 0.08  # seconds of each measurement: caches and clocks need some calls to settle
 
 Call = Callable[[int], Any]
-"""Does something so many times."""
+"""A function that does something a given number of times."""
 
 
 def run(
@@ -106,12 +106,12 @@ def _loaded(given: str | Robot, floating: bool) -> tuple[Robot, str]:
     if isinstance(given, Robot):
         return given, given.name
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DualpinWarning)  # its robots are not the question here
+        warnings.simplefilter("ignore", DualpinWarning)  # remarks on robots are not relevant here
         return load(given, floating=floating), str(given)
 
 
 class Pair:
-    """The same term of the same states, by us and by Pinocchio, as two loops."""
+    """The same term at the same states, computed by dualpin and by Pinocchio, as two loops."""
 
     def __init__(self, robot: Robot, term: str, batch: int, threads: int) -> None:
         if robot.source is None:
@@ -122,7 +122,7 @@ class Pair:
         self.states = {"q": q, "v": v, "a": a, "tau": a}
         self.options: dict[str, Any] = {}
         if term == "jacobian":
-            # the frame with most joints under it: Pinocchio's cost grows with them too
+            # the frame with the most joints on its path: Pinocchio's cost grows with them, too
             frame = max(robot.frames, key=lambda f: len(list(f.joint.chain)) if f.joint else 0)
             self.options = {"frame": frame, "reference": "local"}
         self.inputs = [self.states[key] for key in self.term.inputs]
@@ -142,7 +142,7 @@ class Pair:
         return loop(getattr(functions, self.term.name), [[self.robot, *arrays, *self.options.values()]])
 
     def theirs(self) -> tuple[Call, int, str]:
-        """Pinocchio's fastest: its parallel loop in C++ where there is one, else its Python call.
+        """Pinocchio's fastest form: its parallel loop in C++ where there is one, else its Python call.
 
         Returns the call, how many samples it computes, and its name.
         """
@@ -166,7 +166,7 @@ class Pair:
         return loop(call, calls), few, name if few == 1 else f"{name}, Python loop"
 
     def check(self) -> None:
-        """Both give the same, or there is nothing to compare."""
+        """Raise if the two results differ."""
         call, out = self.ours()
         call(1)
         few = min(self.batch, 16)
@@ -207,7 +207,7 @@ _PINOCCHIO = {
 
 
 def loop(f: Callable[..., Any], calls: Sequence[Sequence[Any]], out: np.ndarray | None = None) -> Call:
-    """A loop that calls f with each of these arguments, and `out`, so many times: written as a user would write it.
+    """A loop that calls f with each of these arguments, and `out`, as a user would write it.
 
     Unpacking arguments or calling a function that calls f would cost a tenth of a microsecond.
     """
@@ -222,7 +222,7 @@ def loop(f: Callable[..., Any], calls: Sequence[Sequence[Any]], out: np.ndarray 
 
 
 def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: float = SLICE) -> list[list[float]]:
-    """Seconds of each call, measured in turns so that whatever slows the machine slows them all."""
+    """Seconds of each call, measured alternately so that other load slows all of them."""
     calls = list(calls)
     loops = []
     for f in calls:
@@ -246,7 +246,7 @@ def alternating(calls: Iterable[Call], repetitions: int = REPETITIONS, seconds: 
 
 
 def machine() -> dict[str, Any]:
-    """What the figures depend on, for the head of a report."""
+    """Machine and versions, for the head of a report."""
     from .engine.jit.host import this_host
 
     host = this_host()

@@ -1,4 +1,4 @@
-"""Kernels on a GPU measured here and now, and what they take of it."""
+"""Measurements of kernels on a GPU, and their resources."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def work(robots: Sequence[str], terms: Sequence[str], floating: bool) -> Iterato
     """Robots with their names, and terms with their options."""
     for name in robots:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DualpinWarning)  # its robots are not the question here
+            warnings.simplefilter("ignore", DualpinWarning)  # remarks on robots are not relevant here
             robot = load(name, floating=floating)
         for asked in terms:
             found = term(asked)
@@ -78,7 +78,7 @@ def run(
     *,
     floating: bool = False,
 ) -> list[dict[str, Any]]:
-    """Calls from Python one after the other, arguments and results on the device, waited for at the end.
+    """Successive calls from Python, arguments and results on the device, with one wait at the end.
 
     Returns
     -------

@@ -1,6 +1,6 @@
 """Straight-line programs as plain C99, for processors without an operating system.
 
-Values live in one array of slots, a slot serves again after the last use of its value, and the
+Values are kept in one array of slots, a slot is reused after the last use of its value, and the
 statements are cut into functions of at most `PART`: however a compiler is told to optimise, the stack is
 the array and the frame of one such function.  No recursion, no allocation, no state, no loops; the only
 calls of a library are `sin` and `cos`, and with ``math="own"`` there is none.
@@ -20,7 +20,7 @@ from .engine.graph.trace import Sym, Trace
 PART = 100
 """Statements in one function."""
 FRAME = 512
-"""Bytes of the stack for return addresses and saved registers of the three functions that are ever open at once."""
+"""Bytes of the stack for return addresses and saved registers of the three functions that are active at once."""
 OPERATORS = {"+": "{0} + {1}", "-": "{0} - {1}", "*": "{0} * {1}", "neg": "-{0}", "select": "({0} < {1}) ? {2} : {3}"}
 COUNTED = ("additions", "multiplications", "divisions", "comparisons", "sines and cosines")
 _OPERATION = {
@@ -31,7 +31,7 @@ _OPERATION = {
 
 @dataclass
 class Program:
-    """A program in C: what stands before the function, its statements, and what it costs.
+    """A program in C: declarations, statements, and its cost.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Program:
     body : list of str
         Lines of its own.
     slots : int
-        Numbers that it keeps at once.
+        Size of the array of slots.
     operations : dict
         How many of each kind a call does, always the same: there are no branches but choices of a value.
     """
@@ -50,7 +50,7 @@ class Program:
     slots: int
     operations: dict[str, int]
     costs: dict[str, int]
-    """Operations of each of the functions that take a library's place."""
+    """Operations of each function that replaces a library function."""
     size: int
 
     @property
@@ -136,7 +136,7 @@ def _statements(w: _Writer, program: Trace) -> list[str]:
         if not uses[i] and i not in kept and place[i].startswith("t["):
             w.release(place[i])
 
-    pairs: dict[int, str] = {}  # a sine or cosine that came with the other of its angle, and where it is
+    pairs: dict[int, str] = {}  # slots of sines and cosines that were computed together with the other of their angle
     for i in order:
         op, *args = nodes[i]
         if op == "in":
@@ -156,7 +156,7 @@ def _statements(w: _Writer, program: Trace) -> list[str]:
         for a in args:
             done(a)
         if not (op in ("sin", "cos") and w.own):
-            place[i] = w.slot()  # often that of an operand, which was just read for the last time
+            place[i] = w.slot()  # often the slot of an operand that was just read for the last time
             w.lines.append(f"{place[i]} = {text};")
     return [place[x.i] if type(x) is Sym else w.literal(x) for x in program.outputs]
 
@@ -177,7 +177,7 @@ _OTHER = {"sin": "cos", "cos": "sin"}
 
 
 def _turned(w: _Writer, op: str, x: str, i: int, other: int | None, uses: dict[int, int], pairs: dict[int, str]) -> str:
-    """Sine and cosine of an angle come together; the other is kept if it is used."""
+    """Sine and cosine of an angle are computed together; the second is kept if it is used."""
     if i in pairs:
         return pairs.pop(i)
     w.needed.add("turn")
@@ -201,7 +201,7 @@ def _counted(program: Trace) -> dict[str, int]:
     return total
 
 
-# --- functions that take the place of a library's ------------------------------------------------------
+# --- functions in place of a library's -----------------------------------------------------------------
 
 
 def _helpers(w: _Writer) -> list[str]:
@@ -230,7 +230,7 @@ def _root(w: _Writer) -> list[str]:
             ]
     lines += [f"    {kind} y = {k(0.6)} + ({k(0.4)} * m);"]
     lines += [f"    y = {k(0.5)} * (y + (m / y));"] * steps
-    # 0, negative and what is no number: 0 or no number, as the product says
+    # for 0, negative numbers and nan the product gives 0 or nan
     lines += [f"    return (x > {k(0.0)}) ? (y * scale) : (x * {k(0.0)});", "}", ""]
     return lines
 
@@ -268,7 +268,7 @@ def _turn(w: _Writer) -> list[str]:
 
 
 def _costs(w: _Writer) -> dict[str, int]:
-    """How many operations a call of each helper has, arithmetic and comparisons, at most."""
+    """The most operations of a call of each helper, arithmetic and comparisons."""
     made = {"root": _root, "turn": _turn}
     return {
         f"{w.name}_{name}": sum(len(re.findall(r" (?:[-+*/%<>]|>=|<=|==) ", line)) for line in make(w))
@@ -278,10 +278,10 @@ def _costs(w: _Writer) -> dict[str, int]:
 
 
 def example(program: Trace, inputs: list[list[float]], number: Number) -> tuple[list[float], float]:
-    """The results for these inputs in double precision, and how far a run in this precision may be off.
+    """The results for these inputs in double precision, and the tolerance of a run in this precision.
 
-    The distance of an evaluation in single precision says how sensitive the results are to rounding;
-    a run may be sixteen times that off, in the precision it has.
+    An evaluation in single precision shows how sensitive the results are to rounding; the tolerance is
+    sixteen times that error, scaled to this precision.
     """
     from .engine.graph.trace import evaluate
 

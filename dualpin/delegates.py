@@ -1,6 +1,6 @@
-"""Methods whose work is done in a room above, as `Robot.to_urdf`: found by this table when they are called.
+"""A table of methods whose code is in a room above, such as `Robot.to_urdf`; they are imported when called.
 
-This is the only place where a name points upward; everywhere else a module imports downward.
+This is the only place where names point upward; all other imports point downward.
 """
 
 from __future__ import annotations

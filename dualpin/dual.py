@@ -1,7 +1,6 @@
 """Dual numbers a + eps b with eps^2 = 0, over any scalar, and the elementary functions.
 
 A differentiable real function has one natural extension, f(a + eps b) = f(a) + eps f'(a) b.
-Everything in this file is that sentence, and the ring.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from .extras import extra
 from .parts import SEQUENCES, Parts, aligned, array, array_function, joined, product, raise_where, refuse, shown, unfit
 from .scalars import ONE, ZERO, Compound, Exact, Scalar, exact, library
 
-_on_duals = cache(lambda ufunc: home("numpy.ufunc")(ufunc))  # made of this file's functions, so it stands above it
+_on_duals = cache(lambda ufunc: home("numpy.ufunc")(ufunc))  # `ufuncs` uses this file, so it is imported when called
 
 
 class Dual(Parts):
@@ -37,7 +36,7 @@ class Dual(Parts):
     and smaller than every positive number: real parts decide, dual parts where these are equal.
 
     NumPy's universal functions and its linear functions of arrays act on dual arrays; ``@`` is the product of
-    (stacks of) matrices.  What has no value (division by eps, the derivative of a root at 0) raises
+    (stacks of) matrices.  Operations without a value (division by eps, the derivative of a root at 0) raise
     `DualDivisionError` with the index of the entry.
 
     References
@@ -230,7 +229,7 @@ def stack(items: Sequence[Any], axis: int = 0) -> Dual:
 class Function:
     """An elementary function over any scalar, with f(a + eps b) = f(a) + eps f'(a) b.
 
-    poles : where f' is infinite; there f has a real value, perhaps, but no dual one.
+    poles : where f' is infinite; f may have a real value there, but no dual one.
     """
 
     def __init__(self, name: str, derivative: Callable[[Scalar], Scalar], poles: tuple[complex, ...] = ()) -> None:
@@ -252,7 +251,7 @@ class Function:
         return getattr(library(x), self.name)(x)
 
     def _value(self, x: Dual) -> Scalar:
-        """f(a), with the domain error of real numbers made a sentence."""
+        """f(a), with a clear error outside its domain."""
         try:
             if type(x.real) is not np.ndarray or x.real.dtype.kind != "f":
                 return self(x.real)
@@ -290,8 +289,8 @@ sqrt: Function = Function("sqrt", lambda x: 1 / (2 * sqrt(x)), (0,))
 def power(x: Scalar, n: Scalar) -> Scalar:
     """x^n for dual x and n:  a^n + eps (n a^(n-1) a' + a^n log(a) n').
 
-    An integer n asks for nothing but a product; a negative one for a real part; a fractional one for a
-    positive real part (0 is allowed where the derivative is finite, n > 1).
+    An integer n >= 0 is a product; a negative n needs a real part other than zero; a fractional n needs a
+    positive real part (or 0, if the derivative is finite, n > 1).
     """
     n = np.asarray(n) if isinstance(n, (list, tuple)) else n
     if type(n) is Dual:
@@ -366,8 +365,8 @@ def stumpff(k: int, y: Scalar) -> Scalar:
 
         c_0 = cos r,   c_1 = sin r / r,   c_2 = (1 - cos r) / r^2,   c_3 = (r - sin r) / r^3,   r^2 = y
 
-    They are entire, which is what exp and log near the identity need, and closed under
-    differentiation: c_k' = (k c_{k+2} - c_{k+1}) / 2.
+    They are entire, so exp and log are exact near the identity, and closed under differentiation:
+    c_k' = (k c_{k+2} - c_{k+1}) / 2.
     """
     if type(y) is Dual:
         slope = -stumpff(1, y.real) if k == 0 else stumpff(3, y.real) - stumpff(2, y.real)
@@ -378,12 +377,12 @@ def stumpff(k: int, y: Scalar) -> Scalar:
 
 
 def real_part(x: Scalar) -> Scalar:
-    """The real part of a dual number, the number itself of any other scalar."""
+    """The real part of a dual number; any other scalar unchanged."""
     return x.real if type(x) is Dual else x
 
 
 def where(condition: Any, a: Scalar, b: Scalar) -> Scalar:
-    """A where the condition holds, else b: a choice between numbers, or member by member in a batch."""
+    """a where the condition holds, else b; elementwise in a batch."""
     choose = getattr(condition, "choose", None)  # a comparison of symbols; arrays have another choose
     symbolic = choose is not None and not isinstance(condition, (np.ndarray, np.generic))
     formula = getattr(condition, "is_Relational", False)  # of SymPy

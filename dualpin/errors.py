@@ -1,6 +1,6 @@
 """Every error that dualpin raises on purpose.
 
-Each message says what was expected, what came, where, and the nearest valid choice.
+Each message says what was expected, what was given, where, and the nearest valid choice.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ class DualpinError(Exception):
 
 
 class UrdfError(DualpinError):
-    """A robot description that cannot be read, or must not be trusted."""
+    """A robot description that cannot be read, or is not safe to read."""
 
 
 class FrameNotFoundError(DualpinError, KeyError):
@@ -37,15 +37,15 @@ class ArgumentTypeError(ArgumentError, TypeError):
 
 
 class DualDivisionError(DualpinError, ZeroDivisionError):
-    """A dual number without the inverse, root or derivative that was asked of it."""
+    """A dual number without the requested inverse, root or derivative."""
 
 
 class DeviceError(DualpinError):
-    """There is no GPU that can be used, or it refused."""
+    """There is no usable GPU, or an operation on it failed."""
 
 
 class DualpinWarning(UserWarning):
-    """Something that was assumed, ignored or looks wrong, but does not stop the computation."""
+    """Something was assumed, ignored or looks wrong; the computation continues."""
 
 
 def nearest(wanted: str, choices: Iterable[str], what: str = "choices", most: int = 12) -> str:

@@ -1,7 +1,7 @@
-"""Names as text of other languages: what a stranger called a joint never becomes code, markup or a terminal's command.
+"""Escaping of names for other languages, so that a joint's name never becomes code, markup or a terminal command.
 
-Robots, joints, links and files are named by whoever wrote them.  Each function here gives the form of a
-name that means itself, and nothing else, in one kind of document.
+Names of robots, joints, links and files come from unknown sources.  Each function escapes a name for one kind of
+document.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 __all__ = ["c_comment", "c_identifier", "csv_cell", "html", "is_c_identifier", "json_text", "line", "lines", "markdown",
            "matlab_string", "tex", "yaml_string"]  # fmt: skip
 
-# controls, what turns the direction of writing, separators of lines, lone surrogates, and no characters at all
+# control characters, direction marks, line separators, lone surrogates, noncharacters
 _UNPRINTABLE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ufffe\uffff\ud800-\udfff]"
 )
@@ -38,12 +38,12 @@ def line(text: str) -> str:
 
 
 def lines(text: str) -> str:
-    """The text without control characters but line breaks, for messages."""
+    """The text without control characters except line breaks, for messages."""
     return "\n".join(map(line, text.split("\n")))
 
 
 def c_comment(text: str) -> str:
-    """The text inside of /* */: it neither ends the comment nor begins another."""
+    """The text for /* */: it neither ends the comment nor begins another."""
     return line(text).replace("*/", "* /").replace("/*", "/ *").replace("??/", "? ?/")
 
 
@@ -60,7 +60,7 @@ def c_identifier(text: str) -> str:
 
 
 def is_c_identifier(name: str) -> bool:
-    """Whether a function, and a header, may be called that: no keyword, nothing of the compiler or its libraries."""
+    """Whether it may be the name of a function and a header: not a keyword, nor a name of the compiler or libraries."""
     return re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) is not None and not (
         name in _C_WORDS or name.startswith("__") or re.match("_[A-Z]", name)
     )
@@ -115,7 +115,7 @@ def tex(text: str) -> str:
 
 
 def csv_cell(text: str) -> str:
-    """A cell that spreadsheets take for text or a number, never for a formula.
+    """A cell that spreadsheets read as text or a number, never as a formula.
 
     Examples
     --------
@@ -135,10 +135,10 @@ def _is_number(text: str) -> bool:
 
 
 def markdown(text: str) -> str:
-    """A name that Markdown shows as it is, in a cell, an item or a sentence: no HTML, no links, no emphasis."""
+    """A name that Markdown shows literally, in a cell, an item or a sentence: no HTML, no links, no emphasis."""
     text = html(line(text), quote=False).replace("\\", "\\\\")
     text = re.sub(r"([`*\[\]|!~$])", r"\\\1", text)
-    # underscores inside of words are only themselves
+    # underscores inside words have no meaning
     return re.sub(r"(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])", r"\\_", text)
 
 

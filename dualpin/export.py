@@ -1,4 +1,4 @@
-"""The same source in other languages: dependency-free C, and SymPy's formulas."""
+"""Export of terms: C without dependencies, and SymPy expressions."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ class CCode:
     Attributes
     ----------
     name : str
-        Of the function, and of the files without their suffixes.
+        Name of the function, and of the files without their suffixes.
     header, source : str
         The texts of `name`.h and `name`.c.
     test : str
-        The text of `name`_test.c: a program that computes one example and returns 0 if it comes out right.
+        The text of `name`_test.c: a program that computes one example and returns 0 if the result is right.
     operations : dict
         How many of each kind a call does, always the same.
     stack : int
@@ -50,7 +50,7 @@ class CCode:
     stack: int = 0
 
     def write(self, folder: str | Path) -> Path:
-        """Write the files into a folder, and a Makefile for all that are in it; returns the path of the source."""
+        """Write the files, and a Makefile for all in the folder; returns the path of the source."""
         place = Path(folder)
         try:
             place.mkdir(parents=True, exist_ok=True)
@@ -178,7 +178,7 @@ _LINKAGE = '#ifdef __cplusplus\nextern "C"\n#endif'
 
 
 def _costs(name: str, made: c_code.Program) -> str:
-    """What the header says a call takes."""
+    """The cost of a call, as stated in the header."""
     each = ", ".join(f"{n} {what}" for what, n in made.operations.items() if n)
     inner = "".join(f" {helper} does at most {n} operations." for helper, n in made.costs.items())
     return (
@@ -231,10 +231,10 @@ int main(void)
 
 
 def _decimals(robot: Robot, entry: Any) -> Any:
-    """A formula whose fractions are decimals of up to fifteen digits, where they came from decimals.
+    """A formula with decimals of up to fifteen digits in place of fractions that came from decimals.
 
-    Of a robot whose constants are all symbols and whole numbers, only gravity can be a decimal; fractions that the
-    algorithms make are halves and quarters, and stay.
+    If all constants of a robot are symbols and whole numbers, only gravity can be a decimal; fractions made by the
+    algorithms are halves and quarters, and remain.
     """
     sympy = extra("sympy", "exact", "symbolic")
     bare = robot.with_gravity([0, 0, 0])

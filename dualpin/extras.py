@@ -1,4 +1,4 @@
-"""Packages that are imported when something first needs them."""
+"""Optional packages, imported at first use."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .errors import DualpinError
 
 
 def extra(module: str, name: str, what: str) -> Any:
-    """The module, or an error that says which extra of dualpin brings it.
+    """The module, or an error that names the extra of dualpin to install.
 
     Parameters
     ----------
@@ -18,12 +18,12 @@ def extra(module: str, name: str, what: str) -> Any:
     name : str
         The extra of ``pip install 'dualpin[name]'``.
     what : str
-        What needs it, the beginning of the message.
+        The feature that needs it, the beginning of the message.
     """
     try:
         return importlib.import_module(module)
     except ImportError as e:
         if e.name is not None and e.name.partition(".")[0] != module.partition(".")[0]:
-            raise  # something else is missing, and says so itself
+            raise  # another module is missing: its own error is raised
         package = module.partition(".")[0]
         raise DualpinError(f"{what} needs {package}, which is not installed: pip install 'dualpin[{name}]'") from None

@@ -1,4 +1,4 @@
-"""Writing files: UTF-8 whatever the locale, and whole or not at all."""
+"""Writing files: always in UTF-8, and completely or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text as UTF-8, beside its place first and then moved there, so that no half file ever stands there.
+    """Write a text as UTF-8 to a temporary file, which is then renamed, so that the file is never incomplete.
 
     Line ends are written as they are.  What has no place in UTF-8 (lone surrogates, as in names of files
     that are no text) is written as an escape.
@@ -19,7 +19,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     Raises
     ------
     OSError
-        If it cannot be written; what stood there before stands there still.
+        If it cannot be written; an earlier file is then unchanged.
     """
     with replacing(path) as beside:
         beside.write_bytes(text.encode("utf-8", "backslashreplace"))
@@ -27,9 +27,9 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 @contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A path beside `path` to write to, moved there at the end and removed after an error.
+    """A temporary path beside `path`, renamed at the end and removed after an error.
 
-    Links are followed.  Devices and pipes are written to directly: nothing can be put in their place.
+    Links are followed.  Devices and pipes are written directly, since they cannot be replaced.
     """
     target = Path(os.path.realpath(path))
     try:

@@ -1,4 +1,4 @@
-"""Execution of a term by NumPy: the algorithm itself, run on columns of numbers.
+"""Execution of a term by NumPy: the algorithm, run on columns of numbers.
 
 One sample runs on plain floats, a batch on arrays with one number a sample.  Nothing is compiled;
 this is the reference the compiled engine is tested against, and the path without a compiler.
@@ -15,7 +15,7 @@ from .model.robot import Robot
 from .scalars import Exact, Scalar
 from .terms import Options, Term, flat
 
-SLICE = 1024  # samples at a time: the columns of one slice stay in the cache
+SLICE = 1024  # samples at a time, so that the columns of one slice stay in the cache
 
 
 def interpret(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
@@ -35,6 +35,6 @@ def _results(robot: Robot, term: Term, options: Options, part: Sequence[np.ndarr
         try:
             return list(flat(term.compute(robot, *(x[0].tolist() for x in part), **options)))
         except (ArithmeticError, ValueError):
-            pass  # floats raise where arrays say inf or nan: let the arrays speak
+            pass  # floats raise where arrays give inf or nan: compute with arrays
     with np.errstate(all="ignore"):
         return list(flat(term.compute(robot, *(list(np.ascontiguousarray(x.T)) for x in part), **options)))

@@ -1,10 +1,9 @@
-"""One lock for everything that owns native memory, and what a fork does to it.
+"""One lock for all objects that own native memory, and its behaviour in a fork.
 
-A forked child has one thread, the one that forked.  If another was inside LLVM at that moment, LLVM's
-memory is half changed in the child, and the locks of that thread are never released.  So a fork waits
-until no thread compiles, or imports what this package needs.  If that takes longer than `FORK_WAIT`, the
-fork goes on, and a child of a compilation knows that it must not touch LLVM any more: kernels it has
-still run, and whatever else it needs NumPy computes.
+A forked child has one thread, the one that forked.  If another was inside LLVM at that moment, LLVM's memory is
+inconsistent in the child, and the locks of that thread are never released.  So a fork waits until no thread compiles or
+imports modules of this package.  If that takes longer than `FORK_WAIT`, the fork proceeds, and the child must not use
+LLVM: its kernels still run, and NumPy computes the rest.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ FORK_WAIT = 20.0
 
 
 class Lock:
-    """A reentrant lock that a fork can wait for, and a child replace."""
+    """A reentrant lock that a fork can wait for and a child can replace."""
 
     def __init__(self) -> None:
         self.inner, self.depth = threading.RLock(), 0
@@ -40,21 +39,21 @@ class Lock:
         self.depth -= 1
         last = not self.depth
         self.inner.release()
-        while last and self.wanted:  # or this thread might take it again before the one that forks wakes up
+        while last and self.wanted:  # otherwise this thread might take it again before the forking thread wakes up
             time.sleep(1e-3)
 
 
 LOCK = Lock()
-"""Held by whoever compiles, links, loads or makes anything that all threads share: one at a time."""
+"""Held while compiling, linking, loading or creating objects that all threads share."""
 
 lost = ""
-"""Why this process must not touch LLVM: it was forked while another thread was inside."""
+"""Why this process must not use LLVM: it was forked while another thread was inside LLVM."""
 
 
 class Once(Generic[T]):
-    """A function without arguments that is run once in a process, by one thread; the others wait for its result.
+    """A function without arguments that runs once in a process, in one thread; others wait for its result.
 
-    `functools.cache` would let two threads in, and drop the native memory that one of them already uses.
+    With `functools.cache` two threads could run it, and native memory that one of them uses could be freed.
     """
 
     def __init__(self, make: Callable[[], T]) -> None:
@@ -78,7 +77,7 @@ _IMPORTED = (
 
 
 class _Forking(threading.local):
-    """What a thread that forks has got, and what it has not."""
+    """The locks that the forking thread holds."""
 
     def __init__(self) -> None:
         self.held: list[Any] = []
@@ -90,7 +89,7 @@ _abandon: list[Callable[[], object]] = []
 
 
 def when_lost(action: Callable[[], object]) -> None:
-    """Call this in a child that must not touch LLVM."""
+    """Called in a child that must not use LLVM."""
     _abandon.append(action)
 
 
@@ -100,7 +99,7 @@ def _before_fork() -> None:
     _mine.missed.clear()
     while _others_import() and time.monotonic() < end:
         time.sleep(1e-3)
-    for find in (lambda: LOCK.inner, _llvm_lock):  # the second once nobody can load LLVM meanwhile
+    for find in (lambda: LOCK.inner, _llvm_lock):  # the second lock after the first, which prevents loading LLVM
         lock = find()
         if lock is not None:
             got = lock.acquire(timeout=max(0.0, end - time.monotonic()))
@@ -137,7 +136,7 @@ def _renew_locks_of_properties() -> None:
 
 
 def _others_import() -> bool:
-    """Whether another thread is importing what this package needs: in a child that would stay locked for ever."""
+    """Whether another thread is importing modules of this package, whose import locks would stay locked in a child."""
     locks = getattr(importlib._bootstrap, "_module_locks", {})
     needed = [lock() for name, lock in list(locks.items()) if name.partition(".")[0] in _IMPORTED]
     return any(getattr(lock, "owner", None) not in (None, threading.get_ident()) for lock in needed)

@@ -1,4 +1,4 @@
-"""What a figure was made with: versions, processor, date.  Every report and benchmark takes it from here."""
+"""Versions, processor and date, for all reports and benchmarks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def package(name: str) -> str:
 
 
 def versions(**more: str) -> dict[str, str]:
-    """Versions of everything that matters to a figure, the machine, and the date."""
+    """Versions of the relevant packages, the machine, and the date."""
     from . import __version__
 
     return {

@@ -1,21 +1,21 @@
-"""Memory of large results, lent again when the arrays that had it are gone.
+"""A pool of memory for large results, which is reused when their arrays are deleted.
 
-The C library returns large blocks to the system when they are freed, and the next result of that size is mapped and
-faulted in anew, page by page, which takes up to six times as long as the kernel that fills it.  So results from
-`FROM` bytes on lie in blocks of a pool.  An array is the only holder of its block: views keep it, and with the
-last of them the block is idle and serves the next result, or goes back to the system if more than the limit would be
-idle.  Blocks begin on a page, and ask for huge pages where the system has them.
+The C library returns large blocks to the system when they are freed.  The next result of that size is mapped again,
+with a fault for each page, which takes up to six times as long as the kernel that fills it.  So results from `FROM` bytes on
+are placed in blocks of a pool.  A block becomes idle when the last array or view on it is deleted; it is then used for
+the next result, or returned to the system if more than the limit would be idle.  Blocks are aligned to pages, and use
+huge pages where the system has them.
 
     limit()    bytes that may lie idle: ``DUALPIN_MEMORY_LIMIT``, or the lesser of 2 GiB and an eighth of the memory
-    limit(0)   no pool: NumPy allocates every result
-    clear()    what is idle goes back to the system
-    stats()    what the pool has and did
+    limit(0)   no pool: NumPy allocates all results
+    clear()    return idle blocks to the system
+    stats()    sizes and counters of the pool
 
-Arrays of the pool are NumPy's in every respect but one: as views, they do not own their memory, so that
+Arrays of the pool are ordinary NumPy arrays, except that they do not own their memory, so that
 ``x.resize(...)`` in place is refused (`numpy.resize` makes a copy).
 
-Threads and forks: single operations on lists and dicts, which are atomic, and no lock, since an array can die at any
-moment.  A forked child leaves to its parent what was idle or lent, and begins a pool of its own.
+The pool uses single, atomic operations on lists and dicts and no lock, since an array can be deleted at any moment.  A
+forked child does not reuse blocks of its parent and has a pool of its own.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ from .arguments import count
 from .errors import ArgumentError
 
 FROM = 2 << 20
-"""Bytes of a result from which it is the pool's.
+"""Bytes of a result from which it is allocated in the pool.
 
-Emerald Rapids: Python code around a call takes 2 to 3 us, and 2 MB no less than 50; malloc serves smaller results
-from what was freed before, without a page fault.
+Emerald Rapids: Python code around a call takes 2 to 3 us, filling 2 MB at least 50; malloc reuses freed memory for
+smaller results, without a page fault.
 """
 HUGE = 2 << 20
-"""Bytes of a huge page, to which blocks are aligned: a fault for each instead of 512, and as few entries of the TLB."""
+"""Bytes of a huge page, to which blocks are aligned: one fault in place of 512, and few entries of the TLB."""
 MOST_IDLE = 64
-"""Blocks that may lie idle: each is looked at when memory is asked for."""
+"""The most idle blocks; an allocation searches all of them."""
 
 # private, or forked children would share it
 _FLAGS: dict[str, int] = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if hasattr(mmap, "MAP_PRIVATE") else {}
 
 
 class Block:
-    """Mapped memory, and the type of what lends it: a buffer of its size whose end gives it back."""
+    """Mapped memory, and a buffer type of its size whose finalizer returns it to the pool."""
 
     def __init__(self, size: int) -> None:
         self.size, self.process = size, _process
@@ -80,7 +80,7 @@ def empty(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
         try:
             block = Block(size)
         except (OSError, ValueError, OverflowError):
-            return np.empty(shape, dtype)  # which says what is wrong
+            return np.empty(shape, dtype)  # raises the error
         _done["mapped"] += 1
     else:
         _done["served"] += 1
@@ -91,13 +91,13 @@ def empty(shape: tuple[int, ...], dtype: np.dtype) -> np.ndarray:
 
 
 def _size(need: int) -> int:
-    """The next of eight sizes between two powers of two, in whole huge pages: results of about a size share blocks."""
+    """The next of eight sizes between two powers of two, in whole huge pages, so that similar results share blocks."""
     step = max(HUGE, 1 << max(0, need.bit_length() - 4))
     return -(-need // step) * step
 
 
 def _taken(size: int) -> Iterator[Block]:
-    """Blocks of this size that are idle no more, the warmest first."""
+    """Take idle blocks of this size, the most recently used first."""
     for block in reversed(_idle.copy()):
         if block.size == size:
             with contextlib.suppress(ValueError):  # another thread was first
@@ -106,7 +106,7 @@ def _taken(size: int) -> Iterator[Block]:
 
 
 def _returned(lease: Any) -> None:
-    """The last array over a block is gone."""
+    """Called when the last array on a block is deleted."""
     block = lease.block
     if block.process == _process:
         _lent.pop(block.address, None)
@@ -115,7 +115,7 @@ def _returned(lease: Any) -> None:
 
 
 def _shrink(most: int) -> int:
-    """The blocks that were idle longest go back to the system, until no more than so many bytes are left."""
+    """Return the longest idle blocks to the system, until at most this many bytes are idle."""
     freed = 0
     while (blocks := _idle.copy()) and (sum(x.size for x in blocks) > most or len(blocks) > MOST_IDLE):
         with contextlib.suppress(ValueError):
@@ -125,7 +125,7 @@ def _shrink(most: int) -> int:
 
 
 def limit(size: int | None = None) -> int:
-    """How many bytes may lie idle; with an argument, from now on.  0 switches the pool off.
+    """The number of bytes that may be idle; with an argument, set it.  0 disables the pool.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def limit(size: int | None = None) -> int:
     Raises
     ------
     ArgumentError
-        Where it is no number of bytes.
+        If it is not a number of bytes.
 
     Examples
     --------
@@ -169,7 +169,7 @@ def _usual_limit() -> int:
 
 
 def _machine() -> int:
-    """Bytes of memory this process may use, as far as the system says so."""
+    """Bytes of memory this process may use, as reported by the system."""
     found = [16 << 30]
     with contextlib.suppress(AttributeError, OSError, ValueError):
         found[0] = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
@@ -180,7 +180,7 @@ def _machine() -> int:
 
 
 def clear() -> int:
-    """Give back to the system what is idle; returns how many bytes.  Arrays in use are not touched.
+    """Return idle blocks to the system; returns the number of bytes.  Arrays in use are not affected.
 
     Returns
     -------
@@ -198,13 +198,13 @@ def clear() -> int:
 
 
 def stats() -> dict[str, int]:
-    """What the pool has and did.
+    """Sizes and counters of the pool.
 
     Returns
     -------
     dict
-        "limit", "idle_bytes", "idle_blocks", "lent_bytes", "lent_blocks"; "mapped" and "served": how many results
-        got a new block, and one that had served before.
+        "limit", "idle_bytes", "idle_blocks", "lent_bytes", "lent_blocks"; "mapped" and "served": the numbers of
+        results with a new block and with a reused one.
 
     Examples
     --------

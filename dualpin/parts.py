@@ -1,4 +1,4 @@
-"""What dual numbers share with arrays: everything that is done to both parts alike."""
+"""Array operations of dual numbers, which act on both parts alike."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .errors import ArgumentError, DualDivisionError, ShapeError
 from .scalars import Exact, Scalar
 
 SEQUENCES = {list, tuple, int, np.ndarray, str, type(None)}
-"""Types of parts that are looked at when a dual number is made; all others are taken as they are."""
+"""Types of parts that are converted when a dual number is made; others are not changed."""
 
 
 FLOAT64 = np.dtype(float)
@@ -77,7 +77,7 @@ class Parts:
     dual: Any
 
     def __init__(self, real: Scalar, dual: Scalar = 0) -> None:
-        raise NotImplementedError  # of Dual
+        raise NotImplementedError  # defined by Dual
 
     def both(self, f: Callable[[np.ndarray], Any]) -> Any:
         """Dual(f(real part), f(dual part)), for an f that is linear and keeps dual numbers apart."""
@@ -200,7 +200,7 @@ def _conj(x: Scalar) -> Scalar:
 
 
 def refuse(x: Scalar, message: str, shown: object, bad: complex = 0) -> None:
-    """Raise where a real part is `bad`; symbols pass."""
+    """Raise if a real part is `bad`; symbols are not checked."""
     kind = x.__class__
     if kind is np.ndarray:
         raise_where(x == bad, message.format("an entry of an array"))
@@ -265,7 +265,7 @@ def array_function(make: type, func: Any, args: Sequence[Any], options: dict[str
 
 
 def unfit(operation: str, a: Any, b: Any, e: ValueError) -> Exception:
-    """What an operation's ValueError means: shapes that do not go together, or just what it says."""
+    """A ValueError of an operation as ShapeError, if the shapes do not broadcast."""
     shapes = [x.shape if isinstance(x, Parts) else np.shape(x) for x in (a, b)]
     try:
         np.broadcast_shapes(*shapes)

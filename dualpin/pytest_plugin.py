@@ -1,7 +1,7 @@
 """A pytest plugin: `pytest --dualpin my_robot.urdf` makes one test of every term of a robot.
 
-Until ``--dualpin`` is given nothing is imported beside this file.  A robot is read when it is collected, and judged
-when the first of its terms runs.
+Without ``--dualpin`` only this file is imported.  A robot is read when it is collected, and judged when the first of
+its terms runs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import pytest
 if TYPE_CHECKING:
     from .crosscheck.results import Report, RobotResult, TermResult
 
-SAMPLES = 100  # random states of a validation; a subject is asked `dualpin.judge`'s own number
+SAMPLES = 100  # states of a validation; for a subject the default of `dualpin.judge`
 EXCUSED = ("not offered", "M is singular")
 """Reasons for which a subject's term is skipped; a crash, a refusal or an answer of the wrong shape fails."""
 
@@ -52,7 +52,7 @@ def pytest_configure(config: pytest.Config) -> None:
         raise pytest.UsageError("--dualpin-subject needs a robot: --dualpin my_robot.urdf")
     if config.option.dualpin:
         for subject in _subjects(config):
-            _terms(config, subject)  # a wrong word ends the run here, before xdist starts workers
+            _terms(config, subject)  # a wrong option ends the run before xdist starts workers
 
 
 def _subjects(config: pytest.Config) -> list[str]:
@@ -75,13 +75,13 @@ def _terms(config: pytest.Config, subject: str) -> list[str]:
     try:
         if not subject:
             return [c.term for c in chosen(_chosen(config))]
-        resolve(subject)  # is it the name of anything?
+        resolve(subject)  # raises for an unknown name
         return list(wanted(_chosen(config)))
     except ArgumentError as e:
         raise pytest.UsageError(f"--dualpin: {e}") from None
 
 
-@pytest.hookimpl(tryfirst=True)  # before -k, -m and --deselect choose among all items
+@pytest.hookimpl(tryfirst=True)  # before -k, -m and --deselect select items
 def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config, items: list[pytest.Item]) -> None:
     for name in dict.fromkeys(config.option.dualpin):
         for subject in _subjects(config):
@@ -92,7 +92,7 @@ def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config
 
 
 class WrongError(Exception):
-    """What was found, in words."""
+    """The findings as text."""
 
 
 JUDGED: pytest.StashKey[dict[str, str]] = pytest.StashKey()
@@ -100,7 +100,7 @@ JUDGED: pytest.StashKey[dict[str, str]] = pytest.StashKey()
 
 
 class RobotNode(pytest.Collector):
-    """A robot, and whose answers about it are in question: dualpin's own, or a subject's."""
+    """A robot with the subject that is judged, or dualpin itself."""
 
     robot: str
     subject: str
@@ -133,12 +133,12 @@ class RobotNode(pytest.Collector):
 
     @cached_property
     def report(self) -> Report | str:
-        """The comparison of all terms, made once; or why there is none."""
+        """The comparison of all terms, made once, or the reason why there is none."""
         from .errors import DualpinError
 
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # the notes are in the result, and no test of this code is meant
+                warnings.simplefilter("ignore")  # the result contains the notes
                 found = self._judged() if self.subject else self._validated()
         except DualpinError as e:
             return str(e)
@@ -192,7 +192,7 @@ class RefusedItem(_Item):
 
         node = self.parent
         assert isinstance(node, RobotNode)
-        # whether Pinocchio reads it is not asked: a guard fails either way
+        # it fails whether or not Pinocchio reads the file
         self.config.stash[JUDGED][node.nodeid] = Report(refused=[Refusal(node.robot, self.reason, False)]).to_json()
         raise WrongError(f"refused: {lines(self.reason)}")
 
@@ -222,7 +222,7 @@ class TermItem(_Item):
 
 
 def told(term: str, result: RobotResult, t: TermResult) -> Iterator[str]:
-    """A failed term in words: what is wrong, what to do, where it is worst, and how to see it again."""
+    """A failed term as text: the cause, the fix, the worst place, and how to reproduce it."""
     yield f"{term} of {result.label}: {t.verdict}"
     for f in t.findings:
         yield f"  found: {f}"
@@ -243,13 +243,13 @@ def told(term: str, result: RobotResult, t: TermResult) -> Iterator[str]:
         yield f"  q = {t.worst['q']}"
 
 
-# --- what was judged, written once: also where workers of xdist judged it ----------------------------
+# --- reports, written once, also with workers of xdist -----------------------------------------------
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any, error: Any) -> None:
-    """A worker of xdist hands over its reports."""
-    output = getattr(node, "workeroutput", {})  # a worker that crashed has none
+    """Pass the reports of a worker of xdist to the main process."""
+    output = getattr(node, "workeroutput", {})  # a crashed worker has none
     judged: dict[str, str] = node.config.stash[JUDGED]
     judged.update(output.get("dualpin", {}))
 
@@ -280,5 +280,5 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
     try:
         for path in report.write(Path(config.invocation_params.dir, folder), formats):
             terminalreporter.write_line(f"wrote {path}")
-    except DualpinError as e:  # the verdicts are on the screen already
+    except DualpinError as e:  # the verdicts were printed before
         terminalreporter.write_line(f"--dualpin-out: {e}", red=True)

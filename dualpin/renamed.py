@@ -32,7 +32,7 @@ class Renamed:
 
 
 def renamed_names(module: str, **names: str) -> Callable[[str], Any]:
-    """The ``__getattr__`` of a module for names that have become others: old=new, with a DeprecationWarning."""
+    """The ``__getattr__`` of a module for renamed names, old=new, with a DeprecationWarning."""
 
     def getattr_(name: str) -> Any:
         if name not in names:

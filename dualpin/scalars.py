@@ -1,9 +1,8 @@
-"""What a scalar is: anything that adds, multiplies and divides.
+"""Scalars: any type that adds, multiplies and divides.
 
 Floats, NumPy arrays (one number for each member of a batch), mpmath and SymPy numbers, traced
-symbols and dual numbers all pass through the same formulas.  Two things are needed besides
-arithmetic, and live here: the exact constants -1, 0, 1, and for every type of scalar the
-library that knows its sine.
+symbols and dual numbers are used in the same formulas.  This module provides what is needed besides
+arithmetic: the exact constants -1, 0, 1, and the library of elementary functions of each type of scalar.
 """
 
 from __future__ import annotations
@@ -23,21 +22,21 @@ Scalar = Any
 
 
 class Compound:
-    """Things made of scalars (vectors, rotations, ...): a scalar on their left leaves the product to them."""
+    """Objects made of scalars (vectors, rotations, ...): they define products with a scalar on the left."""
 
     __slots__ = ()
     __array_ufunc__ = None
 
 
 class Exact:
-    """One of -1, 0, 1, known for certain: 0 x is 0, 0 + x and 1 x are x, whatever x is.
+    """One of the exact constants -1, 0, 1: 0 x is 0, and 0 + x and 1 x are x, for every x.
 
-    Because a known zero annihilates, formulas keep their textbook form and cost no more than
+    Since exact zeros eliminate operations, formulas keep their textbook form and cost no more than
     hand-specialised ones.
     """
 
     __slots__ = ("n",)
-    __array_ufunc__ = None  # NumPy hands mixed operations to us
+    __array_ufunc__ = None  # NumPy leaves mixed operations to this class
 
     def __init__(self, n: int) -> None:
         self.n = n
@@ -91,7 +90,7 @@ class Exact:
         return self.n / x if self.n else ZERO
 
     def __rtruediv__(self, x: Scalar) -> Scalar:
-        # no number: a whole batch is singular, and must say so where it comes out
+        # nan: a whole batch is singular, which must be visible in the result
         return x * self if self.n else x * math.nan
 
     def _sympy_(self) -> Any:
@@ -105,14 +104,14 @@ ZERO, ONE = _EXACT[0], _EXACT[1]
 
 
 def exact(x: Scalar) -> Scalar:
-    """The same number, as a known constant when it is -1, 0 or 1."""
+    """The same number, as an exact constant if it is -1, 0 or 1."""
     return _EXACT[int(x)] if isinstance(x, (int, float)) and x in (-1, 0, 1) else x
 
 
 # --- the library of each type ------------------------------------------------------------------
 
 NAMES = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt")
-_TERMS = 13  # of a Stumpff series: below 1, the last is under 1e-26
+_TERMS = 13  # terms of a Stumpff series: for arguments below 1 the last is under 1e-26
 
 
 def _stumpff_series(k: int, y: Scalar) -> Scalar:
@@ -185,11 +184,11 @@ _LIBRARIES: dict[type, Any] = {
     float: FLOAT, int: FLOAT, complex: COMPLEX, Exact: _EXACTS, np.float64: FLOAT, np.complex128: COMPLEX,
     np.generic: ARRAY, np.ndarray: ARRAY,
 }  # fmt: skip
-_LAZY = {"mpmath": _mpmath, "sympy": _sympy}  # imported when the first of their numbers is met
+_LAZY = {"mpmath": _mpmath, "sympy": _sympy}  # imported with the first number of their type
 
 
 def register(kind: type, library: Any) -> None:
-    """Teach the elementary functions a new type of scalar.
+    """Register the elementary functions of a new type of scalar.
 
     `library` has `sin`, `cos`, ..., `sqrt`, `atan2` and `stumpff` as attributes (those used).
     """
@@ -203,7 +202,7 @@ def library(x: Scalar) -> Any:
     if found is None:
         for base in kind.__mro__:
             found = _LIBRARIES.get(base)
-            root = (base.__module__ or "").partition(".")[0]  # None of SymPy's functions of time
+            root = (base.__module__ or "").partition(".")[0]  # None for SymPy's functions of time
             if found is None and root in _LAZY:
                 found = _LAZY[root]()
             if found is not None:

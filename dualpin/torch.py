@@ -1,4 +1,4 @@
-"""Dynamics in PyTorch: functions of tensors that `backward` goes through, by analytic derivatives.
+"""Dynamics in PyTorch: differentiable functions of tensors, with analytic derivatives.
 
     import dualpin as dp
     import dualpin.torch as dt
@@ -8,11 +8,10 @@
 
 Tensors of the host, float32 or float64; none is copied on the way in or out (DLPack), if it is
 contiguous.  Gradients are products with the analytic derivatives in O(n), and can be differentiated
-again: `create_graph=True`, `torch.autograd.functional.hessian`, `gradgradcheck`.  Where the second or
-third derivative does not exist here, an error says so.  `torch.func.grad`, `vjp`, `vmap` work too.
+again: `create_graph=True`, `torch.autograd.functional.hessian`, `gradgradcheck`.  Higher derivatives that are not
+implemented raise an error.  `torch.func.grad`, `vjp`, `vmap` work too.
 
-Configurations with quaternions must have unit ones, as everywhere; the gradient by a quaternion has no
-part along it.
+Quaternions in configurations must be unit quaternions; the gradient by a quaternion has no component along it.
 """
 
 from __future__ import annotations

@@ -83,9 +83,9 @@ UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.isnan: lambda x: np.isnan(array(x.real)) | np.isnan(array(x.dual)),
     **{ufunc: _numeric(ufunc, slope) for ufunc, slope in _SLOPES.items()},
 }  # fmt: skip
-"""NumPy's function -> the function of dual numbers that answers for it."""
+"""NumPy's function -> the function of dual numbers."""
 
 
 def on_duals(ufunc: np.ufunc) -> Callable[..., Any] | None:
-    """What computes a universal function of dual numbers, if anything does."""
+    """The implementation of a universal function for dual numbers, or None."""
     return UFUNCS.get(ufunc)

@@ -1,5 +1,5 @@
-"""How terms are differentiated backwards, whatever library does it: `dualpin.torch` and `dualpin.jax` stand on it.
+"""Reverse-mode rules of terms, independent of the library; used by `dualpin.torch` and `dualpin.jax`.
 
-A rule says what the gradient of a term is, in other terms.  As these have rules too, gradients can be
-differentiated again; where the rules end, an error says so.
+A rule expresses the gradient of a term by other terms.  These have rules too, so that gradients can be
+differentiated again; a term without a rule raises an error.
 """

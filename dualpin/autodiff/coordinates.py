@@ -1,4 +1,4 @@
-"""Gradients by displacements of the joints, as terms give them, turned into gradients by coordinates."""
+"""Conversion of gradients by joint displacements, as terms give them, to gradients by coordinates."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .operation import Library
 
 
 def by_coordinates(robot: Robot, library: Library, q: Any, g: Any) -> Any:
-    """The gradient (..., nq) by coordinates of what changes by g (..., nv) for displacements of the joints.
+    """The gradient (..., nq) by coordinates, from the gradient g (..., nv) by joint displacements.
 
-    Where coordinates add they are the same.  Otherwise dq/dt = N(q) v with N a rotation but for the
-    factor 1/2 of quaternions, and the gradient is the one with N^T gradient = g that has no part along
-    the quaternion itself: functions are only defined for unit quaternions.
+    If coordinates add, they are equal.  Otherwise dq/dt = N(q) v, with N a rotation except for the factor
+    1/2 of quaternions, and the gradient is the solution of N^T gradient = g without a component along the
+    quaternion, since functions are defined only for unit quaternions.
     """
     if all(b.model.additive for b in robot):
         return g

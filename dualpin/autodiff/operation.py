@@ -1,4 +1,4 @@
-"""A term as an operation of a library that differentiates: what it computes, and its gradient."""
+"""A term as a differentiable operation: its value and its gradient."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..terms import term as term_named
 
 @dataclass(frozen=True)
 class Library:
-    """What rules need of a library of arrays.
+    """The interface to a library of arrays that rules need.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Operation:
 
     @classmethod
     def of(cls, robot: Robot, name: str, **options: Any) -> Operation:
-        """The operation of that name; its options are checked, and kept beside the robot."""
+        """The operation of that name, with checked options; cached for the robot."""
         check_robot(robot, name)
         kept, key, term = memory(robot), ("operation", name, *options.items()), term_named(name)
         settled = kept.get(key)
@@ -75,7 +75,7 @@ class Operation:
 
     @property
     def ranks(self) -> list[int]:
-        """How many axes one sample of each array has."""
+        """The number of axes of one sample of each array."""
         return [len(x.shape(self.robot)) for x in self.term.arguments]
 
     def compute(self, *arrays: np.ndarray) -> np.ndarray:

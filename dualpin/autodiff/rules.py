@@ -1,4 +1,4 @@
-"""The rules: each gradient in terms of other terms.
+"""The rules: each gradient, expressed by other terms.
 
 A rule takes the inputs, the output and the cotangent of a term, whose leading axes are equal, and gives
 the gradients of the inputs.  Wrenches on the bodies enter inverse dynamics linearly, tau = ... - J^T f,
@@ -22,7 +22,7 @@ from .operation import Library, Operation
 
 @dataclass(frozen=True)
 class Use:
-    """What a rule is given: the operation, the library, and which gradients are asked for."""
+    """The arguments of a rule: the operation, the library, and which gradients are needed."""
 
     operation: Operation
     library: Library
@@ -34,7 +34,7 @@ class Use:
 
     @property
     def weightless(self) -> Robot:
-        """The same robot without gravity: what is linear in forces or accelerations is asked of it."""
+        """The same robot without gravity, for terms that are linear in forces or accelerations."""
         kept = memory(self.robot)
         return kept.get("weightless") or kept.setdefault("weightless", self.robot.with_gravity((0.0, 0.0, 0.0)))
 
@@ -113,7 +113,7 @@ def aba(use: Use, inputs: list[Any], a: Any, w: Any) -> list[Any]:
 
 
 def crba(use: Use, inputs: list[Any], M: Any, G: Any) -> list[Any]:
-    """Column j of M is what the unit acceleration e_j needs, of a robot at rest without gravity."""
+    """Column j of M is the torque of the unit acceleration e_j, at rest and without gravity."""
     (q,) = inputs
     n, library = use.robot.nv, use.library
     unit = library.broadcast(library.constant(np.eye(n), G), tuple(G.shape))
@@ -132,7 +132,7 @@ def kinetic_energy(use: Use, inputs: list[Any], energy: Any, g: Any) -> list[Any
 
 
 def potential_energy(use: Use, inputs: list[Any], energy: Any, g: Any) -> list[Any]:
-    """Its gradient is what holds the robot."""
+    """Its gradient is `gravity`."""
     (q,) = inputs
     return [_by_q(use, q, use(use.robot, "gravity", q) * g[..., None])]
 
@@ -190,7 +190,7 @@ def _wrench(use: Use, T: Any, G: Any) -> Any:
 
 
 def _felt(use: Use, q: Any, wrenches: Any) -> Any:
-    """J^T wrenches, what the joints feel of them."""
+    """J^T wrenches, the joint torques of wrenches on the bodies."""
     still = use.library.constant(np.zeros(use.robot.nv), wrenches)
     still = use.library.broadcast(still, (*q.shape[:-1], use.robot.nv))
     return use(use.weightless, "rnea_f_ext", q, still, still, -wrenches)
@@ -202,13 +202,13 @@ RULES: dict[str, Rule] = {
     "kinetic_energy": kinetic_energy, "potential_energy": potential_energy, "com": com, "body_twists": body_twists,
     "fk": fk, "frame_pose": frame_pose,
 }  # fmt: skip
-"""Of each term that can be differentiated, how."""
+"""The rule of each differentiable term."""
 
 
 def gradients(
     operation: Operation, library: Library, inputs: Sequence[Any], output: Any, cotangent: Any, needed: Sequence[bool]
 ) -> list[Any]:
-    """What each input's gradient is, by the rule of the term; None where it is not needed."""
+    """The gradient of each input by the term's rule; None if it is not needed."""
     rule = RULES.get(operation.term.name)
     if rule is None:
         raise DualpinError(

@@ -1,4 +1,4 @@
-"""Robots without end: random models, terms against Pinocchio and identities, and differences made small.
+"""Random robots: terms compared with Pinocchio and checked by identities; differences are minimised.
 
 seed -> generate -> examine -> shrink -> a table of kinds, and a minimal robot of each
 """

@@ -1,4 +1,4 @@
-"""Exact derivatives without formulas: the algorithms themselves, run on complex numbers.
+"""Derivatives to rounding by complex steps: the algorithms, run on complex numbers.
 
 f(x + i h) = f(x) + i h f'(x) + O(h^2): with h = 1e-30 nothing is subtracted and the error is that of
 one evaluation (Squire & Trapp 1998).

@@ -14,11 +14,11 @@ from .identities import identities
 from .spec import Spec
 
 SAMPLES = 1
-"""States of each robot: new robots find more than new states, and one state runs on plain floats."""
+"""States of each robot: more robots find more than more states, and one state is computed with plain floats."""
 
 
 def examine(spec: Spec, seed: int = 0, samples: int = SAMPLES) -> RobotResult:
-    """Compare all terms, and check the identities; whatever is raised is the result's error.
+    """Compare all terms, and check the identities; an exception becomes the result's error.
 
     Terms that differ are decided by their definitions in 50 digits.  A failed identity is dualpin's fault:
     its ``nearer`` is "oracle".
@@ -37,7 +37,7 @@ def examine(spec: Spec, seed: int = 0, samples: int = SAMPLES) -> RobotResult:
             return RobotResult(spec.name, False, False, 0, samples, seed, True, status=NOT_COMPARED, reason=str(e))
         try:
             return _examined(robot, seed, samples)
-        except Exception as e:  # a mistake of the package, to be counted and made small like any other
+        except Exception as e:  # an error of the package: counted and minimised like a difference
             return RobotResult(
                 spec.name, robot.floating, robot.coupled, robot.nv, samples, seed, False, status=DIFFERS,
                 error=f"{type(e).__name__}: {e}",

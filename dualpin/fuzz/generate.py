@@ -1,4 +1,4 @@
-"""Random robots: a seed and a number name each.
+"""Random robots, each identified by a seed and a number.
 
 Sizes are drawn over decades: masses over nine, lengths over five, within a robot or from robot to robot.
 Axes are often nearly parallel, or off a coordinate axis by what a rounded 1.5708 is off; bodies may be
@@ -18,11 +18,11 @@ KINDS = {
     "revolute": 8.0, "continuous": 3.0, "prismatic": 3.0, "helical": 1.0, "cylindrical": 1.0, "spherical": 1.5,
     "planar": 1.0,
 }  # fmt: skip
-"""How often each kind is drawn; floating ones are bases."""
+"""Weights of the joint types; floating ones are bases."""
 LARGE = 200
 """One robot in so many has up to 200 joints, the others up to 20."""
 SINGLE = ("revolute", "continuous", "prismatic", "helical")
-"""Kinds that may follow and be followed."""
+"""Types that may be mimic joints and leaders."""
 
 
 def random_spec(seed: int, number: int) -> Spec:
@@ -100,7 +100,7 @@ def _triple(x: np.ndarray) -> tuple[float, float, float]:
 
 
 class _Sizes:
-    """What one robot draws its numbers from."""
+    """The random numbers of one robot."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.rng = rng
@@ -145,7 +145,7 @@ class _Sizes:
         return float(self.rng.uniform(-0.3, 0.3))
 
     def body(self) -> tuple[float, tuple[float, float, float], tuple[float, ...]]:
-        """Of six point masses, so that it is one a body can have; at times flat or slender, at times far away."""
+        """The inertia of six point masses, so that it is physically possible; sometimes flat, slender or far away."""
         rng = self.rng
         if rng.random() < self.massless:
             return 0.0, (0.0, 0.0, 0.0), (0.0,) * 6
@@ -165,7 +165,7 @@ class _Sizes:
 
 
 def _weighing(spec: Spec, rng: np.random.Generator) -> Spec:
-    """Every leaf has a body, so that M has an inverse."""
+    """Give every leaf a mass, so that M is regular."""
     draw = _Sizes(rng)
     draw.massless = 0.0
     carrying = {j.on for j in spec.joints}

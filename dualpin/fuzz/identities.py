@@ -1,7 +1,7 @@
-"""What must hold of a robot's terms, whatever another library says.
+"""Identities of a robot's terms, independent of other libraries.
 
-Each identity is one small function: two values that are to be the same, and how large the numbers are that
-add up in them (see `crosscheck.extent`).  Derivatives are by complex steps and carry rounding only.
+Each identity is one small function that returns two values that must be equal, and the size of the numbers that
+add up in them (see `crosscheck.extent`).  Derivatives by complex steps have only rounding errors.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from .complex_step import along, gradient
 
 Array = np.ndarray
 SAFETY = 4.0
-"""Both sides of an identity are ours, and one is a derivative or a sum of several terms: four errors instead of one."""
+"""Both sides are computed by dualpin, and one is a derivative or a sum of several terms: four roundings, not one."""
 
 
 class Skipped(Exception):  # noqa: N818 (it is no error)
-    """The identity says nothing of this robot."""
+    """The identity does not apply to this robot."""
 
 
 @dataclass
@@ -105,7 +105,7 @@ def _inverse(T: Array) -> Array:
 
 
 def forward(s: State) -> Sides:
-    """aba(rnea(a)) = a, as well as M can be solved with."""
+    """aba(rnea(a)) = a, within the condition of M."""
     mass = MassMatrices(s.M[None])
     if mass.hopeless[0]:
         raise Skipped("M is singular to working precision")
@@ -116,7 +116,7 @@ def forward(s: State) -> Sides:
 
 
 def table(s: State) -> Sides:
-    """The DH table of the way to the tool has its forward kinematics."""
+    """The DH table of the chain to the tool has the same forward kinematics."""
     try:
         dh = to_dh(s.robot, tip="tool")
     except DualpinError as e:
@@ -127,7 +127,7 @@ def table(s: State) -> Sides:
 
 
 def written(s: State) -> Sides:
-    """The URDF that is written of it, read again, has its inverse dynamics without gravity and rotors."""
+    """The written URDF, read again, has the same inverse dynamics without gravity and rotors."""
     plain = s.robot.with_gravity((0.0, 0.0, 0.0))
     if any(float(x) for j in plain for x in j.armature):
         raise Skipped("a URDF has no rotors")

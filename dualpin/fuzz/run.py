@@ -1,4 +1,4 @@
-"""Many random robots, resumable; what differs is counted by kind, and one of each kind is made small."""
+"""Examine many random robots, resumable; differences are counted by kind, and one of each kind is minimised."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Kind = tuple[str, str]
 
 @dataclass
 class Outcome:
-    """What random robots showed.
+    """The outcome of a run on random robots.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Outcome:
 
     @property
     def passed(self) -> bool:
-        """Whether dualpin erred nowhere: it is nearer the truth in, or nobody could decide, what differs."""
+        """Whether dualpin is not the less accurate one in any difference that was decided."""
         return bool(self.robots) and not any(nearer in (ORACLE, NEITHER) for _, nearer in self.kinds)
 
     def add(self, number: int, result: RobotResult) -> None:
@@ -162,7 +162,7 @@ def _units(robots: int, seed: int) -> Iterator[Unit]:
 
 
 def _examined(unit: Unit) -> Result:
-    """A robot's result without what agrees, so that 10^5 of them stay small."""
+    """A robot's result without the details of agreeing terms, so that 10^5 results stay small."""
     found = examine(random_spec(unit.seed, unit.first))
     found.terms = {name: t if t.status == DIFFERS else _short(t) for name, t in found.terms.items()}
     return found
@@ -176,7 +176,7 @@ def _short(t: TermResult) -> TermResult:
 
 
 def _shrink(outcome: Outcome, small: int) -> None:
-    """The robots with fewest joints of each kind; what dualpin does wrong first."""
+    """The robots with fewest joints of each kind of difference; errors of dualpin first."""
     order = [ORACLE, NEITHER, "undecided", DUALPIN]
     for (term, nearer), numbers in sorted(outcome.kinds.items(), key=lambda kind: order.index(kind[0][1])):
         sizes = {n: len(random_spec(outcome.seed, n).joints) for n in numbers}

@@ -1,4 +1,4 @@
-"""Make a robot small that still shows a difference (delta debugging; Zeller & Hildebrandt 2002)."""
+"""Minimise a robot that shows a difference (delta debugging; Zeller & Hildebrandt 2002)."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ Stage = Callable[[Spec], Iterator[Spec]]
 
 PLAIN = JointSpec("revolute")
 KINDS = {"fixed": 0, "revolute": 1}
-"""How plain a kind is; others are less so."""
+"""Simplicity of joint types; types not listed are less simple."""
 
 SECONDS = 60.0
-"""What shrinking one robot may cost."""
+"""Limits of minimising one robot."""
 
 
 def shrink(spec: Spec, shows: Callable[[Spec], bool], seconds: float = SECONDS) -> Spec:
-    """The smallest robot found that still `shows` what it is about.
+    """The smallest robot found for which `shows` is true.
 
-    Joints go, in halves and one by one; what is left is made plain: no offset, no turn, a coordinate axis, no
-    products of inertia, round numbers.  Every step is kept only if the robot still shows it.
+    Joints are removed, in halves and one by one; the rest is simplified: no offset, no rotation, a coordinate axis,
+    no products of inertia, round numbers.  A step is kept only if `shows` is still true.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def _through(stage: Stage, spec: Spec, shows: Callable[[Spec], bool], until: flo
 
 
 def _size(spec: Spec) -> tuple[int, int, int]:
-    """Joints; what is not as in a plain one; digits of all numbers.  Every step makes this less, so that steps end."""
+    """Joints, deviations from a simple joint, digits of all numbers.  Each step decreases it, so the search ends."""
     odd = sum(vars(j)[k] != x for j in spec.joints for k, x in vars(PLAIN).items())
     kinds = sum(KINDS.get(j.type, 2) for j in spec.joints)
     digits = sum(len(repr(x)) for j in spec.joints for x in vars(j).values()) + len(repr(spec.gravity))
@@ -70,7 +70,7 @@ def _size(spec: Spec) -> tuple[int, int, int]:
 
 
 def _fewer(spec: Spec) -> Iterator[Spec]:
-    """Without half of the joints, or one, and all they carry."""
+    """Without half of the joints, or one, and their subtrees."""
     n = len(spec.joints)
     if n > 1:
         yield from (spec.without(set(half)) for half in (range(n // 2, n), range(n // 2)))
@@ -78,7 +78,7 @@ def _fewer(spec: Spec) -> Iterator[Spec]:
 
 
 def _bypassed(spec: Spec) -> Iterator[Spec]:
-    """Without a joint, which those it carried leave out; or with a fixed one in its place."""
+    """Without a joint, its children attached to its parent; or with a fixed joint in its place."""
     for i, j in enumerate(spec.joints):
         if len(spec.joints) > 1:
             around = [replace(k, on=j.on) if k.on == i else k for k in spec.joints]

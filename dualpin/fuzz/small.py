@@ -1,4 +1,4 @@
-"""A robot made small that still differs, and both errors there: by the definition, and enclosed by balls."""
+"""A minimised robot with a difference, and both errors: by the definition, and enclosed by ball arithmetic."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ERROR = "error: "
 
 @dataclass
 class SmallCase:
-    """A robot that shows a difference, and nothing else if it can be helped.
+    """A minimal robot that shows a difference.
 
     Attributes
     ----------
@@ -104,5 +104,5 @@ def _enclosed(robot: Robot, term: str, found: TermResult) -> dict[str, tuple[flo
     try:
         ball = enclosure(robot, term, state, **options)[worst["entry"]]
     except (DualpinError, ZeroDivisionError, TypeError, AttributeError):
-        return {}  # a comparison that balls leave open, or a function they have not
+        return {}  # a comparison that balls do not decide, or a function they lack
     return {who: error(ball, worst[who]) for who in ("dualpin", "oracle")}

@@ -1,4 +1,4 @@
-"""A robot as plain numbers, so that it can be written down, changed piece by piece, and built again."""
+"""A robot as plain numbers, which can be stored, changed and built."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Spec:
         return b.robot()
 
     def without(self, gone: set[int]) -> Spec:
-        """Without some joints and all they carry; those that followed one of them follow none."""
+        """Without some joints and their subtrees; mimic joints of a removed leader become independent."""
         for i, j in enumerate(self.joints):
             if j.on in gone:
                 gone = gone | {i}

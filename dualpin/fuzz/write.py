@@ -73,7 +73,7 @@ def _cells(case: SmallCase) -> list[str]:
 
 
 def _off(case: SmallCase, who: str) -> str:
-    """By the definition in 50 digits (scaled), and as balls prove it of the entry."""
+    """The error by the definition in 50 digits (scaled), and the proved bounds of the entry."""
     found = [f"{case.against_50_digits[who]:.1e}"] if who in case.against_50_digits else []
     if who in case.enclosed:
         least, most = case.enclosed[who]

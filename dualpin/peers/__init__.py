@@ -1,9 +1,9 @@
-"""Speed beside other libraries, each in its fastest form that is at hand and in a process and environment of its own.
+"""Speed of other libraries (peers), each in its fastest available form, in a process and environment of its own.
 
     rows = peers.run(["panda"], ["pinocchio", "mujoco"])
 
-`apart.py` runs beside a peer, `adapters/` says how each is called, `process.py` talks to it, `measuring.py`
-measures both in turns.
+`apart.py` runs in the peer's process, `adapters/` contains the calls of each peer, `process.py` communicates with it,
+`measuring.py` measures both alternately.
 """
 
 from .adapters import NAMES

@@ -1,4 +1,4 @@
-"""Beside a peer, in its environment: makes it, computes what is asked, and takes the time.  NumPy is all it needs.
+"""The server in a peer's environment: creates the peer, computes and measures on request.  It needs only NumPy.
 
     python apart.py ADAPTER FOLDER
 
@@ -65,7 +65,7 @@ class Peer:
         return self.ordered(term, np.asarray(result, dtype=float))
 
     def limited(self, term: str) -> list[tuple[np.ndarray, ...]]:
-        """As many states as there is patience for."""
+        """The states that fit into the time limit."""
         if term not in self.counts:
             f = self.made["single"][term]
             f(*self.rows[0])
@@ -122,7 +122,7 @@ def answered(peer: Peer, asked: dict[str, Any]) -> dict[str, Any]:
 
 def main(adapter: Path, folder: Path) -> None:
     out = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what libraries print is no answer
+    os.dup2(2, 1)  # output of libraries must not mix with answers
     sys.path[0] = str(adapter.parent)
     try:
         spec = importlib.util.spec_from_file_location(f"adapter_{adapter.stem}", adapter)

@@ -1,4 +1,4 @@
-"""Dualpin and its peers in turns: equal before and after, medians with their spread, batches and single calls apart."""
+"""Alternating measurements of dualpin and peers: results compared before and after, medians with spread."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MEASURED = ("rnea", "aba", "crba", "coriolis", "fk", "minv", "rnea_derivatives")
 AGREEMENT = 1e-8
 """Scaled by the largest entry; `aba` and `minv`, which solve with M, times the condition of M over 1e5."""
 SECONDS, FAST = 0.05, 3.0
-"""Of each measurement; and how much faster than the description's states: times the sampled velocities."""
+"""Seconds of a measurement; and the factor on the sampled velocities."""
 
 
 def run(
@@ -156,7 +156,7 @@ def _measured(peer: Process, ours: Ours, term: str, one: bool, repetitions: int)
 
 
 def _check(peer: Process, ours: Ours, term: str, one: bool) -> None:
-    """Both give the same, or there is nothing to compare."""
+    """Raise if the two results differ."""
     theirs, right = peer.check(term, one), ours.right(term, one)
     right = right[: len(theirs)]
     if theirs.shape != right.shape:

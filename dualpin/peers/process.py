@@ -1,4 +1,4 @@
-"""A peer as a process that answers: started in its environment, asked by lines of JSON."""
+"""A peer as a process in its environment, with requests as lines of JSON."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _literals(adapter: Path) -> dict[str, Any]:
 
 
 def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) -> None:
-    """What a peer is given: the file, the robot as numbers, and the states.
+    """Write the files for a peer: the URDF, the robot as numbers, and the states.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) ->
         raise ArgumentError(
             f"bench: peers are measured on robots of turning and sliding joints; {robot.name} has others"
         )
-    robot.to_urdf(folder / "robot.urdf")  # without meshes, transmissions and what else is no dynamics
+    robot.to_urdf(folder / "robot.urdf")  # without meshes and transmissions
     numbers, kinds = np.zeros((len(robot), 30)), np.zeros(len(robot), np.int32)
     for i, b in enumerate(robot):
         (s,), T, (com, about) = b.model.screws, b.placement.array, b.inertia.central
@@ -98,7 +98,7 @@ def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) ->
 
 
 class Process:
-    """A peer at work on the robot in a folder."""
+    """The process of a peer for the robot in a folder."""
 
     def __init__(self, name: str, folder: Path) -> None:
         adapter = named(name)

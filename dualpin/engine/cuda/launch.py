@@ -25,7 +25,7 @@ class Launch:
         function.allow_shared(self.warp_bytes * self.warps)
 
     def start(self, n: int, stream: int, numbers: Sequence[int]) -> None:
-        """Launch for n samples, with address and two strides of each array; few warps go to separate multiprocessors."""
+        """Launch for n samples, with address and two strides of each array; few warps are spread out."""
         tiles = -(-n // WARP)
         warps = max(1, min(self.warps, tiles // self.device.multiprocessors))
         self.function.launch(-(-tiles // warps), WARP * warps, warps * self.warp_bytes, stream, (n, *numbers))

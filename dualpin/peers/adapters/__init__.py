@@ -1,4 +1,4 @@
-"""How each peer is called.  An adapter runs beside its library, in the environment that `REQUIRES` describes.
+"""The calls of each peer.  An adapter runs with its library, in the environment that `REQUIRES` describes.
 
     REQUIRES  what pip installs
     MODULE    what is imported: where it is importable here, no environment is needed
