@@ -1,10 +1,10 @@
 """A pool of memory for large results, which is reused when their arrays are deleted.
 
-The C library returns large blocks to the system when they are freed.  The next result of that size is mapped again,
-with a fault for each page, which takes up to six times as long as the kernel that fills it.  So results from `FROM` bytes on
-are placed in blocks of a pool.  A block becomes idle when the last array or view on it is deleted; it is then used for
-the next result, or returned to the system if more than the limit would be idle.  Blocks are aligned to pages, and use
-huge pages where the system has them.
+The C library returns large blocks to the system when they are freed. The next result of that size is mapped again,
+with a fault for each page, which takes up to six times as long as the kernel that fills it. So results from `FROM`
+bytes on are placed in blocks of a pool. A block becomes idle when the last array or view on it is deleted; it is then
+used for the next result, or returned to the system if more than the limit would be idle. Blocks are aligned to pages,
+and use huge pages where the system has them.
 
     limit()    bytes that may lie idle: ``DUALPIN_MEMORY_LIMIT``, or the lesser of 2 GiB and an eighth of the memory
     limit(0)   no pool: NumPy allocates all results
