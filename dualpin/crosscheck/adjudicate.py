@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import DualpinError
 from ..terms import TERMS
 from .arbiter import defined
+from .definitions import UndecidedError
 from .results import DUALPIN, NEITHER, ORACLE
 from .subjects.answers import Answers
 from .subjects.asking import expected
@@ -20,6 +21,8 @@ from .subjects.questions import QUESTIONS, Question, pushed
 
 SECONDS = 5.0
 """Of the processor, for one state: an arm's terms take 0.1 to 1 s, C of a humanoid more than it is worth."""
+_LONG: dict[tuple[str, bool, str], str] = {}
+"""Terms of robots that could not be evaluated in time: other subjects are not made to wait for them again."""
 FORMS_WITH_MASS = ("bias", "coriolis")
 
 
@@ -58,9 +61,16 @@ class Court:
             If the definition takes too long, or has no value.
         """
         question, one = QUESTIONS[term], slice(sample, sample + 1)
+        asked = (self.answers.asking.text, self.answers.asking.floating, term)
+        if asked in _LONG:
+            raise UndecidedError(_LONG[asked])
         states = {k: x[one] for k, x in self.answers.asking.states.items()}
         frames = (self.answers.asking.frames[frame],) if question.framed else ()
-        exact = self._written(question, states, frames, self._truth)
+        try:
+            exact = self._written(question, states, frames, self._truth)
+        except UndecidedError as e:
+            _LONG[asked] = str(e)
+            raise
         said = {
             "dualpin": expected(self.robot, self.layout, term, states, frames),
             "oracle": self._answer(term, sample, frame),

@@ -117,30 +117,21 @@ def judged_before(title: str, folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def places(cell: Cell, folder: Path) -> tuple[Path, Path]:
-    """Where a judgement is kept: one without a question of why, which no diagnosis can change, and any other.
+    """Where a judgement is kept: one without differences, which stands for this version, and any other.
 
-    Other answers, or another judge, are another judgement.
+    Other answers are another judgement; so is another diagnosis, where one was asked for.
     """
     answers = cell.path.read_bytes() if cell.path.exists() else b""
-    rooms = (("algorithms", "crosscheck", "model", "io", "spatial"), ("crosscheck/diagnosis",))
-    plain, diagnosis = (_fingerprint(*r) for r in rooms)
-    keys = (answers + plain, answers + plain + diagnosis)
+    keys = (answers + dualpin.__version__.encode(), answers + diagnosis())
     a, b = (folder / "judged" / f"{hashlib.sha256(key).hexdigest()[:24]}.json" for key in keys)
     return a, b
 
 
 @cache
-def _fingerprint(*rooms: str) -> bytes:
-    """What a judgement depends on, of dualpin itself."""
-    home = Path(dualpin.__file__).parent
-    files = sorted(f for room in rooms for f in (home / room).rglob("*.py") if _of(f, home) in rooms)
+def diagnosis() -> bytes:
+    """What the causes depend on that are named."""
+    files = sorted((Path(dualpin.__file__).parent / "crosscheck").rglob("*.py"))
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).digest()
-
-
-def _of(file: Path, home: Path) -> str:
-    """The room of a file; diagnosis is one of its own."""
-    first, *rest = file.relative_to(home).parts
-    return f"{first}/diagnosis" if rest[0] == "diagnosis" else first
 
 
 def kept(cell: Cell, folder: Path) -> dict[str, Any] | None:

@@ -197,7 +197,9 @@ def _subject(folder: Path) -> dict[str, Any]:
 def _rows(path: Path) -> list[dict[str, str]]:
     try:
         with path.open(newline="", encoding="utf-8-sig") as f:
-            table = csv.DictReader((line for line in f if line.strip()), skipinitialspace=True)
+            lines = [line for line in f if line.strip()]
+            between = next((c for c in ",;\t" if c in "".join(lines[:1])), ",")
+            table = csv.DictReader(lines, delimiter=between, skipinitialspace=True)
             names = [(n or "").strip() for n in table.fieldnames or ()]
             return [{k: (x or "").strip() for k, x in zip(names, row.values(), strict=False)} for row in table]
     except (OSError, UnicodeError, csv.Error) as e:
@@ -206,7 +208,8 @@ def _rows(path: Path) -> list[dict[str, str]]:
 
 def _number(row: dict[str, str], name: str, path: Path) -> float:
     try:
-        x = float(row[name])
+        # Fortran's 1.0D-3; and 0,5 between semicolons, as some countries write it
+        x = float(row[name].upper().replace("D", "E").replace(",", "."))
         return float("inf") if x != x else x  # not a number is an answer too, and a wrong one
     except KeyError:
         raise ArgumentError(f"{path.name} has no column {name!r}; {nearest(name, row, 'columns', most=40)}") from None
@@ -228,28 +231,31 @@ def _answer(term: str, path: Path, answers: Answers) -> tuple[np.ndarray, str]:
         keys = {"frame": asking.frames, **keys}
     lead = [asking.samples, *map(len, keys.values())]
     x = np.full((*lead, len(entries)), np.nan)
-    cut = 0
+    cut = twice = 0
     for row in rows:
         if any(not row.get(n) for n in entries):
-            missing = next((n for n in entries if n not in row), None)
-            if missing is not None:
-                raise ArgumentError(f"{path.name} has no column {missing!r}; {wanted} expected")
+            lacks = next((n for n in entries if n not in row), None)
+            if lacks is not None:
+                raise ArgumentError(f"{path.name} has no column {lacks!r}; {wanted} expected, not {','.join(row)}")
             cut += 1
             continue
         at = [_sample(row, path, asking.samples)]
         at += [_place(row, key, names, path) for key, names in keys.items()]
-        x[tuple(at)] = [_number(row, n, path) for n in entries]
+        numbers = [_number(row, n, path) for n in entries]
+        before = x[tuple(at)]
+        twice += not np.isnan(before).all() and not np.array_equal(before, numbers)
+        x[tuple(at)] = numbers
     if term == "fk":
         x = poses(x) if len(entries) == len(POSE) else _from_entries(x)
     if entries == ("value",):
         x = x[..., 0]
-    missing_rows = int(np.isnan(x.reshape(asking.samples, -1)).any(axis=1).sum())
-    remark = (
-        f"{path.name} holds {asking.samples - missing_rows} of {asking.samples} samples whole"
-        if missing_rows or cut
-        else ""
-    )
-    return x, remark
+    missing = int(np.isnan(x.reshape(asking.samples, -1)).any(axis=1).sum())
+    remarks = []
+    if missing or cut:
+        remarks.append(f"{path.name} holds {asking.samples - missing} of {asking.samples} samples whole")
+    if twice:
+        remarks.append(f"{path.name} answers {twice} places twice, and otherwise the second time, which counts")
+    return x, "; ".join(remarks)
 
 
 def _from_entries(x: np.ndarray) -> np.ndarray:

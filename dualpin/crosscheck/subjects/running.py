@@ -35,6 +35,8 @@ LOADING = 120.0
 PICKLED = "object.pkl"
 DIED = re.compile("crashed|no answer within")
 IN_PROCESS = "asked in this process, since it cannot be sent to another: a crash or a hang would be its own"
+_WARNED = re.compile(r"^\S+:\d+: \w*Warning: ")
+"""A warning says nothing of an end, nor does the line of the source under it, which is indented."""
 _RAISED = re.compile(r"[\w.]*(Error|Exception): ")
 Tick = Callable[[str], None]
 
@@ -259,6 +261,8 @@ class _Child:
     def _session(self, tick: Tick, take: Callable[[], None]) -> str:
         """One process from its introduction to its end; what went wrong, if anything."""
         subject, now = self.folder / "subject.json", self.folder / "now.json"
+        finished = self.folder / "later.json"  # written last
+        finished.unlink(missing_ok=True)
         start = time.time()
         wrong = self._waited(subject.exists, lambda: start, self.loading)
         if wrong:
@@ -282,7 +286,8 @@ class _Child:
             except OSError:
                 return begun
 
-        return self._waited(lambda: self.process.poll() is not None and self.process.returncode == 0, since, self.limit)
+        wrong = self._waited(lambda: self.process.poll() == 0, since, self.limit)
+        return wrong or ("" if finished.exists() else ended(0, self.log))
 
 
 def _json(path: Path) -> dict[str, Any]:
@@ -294,10 +299,10 @@ def _json(path: Path) -> dict[str, Any]:
 
 def stop(process: subprocess.Popen) -> None:
     """End a process and whatever it started."""
-    if process.poll() is None:
-        try:
-            os.killpg(process.pid, signal.SIGKILL)
-        except (OSError, AttributeError):
+    try:
+        os.killpg(process.pid, signal.SIGKILL)  # what it started may outlive it
+    except (OSError, AttributeError):
+        if process.poll() is None:
             process.kill()
     if process.stdin:
         with contextlib.suppress(OSError):
@@ -308,7 +313,8 @@ def stop(process: subprocess.Popen) -> None:
 def ended(code: int, log: Path) -> str:
     """How a process ended, and the last thing it said."""
     try:
-        said = [x.strip() for x in log.read_text(encoding="utf-8", errors="replace").splitlines() if x.strip()]
+        lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+        said = [x.strip() for x in lines if x[:1].strip() and not _WARNED.search(x)]
     except OSError:
         said = []
     if code < 0:

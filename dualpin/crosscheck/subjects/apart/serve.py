@@ -89,6 +89,8 @@ def _tried(f: Any, state: list[np.ndarray], frame: str | None, note: dict[str, A
             answer = f(*(s.copy() for s in state), *([] if frame is None else [frame]))
         if answer is None:
             raise ValueError("None returned")
+        if np.iscomplexobj(answer) and np.any(np.imag(answer)):
+            raise ValueError("complex numbers")
         x = np.array(answer, dtype=float)
         x[np.isnan(x)] = np.inf  # not a number is an answer too, and a wrong one; what is not answered is nan
         if n and (x.ndim == 0 or len(x) != n):
