@@ -40,6 +40,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--dualpin-mimic", action="store_true", help="Let joints with a <mimic> tag follow.")
     group.addoption("--dualpin-strict", action="store_true", help="Fail what was not compared, instead of skipping it.")
     group.addoption(
+        "--dualpin-baseline", default=None, metavar="FILE",
+        help="A report.json of before: one test more a robot, that its model and its verdicts did not change.",
+    )  # fmt: skip
+    group.addoption(
         "--dualpin-out", default=None, metavar="FOLDER",
         help="Write report.json, .md, .html, .sarif, junit.xml and badge.svg of what was judged into this folder.",
     )  # fmt: skip
@@ -50,9 +54,25 @@ def pytest_configure(config: pytest.Config) -> None:
     config.stash[JUDGED] = {}
     if config.option.dualpin_subjects and not config.option.dualpin:
         raise pytest.UsageError("--dualpin-subject needs a robot: --dualpin my_robot.urdf")
+    if config.option.dualpin_baseline:
+        config.stash[BEFORE] = _baseline(Path(config.invocation_params.dir, config.option.dualpin_baseline))
     if config.option.dualpin:
         for subject in _subjects(config):
             _terms(config, subject)  # a wrong option ends the run before xdist starts workers
+
+
+def _baseline(path: Path) -> Report:
+    """The report of before; a wrong file ends the run before any test."""
+    from .errors import DualpinError
+    from .report import read
+
+    try:
+        found = read(path).report
+    except DualpinError as e:
+        raise pytest.UsageError(f"--dualpin-baseline: {e}") from None
+    if found is None:
+        raise pytest.UsageError(f"--dualpin-baseline: {path} is no report of `dualpin validate` or `dualpin judge`")
+    return found
 
 
 def _subjects(config: pytest.Config) -> list[str]:
@@ -97,6 +117,8 @@ class WrongError(Exception):
 
 JUDGED: pytest.StashKey[dict[str, str]] = pytest.StashKey()
 """The reports of this process as JSON, by robot and subject."""
+BEFORE: pytest.StashKey[Report] = pytest.StashKey()
+"""What was judged before, where a baseline is given."""
 
 
 class RobotNode(pytest.Collector):
@@ -129,7 +151,8 @@ class RobotNode(pytest.Collector):
             quietly_loaded(self.robot, option.dualpin_floating, option.dualpin_mimic)
         except DualpinError as e:
             return [RefusedItem.of(self, str(e))]
-        return [TermItem.from_parent(self, name=term) for term in _terms(self.config, self.subject)]
+        terms: list[pytest.Item] = [TermItem.from_parent(self, name=term) for term in _terms(self.config, self.subject)]
+        return terms + [BaselineItem.from_parent(self, name="baseline")] * (BEFORE in self.config.stash)
 
     @cached_property
     def report(self) -> Report | str:
@@ -219,6 +242,28 @@ class TermItem(_Item):
             if self.config.option.dualpin_strict or (result.subject and not reason.startswith(EXCUSED)):
                 raise WrongError(f"{self.name} was not compared: {reason}")
             pytest.skip(f"{self.name} was not compared: {reason}")
+
+
+class BaselineItem(_Item):
+    """A robot and its verdicts beside those of before."""
+
+    def runtest(self) -> None:
+        from .crosscheck.results import Report
+        from .escape import lines
+        from .report import compare
+
+        node, before = self.parent, self.config.stash[BEFORE]
+        assert isinstance(node, RobotNode)
+        if isinstance(node.report, str):
+            raise WrongError(lines(node.report))
+        labels = {r.label for r in node.report.robots}
+        old = [r for r in before.robots if r.label in labels]
+        if not old:
+            held = ", ".join(r.label for r in before.robots) or "none"
+            raise WrongError(lines(f"the baseline has no {', '.join(sorted(labels))}; it has {held}"))
+        found = compare(Report(old, versions=before.versions), node.report)
+        if not found.passed:
+            raise WrongError(lines("\n".join(f"{c.where}: {c.old} -> {c.new}" for c in found.worse)))
 
 
 def told(term: str, result: RobotResult, t: TermResult) -> Iterator[str]:

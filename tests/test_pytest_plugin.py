@@ -12,6 +12,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.crosscheck.results import Refusal, Report, RobotResult, TermResult
+from dualpin.pytest_plugin import _baseline
 
 pytest_plugins = ["pytester"]
 ARM = Path(__file__).parents[1] / "urdf" / "planar_2r" / "planar_2r.urdf"
@@ -173,3 +174,18 @@ def test_the_command_writes_a_badge(tmp_path):
 def test_the_page_shows_the_action_as_it_is():
     docs = Path(__file__).parents[1] / "docs"
     assert (docs / "action.yml").read_text(encoding="utf-8") in (docs / "guard.md").read_text(encoding="utf-8")
+
+
+def test_a_model_that_changed_fails_beside_its_baseline(run, pytester):
+    """The subject reads the file that changed too, so that its terms agree: only the baseline knows."""
+    words = ("--dualpin", "arm.urdf", "--dualpin-subject", "mine:Subject", "--dualpin-terms", "crba",
+             "--dualpin-samples", "2")  # fmt: skip
+    run(*words, "--dualpin-out", "before").assert_outcomes(passed=1)
+    arm = pytester.path / "arm.urdf"
+    arm.write_text(arm.read_text().replace('<mass value="2.5"/>', '<mass value="2.75"/>'))
+    done = run(*words, "--dualpin-baseline", "before/report.json")
+    done.assert_outcomes(passed=1, failed=1)
+    done.stdout.fnmatch_lines(["*arm.urdf*link link_1: mass*2.5 -> 2.75*"])
+    for wrong in ("absent.json", "arm.urdf"):
+        with pytest.raises(pytest.UsageError, match=f"--dualpin-baseline: .*{wrong}"):
+            _baseline(pytester.path / wrong)

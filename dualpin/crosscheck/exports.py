@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Iterable
 from typing import Any
+from urllib.parse import quote
 from xml.etree import ElementTree
 
 from .. import __version__
+from .findings import CONVENTIONS
 from .results import DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 
+_FORBIDDEN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 SARIF = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -23,8 +28,8 @@ def junit(report: Report) -> str:
         failed = [t for t, x in r.terms.items() if not x.passed]
         skipped = [t for t, x in r.terms.items() if x.status == NOT_COMPARED]
         suite = ElementTree.SubElement(
-            root, "testsuite", name=clean(r.label), tests=str(len(r.terms)), failures=str(len(failed)),
-            skipped=str(len(skipped)), errors="1" if r.error else "0", time=f"{r.seconds:g}",
+            root, "testsuite", name=clean(r.label), tests=str(len(r.terms) + bool(r.error)), failures=str(len(failed)),
+            skipped=str(len(skipped)), errors="1" if r.error else "0", time=f"{r.seconds:.3f}",
         )  # fmt: skip
         for term, t in r.terms.items():
             case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name=term)
@@ -58,7 +63,7 @@ def _message(t: TermResult) -> str:
 
 def clean(text: str) -> str:
     """Without what XML cannot hold."""
-    return "".join(c for c in str(text) if c in "\t\n" or ord(c) >= 32)
+    return _FORBIDDEN.sub("", str(text))
 
 
 def sarif(report: Report) -> str:
@@ -67,8 +72,20 @@ def sarif(report: Report) -> str:
     results += [
         _said("refused", "warning" if r.by_pinocchio else "error", r.reason, r.name, r.name) for r in report.refused
     ]
-    rules: dict[str, Any] = {x["ruleId"]: {"id": x["ruleId"]} for x in results}
-    return sarif_log(results, list(rules.values()))
+    return sarif_log(results, _rules(dict.fromkeys(x["ruleId"] for x in results)))
+
+
+def _rules(names: Iterable[str]) -> list[dict[str, Any]]:
+    """What code hosts show beside a result: what a key says, and what to do."""
+    from .diagnosis.keys import keys
+
+    known = keys()
+    return [
+        {"id": name, "shortDescription": {"text": known[name][0]}, "help": {"text": known[name][1]}}
+        if name in known
+        else {"id": name}
+        for name in names
+    ]
 
 
 def sarif_log(results: list[dict[str, Any]], rules: list[dict[str, Any]]) -> str:
@@ -88,7 +105,8 @@ def _results(r: RobotResult) -> list[dict[str, Any]]:
             if f not in seen:
                 seen.append(f)
                 text = f"{f}" + (f"; fix: {f.fix}" if f.fix else "")
-                out.append(_said(f.key, "error", text, r.name, who))
+                level = "note" if f.key in CONVENTIONS else "error"  # another convention is no mistake
+                out.append(_said(f.key, level, text, r.name, who))
         if t.status == DIFFERS and not t.findings:
             text = f"{term}: scaled error {t.max_scaled_error:.1e}; {t.remark or t.verdict}"
             out.append(_said(f"differs/{term}", "warning" if t.passed else "error", text, r.name, who))
@@ -98,5 +116,6 @@ def _results(r: RobotResult) -> list[dict[str, Any]]:
 
 
 def _said(rule: str, level: str, text: str, file: str, who: str) -> dict[str, Any]:
-    location = {"physicalLocation": {"artifactLocation": {"uri": file}}, "logicalLocations": [{"name": who}]}
+    uri = quote(file.replace("\\", "/"), safe="/:@!$&'()*+,;=~")
+    location = {"physicalLocation": {"artifactLocation": {"uri": uri}}, "logicalLocations": [{"name": who}]}
     return {"ruleId": rule, "level": level, "message": {"text": text}, "locations": [location]}

@@ -24,6 +24,7 @@ from .checks import CHECKS
 from .definitions import UndecidedError
 from .extent import Extent
 from .findings import Finding
+from .fingerprint import fingerprint
 from .ledger import Ledger
 from .reproduce import program
 from .results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
@@ -205,7 +206,7 @@ def judged(answers: Answers, given: Asking, diagnosing: bool = True, tick: Tick 
     return RobotResult(
         given.name, given.floating, given.mimic, asked.robot.nv, asked.samples, asked.seed, True, terms, notes,
         seconds=round(time.perf_counter() - start + answers.seconds, 3), reason=reason, engine="numpy",
-        subject=answers.name, subject_version=answers.version,
+        subject=answers.name, subject_version=answers.version, model=fingerprint(asked.robot),
     )  # fmt: skip
 
 

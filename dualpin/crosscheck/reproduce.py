@@ -21,7 +21,7 @@ def program(term: str, answers: Answers, sample: int, frame: int, got: np.ndarra
         "# columns of v: " + " ".join(answers.how.v),
     ]
     if answers.how.q == answers.how.v:
-        lines = ["import numpy as np", "# columns: " + " ".join(answers.how.q)]
+        lines = ["import numpy as np", f"names = {list(answers.how.q)}  # of the columns"]
     lines += [f"{k} = np.array({_numbers(answers.sent[k][sample])})" for k in question.inputs]
     if question.framed:
         lines.append(f"frame = {answers.asking.frames[frame]!r}")

@@ -15,7 +15,7 @@ REQUIRES = ("adam-robotics==0.5.0",)
 BASE_Q = ("x", "y", "z", "qw", "qx", "qy", "qz")
 CALLS = {
     "": "from adam.numpy import KinDynComputations\n"
-    "k = KinDynComputations('robot.urdf', names)  # names: the columns above\n"
+    "k = KinDynComputations('robot.urdf', names)\n"
     "H, still = np.eye(4), np.zeros(6)",
     "fk": "print(k.forward_kinematics(frame, H, q))",
     "jacobian": "print(k.jacobian(frame, H, q))",
@@ -24,6 +24,8 @@ CALLS = {
     "bias": "print(k.bias_force(H, q, still, v))",
     "crba": "print(k.mass_matrix(H, q))",
     "com": "print(k.CoM_position(H, q))",
+    "com_jacobian": "print(k.CoM_jacobian(H, q)[:, 6:])",
+    "centroidal_momentum_matrix": "print(k.centroidal_momentum_matrix(H, q)[:, 6:])",
 }
 """The same in the library's own words, for reports."""
 

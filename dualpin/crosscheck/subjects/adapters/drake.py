@@ -24,6 +24,26 @@ CALLS = {
     "print(p.CalcInverseDynamics(c, a, f))",
     "crba": "p.SetPositions(c, q); print(p.CalcMassMatrix(c))",
     "com": "p.SetPositions(c, q); print(p.CalcCenterOfMassPositionInWorld(c))",
+    "jacobian": "p.SetPositions(c, q); w, o = p.world_frame(), np.zeros(3); b = p.GetFrameByName(frame)\n"
+    "print(p.CalcJacobianSpatialVelocity(c, pd.JacobianWrtVariable.kV, b, o, w, w))",
+    "frame_velocity": "p.SetPositions(c, q); p.SetVelocities(c, v)\n"
+    "print(p.EvalBodySpatialVelocityInWorld(c, p.GetBodyByName(frame)).get_coeffs())",
+    "com_jacobian": "p.SetPositions(c, q); w = p.world_frame()\n"
+    "print(p.CalcJacobianCenterOfMassTranslationalVelocity(c, pd.JacobianWrtVariable.kV, w, w))",
+    "centroidal_momentum_matrix": "p.SetPositions(c, q); o, A = p.CalcCenterOfMassPositionInWorld(c), []\n"
+    "for e in np.eye(len(q)):\n    p.SetVelocities(c, e)\n"
+    "    A.append(p.CalcSpatialMomentumInWorldAboutPoint(c, o).get_coeffs())\nprint(np.transpose(A))",
+    "kinetic_energy": "p.SetPositions(c, q); p.SetVelocities(c, v); print(p.CalcKineticEnergy(c))",
+    "potential_energy": "p.SetPositions(c, q); print(p.CalcPotentialEnergy(c))",
+    "aba": "p.SetPositions(c, q); p.SetVelocities(c, v)\n"
+    "p.get_applied_generalized_force_input_port().FixValue(c, tau)\nprint(p.get_generalized_acceleration_output_port().Eval(c))",
+    "rnea_f_ext": "p.SetPositions(c, q); p.SetVelocities(c, v); p.CalcForceElementsContribution(c, f)\n"
+    "w = pd.SpatialForce(f_ext[:3], f_ext[3:]); p.GetBodyByName(frame).AddInForceInWorld(c, w, f)\n"
+    "print(p.CalcInverseDynamics(c, a, f))",
+    "rnea_derivatives": "p, n = p.ToAutoDiffXd(), len(q); x = pd.InitializeAutoDiff(np.r_[q, v, a])[:, 0]\n"
+    "c, f = p.CreateDefaultContext(), pd.MultibodyForces_[pd.AutoDiffXd](p)\n"
+    "p.SetPositions(c, x[:n]); p.SetVelocities(c, x[n : 2 * n]); p.CalcForceElementsContribution(c, f)\n"
+    "print(pd.ExtractGradient(p.CalcInverseDynamics(c, x[2 * n :], f)))  # by q, by v, by a",
 }
 """The same in the library's own words, for reports."""
 

@@ -22,6 +22,23 @@ CALLS = {
     "crba": "k.setRobotState(q, 0 * q, g); M = idt.MatrixDynSize(n + 6, n + 6)\n"
     "k.getFreeFloatingMassMatrix(M); print(M)",
     "com": "k.setRobotState(q, 0 * q, g); print(k.getCenterOfMassPosition())",
+    "jacobian": "k.setFrameVelocityRepresentation(idt.MIXED_REPRESENTATION); k.setRobotState(q, 0 * q, g)\n"
+    "J = idt.MatrixDynSize(6, n + 6); k.getFrameFreeFloatingJacobian(frame, J); print(J.toNumPy()[:, 6:])",
+    "com_jacobian": "k.setFrameVelocityRepresentation(idt.MIXED_REPRESENTATION); k.setRobotState(q, 0 * q, g)\n"
+    "J = idt.MatrixDynSize(3, n + 6); k.getCenterOfMassJacobian(J); print(J.toNumPy()[:, 6:])",
+    "centroidal_momentum_matrix": "k.setFrameVelocityRepresentation(idt.MIXED_REPRESENTATION)\n"
+    "k.setRobotState(q, 0 * q, g); J = idt.MatrixDynSize(6, n + 6); k.getCentroidalTotalMomentumJacobian(J)\n"
+    "print(J.toNumPy()[:, 6:])",
+    "rnea": "k.setRobotState(q, v, g); w = idt.LinkWrenches(k.model()); w.zero()\n"
+    "k.inverseDynamics(np.zeros(6), a, w, t); print(t.jointTorques().toNumPy())",
+    "rnea_f_ext": "k.setFrameVelocityRepresentation(idt.MIXED_REPRESENTATION); k.setRobotState(q, v, g)\n"
+    "w = idt.LinkWrenches(k.model()); w.zero(); b = k.model().getLinkIndex(frame)\n"
+    "[w(b).setVal(i, x) for i, x in enumerate(f_ext.tolist())]\n"
+    "k.inverseDynamics(np.zeros(6), a, w, t); print(t.jointTorques().toNumPy())",
+    "coriolis": "k.setRobotState(q, v, g); C, M, D = (idt.MatrixDynSize(n + 6, n + 6) for _ in range(3))\n"
+    "k.getCoriolisAndMassMatrices(C, M, D); print(C.toNumPy()[6:, 6:])",
+    "joint_torque_regressor": "k.setRobotState(q, v, g); Y = idt.MatrixDynSize(n + 6, 10 * k.model().getNrOfLinks())\n"
+    "k.inverseDynamicsInertialParametersRegressor(np.zeros(6), a, Y); print(Y.toNumPy()[6:])",
 }
 """The same in the library's own words, for reports."""
 

@@ -24,6 +24,18 @@ CALLS = {
     "aba": "d.qpos[:], d.qvel[:], d.qfrc_applied[:] = q, v, tau; mj.mj_forward(m, d); print(d.qacc)",
     "crba": "d.qpos[:] = q; mj.mj_forward(m, d); M = np.zeros((m.nv, m.nv)); mj.mj_fullM(m, d, M); print(M)",
     "com": "d.qpos[:] = q; mj.mj_forward(m, d); print(d.subtree_com[0])",
+    "jacobian": "d.qpos[:] = q; mj.mj_forward(m, d); J = np.zeros((6, m.nv))\n"
+    "mj.mj_jacBody(m, d, J[:3], J[3:], m.body(frame).id); print(J)",
+    "jacobian_dot": "d.qpos[:], d.qvel[:] = q, v; mj.mj_forward(m, d); J, b = np.zeros((6, m.nv)), m.body(frame).id\n"
+    "mj.mj_jacDot(m, d, J[:3], J[3:], d.xpos[b], b); print(J)",
+    "com_jacobian": "d.qpos[:] = q; mj.mj_forward(m, d); J = np.zeros((3, m.nv)); mj.mj_jacSubtreeCom(m, d, J, 0)\n"
+    "print(J)",
+    "centroidal_momentum_matrix": "d.qpos[:] = q; mj.mj_forward(m, d); L, p = np.zeros((2, 3, m.nv))\n"
+    "mj.mj_jacSubtreeCom(m, d, p, 0); mj.mj_angmomMat(m, d, L, 0); print(p * m.body_subtreemass[0], L)",
+    "rnea_f_ext": "d.qpos[:], d.qvel[:], d.qacc[:] = q, v, a; mj.mj_inverse(m, d)\n"
+    "b, t = m.body(frame).id, np.zeros(m.nv); mj.mj_applyFT(m, d, f_ext[:3], f_ext[3:], d.xpos[b], b, t); print(d.qfrc_inverse - t)",
+    "aba_f_ext": "d.qpos[:], d.qvel[:], d.qfrc_applied[:] = q, v, tau; mj.mj_forward(m, d); b = m.body(frame).id\n"
+    "mj.mj_applyFT(m, d, f_ext[:3], f_ext[3:], d.xpos[b], b, d.qfrc_applied); mj.mj_forward(m, d); print(d.qacc)",
 }
 """The same in the library's own words, for reports."""
 

@@ -20,6 +20,25 @@ CALLS = {
     "crba": "print(pin.crba(m, d, q))",
     "coriolis": "print(pin.computeCoriolisMatrix(m, d, q, v))",
     "com": "print(pin.centerOfMass(m, d, q))",
+    "jacobian": "print(pin.computeFrameJacobian(m, d, q, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED))",
+    "jacobian_dot": "pin.computeJointJacobiansTimeVariation(m, d, q, v); pin.updateFramePlacements(m, d)\n"
+    "print(pin.getFrameJacobianTimeVariation(m, d, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED))",
+    "frame_velocity": "pin.forwardKinematics(m, d, q, v)\n"
+    "print(pin.getFrameVelocity(m, d, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED))",
+    "frame_acceleration": "pin.forwardKinematics(m, d, q, v, a)\n"
+    "print(pin.getFrameClassicalAcceleration(m, d, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED))",
+    "com_jacobian": "print(pin.jacobianCenterOfMass(m, d, q))",
+    "centroidal_momentum_matrix": "print(pin.computeCentroidalMap(m, d, q))",
+    "kinetic_energy": "print(pin.computeKineticEnergy(m, d, q, v))",
+    "potential_energy": "print(pin.computePotentialEnergy(m, d, q))",
+    "minv": "print(pin.computeMinverse(m, d, q))",
+    "rnea_f_ext": "J = pin.computeFrameJacobian(m, d, q, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED)\n"
+    "print(pin.rnea(m, d, q, v, a) - J.T @ f_ext)",
+    "aba_f_ext": "J = pin.computeFrameJacobian(m, d, q, m.getFrameId(frame), pin.LOCAL_WORLD_ALIGNED)\n"
+    "print(pin.aba(m, d, q, v, tau + J.T @ f_ext))",
+    "joint_torque_regressor": "print(pin.computeJointTorqueRegressor(m, d, q, v, a))",
+    "rnea_derivatives": "print(*pin.computeRNEADerivatives(m, d, q, v, a)[:3])",
+    "aba_derivatives": "print(*pin.computeABADerivatives(m, d, q, v, tau)[:3])",
 }
 """The same in the library's own words, for reports."""
 
