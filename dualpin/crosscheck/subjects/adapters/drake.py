@@ -36,7 +36,8 @@ CALLS = {
     "kinetic_energy": "p.SetPositions(c, q); p.SetVelocities(c, v); print(p.CalcKineticEnergy(c))",
     "potential_energy": "p.SetPositions(c, q); print(p.CalcPotentialEnergy(c))",
     "aba": "p.SetPositions(c, q); p.SetVelocities(c, v)\n"
-    "p.get_applied_generalized_force_input_port().FixValue(c, tau)\nprint(p.get_generalized_acceleration_output_port().Eval(c))",
+    "p.get_applied_generalized_force_input_port().FixValue(c, tau)\n"
+    "print(p.get_generalized_acceleration_output_port().Eval(c))",
     "rnea_f_ext": "p.SetPositions(c, q); p.SetVelocities(c, v); p.CalcForceElementsContribution(c, f)\n"
     "w = pd.SpatialForce(f_ext[:3], f_ext[3:]); p.GetBodyByName(frame).AddInForceInWorld(c, w, f)\n"
     "print(p.CalcInverseDynamics(c, a, f))",

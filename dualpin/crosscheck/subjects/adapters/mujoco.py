@@ -33,7 +33,8 @@ CALLS = {
     "centroidal_momentum_matrix": "d.qpos[:] = q; mj.mj_forward(m, d); L, p = np.zeros((2, 3, m.nv))\n"
     "mj.mj_jacSubtreeCom(m, d, p, 0); mj.mj_angmomMat(m, d, L, 0); print(p * m.body_subtreemass[0], L)",
     "rnea_f_ext": "d.qpos[:], d.qvel[:], d.qacc[:] = q, v, a; mj.mj_inverse(m, d)\n"
-    "b, t = m.body(frame).id, np.zeros(m.nv); mj.mj_applyFT(m, d, f_ext[:3], f_ext[3:], d.xpos[b], b, t); print(d.qfrc_inverse - t)",
+    "b, t = m.body(frame).id, np.zeros(m.nv); mj.mj_applyFT(m, d, f_ext[:3], f_ext[3:], d.xpos[b], b, t)\n"
+    "print(d.qfrc_inverse - t)",
     "aba_f_ext": "d.qpos[:], d.qvel[:], d.qfrc_applied[:] = q, v, tau; mj.mj_forward(m, d); b = m.body(frame).id\n"
     "mj.mj_applyFT(m, d, f_ext[:3], f_ext[3:], d.xpos[b], b, d.qfrc_applied); mj.mj_forward(m, d); print(d.qacc)",
 }
