@@ -1,1 +1,1 @@
-"""What an engineer must know of a robot before it is built, simulated or identified."""
+"""Analyses of robots: checks, differences, conversion, identification, workspace."""

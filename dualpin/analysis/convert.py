@@ -1,4 +1,4 @@
-"""A robot from one format to another, with a proof: the library of the target reads what was written."""
+"""Conversion of a robot to another format, verified by the library that reads this format."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ SUBJECTS = {
 """Suffix -> the subject that reads it, and the module that this needs."""
 
 
-LISTED = 3  # of what was lost of one kind
+LISTED = 3  # items listed of each kind of loss
 
 
 @dataclass
 class Conversion:
-    """What was written, and what the target's library makes of it.
+    """The outcome of a conversion, with the comparison by the target's library.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Conversion:
 
     @property
     def passed(self) -> bool:
-        """Whether the library was asked and agrees in every term."""
+        """Whether the library read the file and agrees in every term."""
         return bool(self.terms) and not self.differs
 
     def to_dict(self) -> dict[str, Any]:
@@ -81,7 +81,7 @@ def convert(
     *,
     floating: bool = False,
 ) -> Conversion:
-    """Write a robot in another format, and let the library of that format judge it.
+    """Write a robot in another format, and verify it by the library that reads this format.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Faults of robot descriptions: what no body has, what nobody meant, and what it does to which term.
+"""Faults of robot descriptions, with their effect on terms.
 
 References
 ----------
@@ -31,8 +31,8 @@ def check(
     Parameters
     ----------
     robot : str, Path or Robot
-        A name or a file (URDF, xacro, MJCF), whose lines, shapes and meshes are looked at too; or a robot,
-        of which masses, tensors and joints are.
+        A name or a file (URDF, xacro, MJCF), whose lines, shapes and meshes are checked too; or a robot, whose
+        masses, tensors and joints are checked.
     only, without : iterable of str, optional
         Ids of rules, of `dualpin.analysis.check.RULES`.
 
@@ -40,12 +40,12 @@ def check(
     -------
     Checked
         A sequence of findings: ``.rule .severity .says .item .file .line .why .effect .fix``, in the order
-        of the file.  ``.passed`` says that there is none.
+        of the file.  ``.passed`` is True if there is none.
 
     Raises
     ------
     UrdfError
-        If the file cannot be read at all: the message says why and where.
+        If the file cannot be read; the message says why and where.
     ArgumentError
         If there is no such rule.
 

@@ -1,4 +1,4 @@
-"""A robot as the rules look at it: its links and joints with their numbers, lines and shapes, whatever it came from."""
+"""The data that rules examine: links and joints with their numbers, lines and shapes, for all formats."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class Body:
     written : ndarray (3, 3)
         The tensor as the file states it, in the axes of the inertial frame.
     rotation : ndarray (3, 3)
-        Of the inertial frame in the link's.
+        Orientation of the inertial frame in the link's.
     printed : float
-        Half a unit of the last digit of the tensor's entries, added up: what rounding in the file may do.
+        Bound of the rounding in the file: half a unit of the last digit of the tensor's entries, added up.
     carrier : Joint or None
         The joint that moves it; `placement` is its frame in the joint's.
     """
@@ -64,7 +64,7 @@ class Body:
 
     @property
     def point(self) -> bool:
-        """Whether it has mass and no extent: zeros, or what rounding left of them, a radius below a micrometre."""
+        """Whether it is a point mass: its radius of gyration is below a micrometre."""
         return self.mass > 0 and float(np.abs(self.written).max()) <= self.mass * MICROMETRE**2
 
     @property
@@ -101,19 +101,19 @@ class Hinge:
 
 
 class Description:
-    """What is checked.
+    """A description to check.
 
     Attributes
     ----------
     robot : Robot
-        On a fixed base, nothing following (mimic).
+        On a fixed base, without mimic.
     """
 
     def __init__(self, name: str, robot: Robot, document: Document | None = None, path: Path | None = None) -> None:
         self.name, self.robot, self.document, self.path = name, robot, document, path
         self.file = str(path) if path else name
         self.text: str | None = None
-        """The file as it is, where its elements can be changed one by one."""
+        """The original text, if its elements can be edited individually."""
         whole = document.whole if document else None
         self._order: dict[Any, int] = {} if whole is None else {e: i for i, e in enumerate(whole.iter())}
         self.bodies = list(_bodies(robot, document))
@@ -129,7 +129,7 @@ class Description:
         return (Edit(self._order[element], attribute, value),) if self.editable and element in self._order else ()
 
     def floating(self) -> Robot | None:
-        """The robot on a floating base, where a file says what that is."""
+        """The robot on a floating base, if it comes from a file."""
         if self.document is None:
             return None
         try:
@@ -141,7 +141,7 @@ class Description:
     def shapes(self) -> dict[str, list[Shape]]:
         """Of each link, its visual shapes, or its collision shapes if it has no others; only if all of them are found.
 
-        What contacts are computed with is often a ball or a box within the link, so it tells less of its mass.
+        Collision shapes are often simplified, so they say less about the mass.
         """
         found: dict[str, list[Shape]] = {}
         for b in self.bodies:
@@ -167,7 +167,7 @@ class Description:
 
 
 def described(target: str | Path | Robot) -> Description:
-    """What is checked: of a file with its lines, of a robot in memory without.
+    """The description of a file, with its lines, or of a robot in memory, without them.
 
     Raises
     ------
@@ -313,7 +313,7 @@ def _printed(link: Any) -> float:
 
 
 def half_digit(text: str) -> float:
-    """Half a unit of the last digit that a number is written with: 0.12 -> 0.005."""
+    """Half a unit of the last digit of a written number: 0.12 -> 0.005."""
     mantissa, _, exponent = text.strip().lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     try:

@@ -1,6 +1,6 @@
-"""What a fault does to a term, in numbers: the largest change over a few states.
+"""Effects of faults on terms: the largest change over a few states.
 
-Torques are linear in the ten parameters of a body, so a change of these changes them by the regressor's columns.
+Torques are linear in the ten parameters of a body, so the regressor gives their change.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from .description import Body, placed
 from .findings import Effect
 
 STATES = 8
-NOTHING = 1e-12  # of a term's largest value: no change
+NOTHING = 1e-12  # relative to a term's largest value: counts as no change
 
 
 class Effects:
-    """The terms of one robot at a few states, found when something first asks."""
+    """The terms of one robot at a few states, computed at first use."""
 
     def __init__(self, robot: Robot, floating: Callable[[], Robot | None] = lambda: None) -> None:
         self.robot, self._floating = robot, floating
@@ -60,7 +60,7 @@ class Effects:
         return np.array([float(x) for j in self.robot for x in j.inertia.parameters])
 
     def of_body(self, body: Body, mass: float, com: np.ndarray, tensor: np.ndarray) -> Effect:
-        """What happens to the torques if the body had these instead."""
+        """The change of the torques if the body had these parameters instead."""
         j = body.carrier
         if j is None and self.floating is not None:
             base = replace(body, carrier=self.floating.robot.joints[0])
@@ -98,7 +98,7 @@ class Effects:
         return Effect(term, amount, unit, says)
 
     def reach_below(self, name: str) -> tuple[float, str]:
-        """How far the farthest frame carried by a joint can be from it [m], and that frame's name."""
+        """The largest possible distance of a frame beyond a joint from it [m], and that frame's name."""
         j = self.robot.joint(name)
         below: dict[int, float] = {j.index: 0.0}
         for k in self.robot:

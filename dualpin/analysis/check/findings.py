@@ -1,4 +1,4 @@
-"""What a check found, as data and in words."""
+"""The findings of a check."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 ERROR, WARNING, NOTE = "error", "warning", "note"
 SEVERITIES = (NOTE, WARNING, ERROR)
-"""From the mildest on."""
+"""In ascending order."""
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One attribute of one element, counted in the order in which elements begin, with its new value."""
+    """A new value of an attribute of an element, which is given by its index in the order of start tags."""
 
     element: int
     attribute: str
@@ -22,7 +22,7 @@ class Edit:
 
 @dataclass(frozen=True)
 class Effect:
-    """What a fault does to a term: the largest change over some states, and where.
+    """The effect of a fault on a term: the largest change over some states, and where.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Finding:
     Attributes
     ----------
     rule : str
-        Its id in words, of `dualpin.analysis.check.RULES`.
+        Its id in `dualpin.analysis.check.RULES`.
     severity : str
         "error", "warning" or "note".
     says : str
@@ -55,7 +55,7 @@ class Finding:
     file, line, item : str, int or None, str
         Where: the file, the line in it, the link or joint ("link 'hand'").
     why : str
-        What it does to which term, with a number where there is one.
+        Its effect on a term, with a number if there is one.
     effect : Effect or None
         That number.
     fix : str
@@ -116,9 +116,9 @@ class Checked:
     links: int = 0
     joints: int = 0
     text: str | None = field(default=None, repr=False)
-    """The file as it is, if its elements can be changed one by one."""
+    """The original text, if its elements can be edited individually."""
     notes: list[str] = field(default_factory=list)
-    """What could not be looked at, and why."""
+    """What could not be checked, and why."""
 
     @property
     def passed(self) -> bool:
@@ -135,7 +135,7 @@ class Checked:
         return self.findings[at]
 
     def at_least(self, severity: str) -> Checked:
-        """Only what is as grave as this."""
+        """Only findings of at least this severity."""
         least = SEVERITIES.index(severity)
         kept = [f for f in self.findings if SEVERITIES.index(f.severity) >= least]
         return Checked(self.name, kept, self.links, self.joints, self.text, self.notes)

@@ -1,4 +1,4 @@
-"""Certain corrections, made in the text of the file so that nothing else in it changes."""
+"""Certain corrections, made in the text of the file without other changes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from xml.sax.saxutils import quoteattr
 from ...errors import ArgumentError
 from .findings import Checked, Edit
 
-# comments, instructions, CDATA and declarations are no elements; a start tag holds its attributes in quotes
+# skips comments, processing instructions, CDATA and declarations; attribute values of start tags are quoted
 _MARKUP = re.compile(
     r"<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<![^>]*>"
     r"|<(?P<name>[^\s<>/!?=\"']+)(?P<attributes>(?:\s+[^\s<>/=\"']+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*/?>",
@@ -24,7 +24,7 @@ def fixed(checked: Checked) -> str:
     Raises
     ------
     ArgumentError
-        If it has no text whose elements can be changed: a robot in memory, MJCF, a file with faults of markup.
+        If it has no text that can be edited: a robot in memory, MJCF, a file with faults of markup.
     """
     edits = [e for f in checked.findings for e in f.edits]
     if checked.text is None:
@@ -60,7 +60,7 @@ def _starts(text: str) -> Iterator[re.Match[str]]:
 
 
 def _value(tag: re.Match[str], attribute: str) -> tuple[int, int]:
-    """Where an attribute's quoted value lies in the text."""
+    """The position of an attribute's quoted value in the text."""
     found = re.compile(rf"\s{re.escape(attribute)}\s*=\s*(\"[^\"]*\"|'[^']*')").search(
         tag.string, *tag.span("attributes")
     )

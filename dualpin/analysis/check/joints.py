@@ -1,4 +1,4 @@
-"""Rules about joints: axes that are almost square, limits, friction, joints that follow others."""
+"""Rules about joints: angles close to 90 degrees, limits, friction, mimic joints."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .findings import ERROR, NOTE, WARNING, Effect, Finding
 from .rules import Case, Rule, finding, rules
 
 QUARTER = pi / 2
-EXACT = 1e-9  # rad; closer to a quarter turn is one: a nanometre in a metre
+EXACT = 1e-9  # rad; smaller deviations from a quarter turn count as exact: a nanometre in a metre
 UNKNOWN = 1e5  # N m: more than any joint takes, so velocity and effort are placeholders
-FEWEST = 2  # decimals: 1.6 is a number of its own
+FEWEST = 2  # decimals: 1.6 is not a rounded quarter turn
 
 
 @rules(Rule("near-right-angle", NOTE, "An angle is a quarter turn printed with few digits: axes are not quite square."))
@@ -47,17 +47,17 @@ def almost_square(case: Case) -> Iterator[Finding]:
 
 
 def _quarters(word: str) -> int:
-    """How many quarter turns a number is that was printed with few digits; 0 if it is none, or is exact."""
+    """The number of quarter turns of an angle printed with few digits; 0 if it is not one, or is exact."""
     x, n = float(word), round(float(word) / QUARTER)
     decimals = len(word.lower().partition("e")[0].partition(".")[2])
     if not n or decimals < FEWEST or abs(n) > 4 or abs(x - n * QUARTER) <= EXACT:
         return 0
-    # rounded, or cut: 1.57 and 1.571 are, 1.5701 is a number of its own
+    # rounded or truncated: 1.57 and 1.571 count, 1.5701 does not
     return n if abs(x - n * QUARTER) <= 2 * half_digit(word) * (1 + 1e-9) else 0
 
 
 def _swing(case: Case, h: Hinge, angle: float) -> Effect:
-    """How far a small turn at a joint moves what it carries."""
+    """The displacement of the subtree by a small rotation at a joint."""
     moving = h.joint
     if moving is None:
         link = next((k for k in case.about.robot.links if k.name == h.child), None)
@@ -72,7 +72,7 @@ def _swing(case: Case, h: Hinge, angle: float) -> Effect:
 
 
 def _is_below(case: Case, joint: str, link: str) -> bool:
-    """Whether a joint hangs on a link, or on what is fixed to it."""
+    """Whether a joint is attached to a link, or to a link fixed to it."""
     waiting = [link]
     while waiting:
         for h in case.about.children.get(waiting.pop(), ()):
@@ -251,7 +251,7 @@ def mimics(case: Case) -> Iterator[Finding]:
 
 
 def _leads_back(hinges: dict[str, Hinge], h: Hinge) -> bool:
-    """Whether it follows itself in the end."""
+    """Whether its chain of leaders returns to it."""
     seen, at = {h.name}, h
     while at.mimic in hinges:
         assert at.mimic is not None

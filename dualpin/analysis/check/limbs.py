@@ -1,4 +1,4 @@
-"""Rules about several links at once: limbs that do not mirror, inertials that were copied."""
+"""Rules about several links: limbs that are not mirror images, copied inertials."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from .rules import Case, Rule, finding, rules
 from .shapes import box
 from .tensors import LIGHT
 
-ALIKE = 0.05  # of a link's length: the same part
+ALIKE = 0.05  # relative difference of lengths up to which two shapes are the same part
 SIDES = (("left", "right"), ("l", "r"), ("lf", "rf"), ("lh", "rh"), ("fl", "fr"), ("rl", "rr"), ("bl", "br"))
-PLANE = 2e-3  # m: how well origins of mirrored links must mirror for their limbs to count as mirrored
+PLANE = 2e-3  # m: tolerance of the origins of mirrored links
 SAME = 0.02  # relative: masses of mirrored links
-PARTS = 0.1  # of a link's size: motors are the same on both sides, not mirrored, which shifts centres and turns tensors
+PARTS = 0.1  # of a link's size: motors are equal, not mirrored, on both sides, which changes centres and tensors
 
 
 @rules(Rule("not-mirrored", WARNING, "A link's mass or tensor is not the mirror image of that of the other side."))
 def mirrored(case: Case) -> Iterator[Finding]:
-    """Compared in the world at zero, so that frames of both sides may be turned as they like."""
+    """Compare in the world frame at zero, independent of the frames of both sides."""
     pairs = list(_pairs(case.about.bodies))
     if not pairs:
         return
@@ -36,7 +36,7 @@ def mirrored(case: Case) -> Iterator[Finding]:
         if not _mirror(X[:3, 3], Y[:3, 3], plane, PLANE) or left.mass <= LIGHT or right.mass <= LIGHT:
             continue
         if _shape(left) and _shape(left) == _shape(right):
-            continue  # one part, used on both sides: it need not be its own mirror image
+            continue  # the same part on both sides need not be a mirror image
         S = np.eye(3)
         S[plane, plane] = -1
         c = S @ (X[:3, :3] @ left.com + X[:3, 3])
@@ -122,7 +122,7 @@ def _relative(x: np.ndarray, y: np.ndarray) -> float:
 )
 def duplicated(case: Case) -> Iterator[Finding]:
     if case.about.document is None:
-        return  # without shapes nothing tells a copy from a second part
+        return  # without shapes a copy cannot be distinguished from a second equal part
     same: dict[tuple[float, ...], list[Body]] = defaultdict(list)
     for b in case.about.bodies:
         if b.given and b.mass > LIGHT and not b.point and not _round(b):

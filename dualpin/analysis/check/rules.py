@@ -1,4 +1,4 @@
-"""The table of rules: id -> severity, what it says, and the function that looks for it."""
+"""The table of rules: id -> severity, description, and function."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Rule:
     Attributes
     ----------
     id : str
-        In words.
+        A short name.
     severity : str
         "error", "warning" or "note".
     says : str
@@ -32,7 +32,7 @@ class Rule:
 
 @dataclass(frozen=True)
 class Case:
-    """What rules look at: the description, and what faults do."""
+    """The input of rules: the description, and the effects of faults."""
 
     about: Description
     effects: Effects
@@ -45,7 +45,7 @@ LOOKERS: list[tuple[tuple[str, ...], Looker]] = []
 
 
 def rules(*table: Rule) -> Callable[[Looker], Looker]:
-    """Enter rules into the table, with the function that looks for them."""
+    """Register rules with the function that finds them."""
 
     def enter(look: Looker) -> Looker:
         RULES.update({r.id: r for r in table})

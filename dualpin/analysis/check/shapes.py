@@ -1,4 +1,4 @@
-"""Rules that compare masses with shapes: boxes, cylinders and balls of the file, and meshes where they are found.
+"""Rules that compare masses with shapes: boxes, cylinders and spheres, and meshes whose files exist.
 
 Meshes are read by trimesh (extra "view"); a link counts only where all of its shapes are there.
 """
@@ -21,10 +21,10 @@ from .tensors import LIGHT, OSMIUM, physical
 
 MARGIN = 0.2  # of a box's diagonal: motors and cables outside of the shape
 LEAST_MARGIN = 0.01  # m
-DUMMY = 0.01  # m; smaller shapes are there because a file must have one
+DUMMY = 0.01  # m; smaller shapes are placeholders
 EMPTY = 5.0  # kg/m^3 over the whole bounding box: lighter than any structure; foam has 20
-CLOSE = 0.1  # of the tensor's size: a uniform solid of that shape, or nearly
-APART = 0.5  # of it: another orientation or another point, not another filling
+CLOSE = 0.1  # relative difference below which the tensor is that of the uniform solid
+APART = 0.5  # relative difference from which it is another orientation or point, not another density
 
 
 @rules(
@@ -255,7 +255,7 @@ def _off(J: np.ndarray, solid: np.ndarray) -> float:
 
 
 def _turned(b: Body, solid: np.ndarray) -> tuple[np.ndarray | None, str]:
-    """The tensor in the axes in which it is close to the solid's, and which these are."""
+    """The tensor in axes in which it is close to the solid's, and these axes."""
     R = b.rotation
     candidates = [
         (b.written, "it is in the link's axes already, and rpy of the inertial turns it"),

@@ -1,7 +1,7 @@
-"""Rules about mass, centre of mass and tensor of a link by themselves.
+"""Rules about mass, centre of mass and inertia tensor of single links.
 
-A body's mass lies somewhere, so the second moments  Sigma = tr(J)/2 1 - J = integral of x x^T dm  are not negative in
-any direction.  That says all of it: positive definite J, and the triangle inequality J1 + J2 >= J3, follow.
+The second moments of a body,  Sigma = tr(J)/2 1 - J = integral of x x^T dm,  are positive semidefinite.  This condition
+is complete: J is positive definite and satisfies the triangle inequality J1 + J2 >= J3.
 
 References
 ----------
@@ -22,10 +22,10 @@ from .findings import ERROR, NOTE, WARNING, Finding
 from .rules import Case, Rule, finding, rules
 
 PRINTED = 1e-6  # relative: six printed digits are common
-FEW = 0.05  # of a tensor that was printed with one or two digits: no excuse for more than that
+FEW = 0.05  # the largest relative tolerance for a tensor printed with one or two digits
 OSMIUM = 22_590.0  # kg/m^3, the densest element
 LIGHT = 1e-3  # kg; placeholders below a gram change no torque that matters
-FLAT = 0.01  # of the largest second moment: thinner than a tenth of its length, a plate or a rod on paper
+FLAT = 0.01  # of the largest second moment: thinner than a tenth of its length, an idealised plate or rod
 
 
 def second_moments(J: np.ndarray) -> np.ndarray:
@@ -34,7 +34,7 @@ def second_moments(J: np.ndarray) -> np.ndarray:
 
 
 def nearest_physical(J: np.ndarray) -> np.ndarray:
-    """The tensor whose second moments are those of J, without the negative ones."""
+    """The nearest tensor with non-negative second moments."""
     values, axes = np.linalg.eigh(second_moments(J))
     sigma = (axes * np.maximum(values, 0)) @ axes.T
     return np.asarray(np.trace(sigma) * np.eye(3) - sigma)
@@ -82,7 +82,7 @@ def _share(part: float, whole: float) -> str:
 
 
 def _remedy(b: Body, repaired: np.ndarray) -> str:
-    """What would make it a body's: another sign of the products, Steiner's terms, or the nearest tensor."""
+    """A correction that makes it physical: other signs of the products, Steiner's terms, or the nearest tensor."""
     flipped = np.where(np.eye(3, dtype=bool), b.written, -b.written)
     c = b.com
     steiner = b.mass * (c @ c * np.eye(3) - np.outer(c, c))
@@ -104,7 +104,7 @@ _ENTRIES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def physical(J: np.ndarray) -> bool:
-    """Whether some body has it, to rounding."""
+    """Whether it is physical, within rounding."""
     values = np.linalg.eigvalsh(second_moments(J))
     return bool(values[0] >= -PRINTED * abs(values[-1]) and values[-1] > 0)
 

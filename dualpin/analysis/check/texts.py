@@ -1,4 +1,4 @@
-"""Rules about units, names, and what readers of the file understand differently."""
+"""Rules about units, names, and text that parsers read differently."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .findings import ERROR, NOTE, WARNING, Effect, Finding
 from .rules import Case, Rule, finding, rules
 
 RIGHT = {45.0, 90.0, 135.0, 180.0, 270.0, 360.0}
-"""Degrees that people write; none of them is an angle in radians that anybody means."""
+"""Common angles in degrees, which are improbable in radians."""
 
 
 @rules(Rule("millimetres", ERROR, "Lengths look like millimetres, metres are expected."))
@@ -126,7 +126,7 @@ def names(case: Case) -> Iterator[Finding]:
 
 
 READ = (
-    # what the reader says of an element, the rule, and what it does
+    # the reader's note on an element, the rule, and the effect
     ("several elements of one kind", "several-elements", "the first is used here, others take the last", "keep one"),
     (
         "<inertia> without all products",

@@ -1,4 +1,4 @@
-"""Are two robots the same?  In what they differ, and what that does to their terms."""
+"""Comparison of two robots: their differences, and the effect on terms."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def diff(
     """Compare two robots: kinematics, bodies, limits, names, frames, and what differs in terms.
 
     Joints are matched by name and, where names differ, by their place in the tree.  Screws and bodies are
-    compared where all coordinates are zero, in one world, so that frames of links, merged links and the
-    place of the base do not matter; a zero that was moved and an axis that was turned round are found.
+    compared at zero configuration in one common frame, so that frames of links, merged links and the place of
+    the base do not matter.  Moved zeros and reversed axes are recognised.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def diff(
     Notes
     -----
     Two robots of the same kinematics have the same dynamics exactly if their base parameters are equal (Gautier &
-    Khalil 1990): other masses that no torque shows are "same dynamics, other parameters".
+    Khalil 1990): other masses without an effect on torques are "same dynamics, other parameters".
 
     Examples
     --------
@@ -115,7 +115,7 @@ def _verdict(found: Diff) -> str:
 
 
 def _base_parameters(pair: Pair) -> dict[str, list[float]]:
-    """The combinations of a's parameters that torques show, and what they are in b."""
+    """The base parameters of a, and their values in b."""
     robot = pair.a.robot
     if robot.nv > MOST or robot.coupled or pair.b.robot.coupled:
         return {}

@@ -18,7 +18,7 @@ SMALL = 1e-9
 
 @dataclass(frozen=True)
 class Pair:
-    """Two robots and which of their parts are the same."""
+    """Two robots with their matched parts."""
 
     a: Home
     b: Home
@@ -142,7 +142,7 @@ def _motion(m: Match) -> Iterator[Change]:
 
 
 def _between(s: np.ndarray, t: np.ndarray) -> float:
-    """How far b's line is from a's, where a's is nearest to the world's origin."""
+    """Distance of b's line from the point of a's line that is nearest to the world's origin."""
     p = np.cross(s[:3], s[3:])
     r = np.cross(t[:3], t[3:])
     d = r - p
@@ -189,13 +189,13 @@ def _unmatched(pair: Pair) -> Iterator[Change]:
 
 
 def _body(pair: Pair, node: int, other: int) -> Iterator[Change]:
-    """Mass, centre and tensor of all that moves together, in a's world: frames and merged links do not matter."""
+    """Mass, centre and tensor of each moving body, in a's world: frames and merged links do not matter."""
     one = pair.a.bodies[node]
     two = carried(pair.b.bodies[other], pair.matching.motions[other])
     item = "the ground" if node == 0 else next((e.joint.name for e in pair.a.edges if e.outer == node), "")
     if node == 0 and not (one.any() or two.any()):
         return
-    counts = node != 0  # what stands on the ground moves nothing
+    counts = node != 0  # links on the ground have no effect on the dynamics
     m, n = float(one[0]), float(two[0])
     if abs(m - n) > SMALL * max(abs(m), abs(n), 1e-3):
         yield Change(
@@ -248,7 +248,7 @@ def _links(pair: Pair) -> Iterator[Change]:
             yield Change("link", "elsewhere", name, "it is part of another body in b", amount=1.0, counts=False)
             continue
         Z = m.motions[other] @ Y
-        if node in displaced:  # its body is elsewhere: what is left is where it lies beside the others of the body
+        if node in displaced:  # its body is displaced: compare its placement relative to the other links of that body
             P, Q = seen.setdefault(node, (X, Z))
             X, Z = np.linalg.inv(P) @ X, np.linalg.inv(Q) @ Z
         turn, shift = _pose(np.linalg.inv(X) @ Z)

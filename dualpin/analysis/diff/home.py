@@ -1,4 +1,4 @@
-"""A robot where all coordinates are zero, in the world: screws, bodies and links, whatever frames it was described in.
+"""A robot at zero configuration in the world frame: screws, bodies and links, independent of its frames.
 
 At zero a motion is the screw of its joint, and a body its ten parameters; frames of links and joints no longer
 matter (Brockett 1984).  Bodies are nodes, joints are edges: which of the bodies stands on the ground is not part of it.

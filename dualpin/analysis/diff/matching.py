@@ -1,7 +1,7 @@
 """Which joint and which body of one robot is which of another: by name, and by place in the tree where names differ.
 
-Both trees are walked from the same body outwards.  Names come first; joints without a namesake are matched by what
-frames do not change: the line of their screw, the kind, and how much hangs on them.
+Both trees are traversed from the same body outwards.  Equal names match first; other joints are matched by properties
+that do not depend on frames: the line of the screw, the type, and the number of joints beyond.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from ...spatial.arrays import exp, to_matrix
 from .home import Edge, Home, carried, moved
 
 NEAR = 1e-6
-"""Screws nearer than this are the same in another file: decimals were cut."""
-LOOKED = 8  # links of one name whose frames may tell where b's base is
-SHAPE = 4.0  # of another kind, or with other numbers of joints below: matched only where nothing else is left
+"""Screws nearer than this are equal: files have rounded decimals."""
+LOOKED = 8  # links with equal names that are tried to locate b's base
+SHAPE = 4.0  # penalty for another type or other numbers of joints beyond: matched only as a last resort
 
 
 @dataclass
 class Match:
-    """A joint of a, and the one of b that stands for it.
+    """A joint of a, and the corresponding joint of b.
 
     Attributes
     ----------
     sign : int
-        -1 where q counts the other way round.
+        -1 if the direction of q is reversed.
     offset : float
         q_a where q_b is zero:  q_a = sign q_b + offset.
     reversed : bool
-        Whether parent and child are exchanged: b's tree stands on another body.
+        Whether parent and child are exchanged, because b's base is another body.
     screws : ndarray (nv, 6)
-        b's, in a's world, where a is at zero, counted as a's are.
+        Those of b in a's world at a's zero, with a's direction.
     """
 
     a: Edge
@@ -60,9 +60,9 @@ class Matching:
     motions : dict
         Body of b -> the pose (4, 4) in a's world of what its own world is at zero.
     base : ndarray (4, 4)
-        Where b's world is in a's.
+        Pose of b's world in a's.
     rerooted : str
-        The link of b that stands on the ground, where that is another body than in a.
+        The base link of b, if it is another body than in a.
     """
 
     joints: list[Match]
@@ -76,12 +76,12 @@ class Matching:
 
 
 def matched(a: Home, b: Home) -> Matching:
-    """The matching with the least left over, of the places that b's base may have."""
+    """The matching with the smallest difference, over the possible placements of b's base."""
     start = _start(a, b)
     found = [_walk(a, b, start, T) for T in _bases(a, b, start)]
     most = max(len(m.joints) for m in found)
     rests = [_rest(m) if len(m.joints) == most else float("inf") for m in found]
-    # the first, which nobody moved, unless another fits without a rest; robots with symmetric limbs have several
+    # the unmoved placement, unless another fits exactly; robots with symmetric limbs have several
     first = next(i for i, rest in enumerate(rests) if rest < float("inf"))
     best = found[next((i for i, rest in enumerate(rests) if rest <= NEAR), first)]
     best.rerooted = _ground(b) if start != 0 else ""
@@ -122,7 +122,7 @@ def _frames(home: Home, names: list[str]) -> list[np.ndarray]:
     for other in axes[1:]:
         frame = _common(axes[0], other)
         if frame is not None:
-            turn = np.diag([1.0, -1.0, -1.0, 1.0])  # about the frame's x: z the other way round
+            turn = np.diag([1.0, -1.0, -1.0, 1.0])  # half a turn about x: z reversed
             return [frame, frame @ turn]
     return []
 
@@ -176,7 +176,7 @@ def _paired(a: Home, b: Home, at: int, mine: list[Edge], theirs: list[Edge], mot
     found = [_match(e, names[e.joint.name], at, motion) for e in mine if e.joint.name in names]
     taken = {(m.a.joint.name, m.b.joint.name) for m in found}
     rest = [e for e in mine if e.joint.name not in names]
-    # a joint of b that has a namesake elsewhere in a is kept for it
+    # a joint of b whose name occurs elsewhere in a is reserved for that joint
     others = [
         e for e in theirs if e.joint.name not in {x for _, x in taken} and e.joint.name not in a.robot.joint_names
     ]
@@ -186,7 +186,7 @@ def _paired(a: Home, b: Home, at: int, mine: list[Edge], theirs: list[Edge], mot
         same = e.screws.shape == f.screws.shape
         cost = apart(e.screws, m.screws) if same else SHAPE
         size = abs(len(a.below(e.inner, e)) - len(b.below(at, f)))
-        # joints of one line, as front and hind hips, are told apart by where their bodies are
+        # joints with a common line, as front and hind hips, are distinguished by the masses beyond them
         mass = _apart_below(a, b, e, f, at, motion)
         costs.append((round((cost + SHAPE * size) / NEAR), mass, e.joint.index, f.joint.index, m))
     gone: set[tuple[str, int]] = set()
@@ -208,7 +208,7 @@ def _match(e: Edge, f: Edge, at: int, motion: np.ndarray) -> Match:
     screws, back = moved(f.screws, motion), f.outer == at and f.inner != at
     if len(screws) == 1:
         sign = -1 if apart(e.screws, -screws) < apart(e.screws, screws) else 1
-        # a reversed joint moves the other body: the same q moves this one backwards
+        # with parent and child exchanged, q acts in the opposite direction
         return Match(e, f, sign, 0.0, back, sign * screws)
     return Match(e, f, 1, 0.0, back, -screws if back else screws)
 
@@ -228,7 +228,7 @@ def _turned(m: Match, motion: np.ndarray) -> np.ndarray:
 
 
 def _shifted(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, used: set[int]) -> Match:
-    """With another zero, where that brings what lies beyond into place: the next axes, or the body."""
+    """The same with another zero, if that aligns the next axes or the body beyond the joint."""
     s = m.a.screws
     if s.shape != (1, 6) or apart(s, m.screws) > NEAR:
         return m
@@ -250,7 +250,7 @@ def _shifted(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, used: 
 
 
 def _misfit(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: list[tuple[Edge, Edge]]) -> float:
-    """How far what lies beyond a joint is from its place."""
+    """The misalignment of the parts beyond a joint."""
     X = _turned(m, motion)
     if pairs:
         return sum(min(apart(e.screws, k * moved(f.screws, X)) for k in (1, -1)) for e, f in pairs)
@@ -261,7 +261,7 @@ def _misfit(a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: 
 def _offsets(
     s: np.ndarray, a: Home, b: Home, m: Match, motion: np.ndarray, beyond: int, pairs: list[tuple[Edge, Edge]]
 ) -> list[float]:
-    """q of a where b is at zero: turns about (or slides along) the axis of s that bring what is a's to what is b's."""
+    """q of a at b's zero: rotations about (or translations along) the axis of s that align a with b."""
     ours, theirs = [], []
     for e, f in pairs:
         t = moved(f.screws, motion)

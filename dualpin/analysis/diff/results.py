@@ -1,4 +1,4 @@
-"""What two robots do not share, as data and in words."""
+"""The differences of two robots."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Change:
     amount : float
         How much, in the unit that the sentence names; 0 for what has none.
     counts : bool
-        Whether the robots differ by it: not for names, order and frames.
+        Whether it makes the robots different; False for names, order and frames.
     """
 
     about: str
@@ -102,13 +102,13 @@ class Diff:
     joints: dict[str, str | None] = field(default_factory=dict)
     links: dict[str, str | None] = field(default_factory=dict)
     base_parameters: dict[str, list[float]] = field(default_factory=dict)
-    """Combinations of parameters that torques show and that differ: name -> [value in a, value in b]."""
+    """Base parameters that differ: name -> [value in a, value in b]."""
     reason: str = ""
     trees: tuple[list[dict[str, Any]], list[dict[str, Any]]] = field(default=([], []), repr=False)
 
     @property
     def same(self) -> bool:
-        """Whether both move alike under the same torques at the same q: whatever names, frames and bookkeeping are."""
+        """Whether both move alike under the same torques at the same q, independent of names and frames."""
         return self.verdict not in (DIFFERENT, COORDINATES)
 
     @property

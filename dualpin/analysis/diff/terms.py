@@ -11,7 +11,7 @@ from .compare import Pair
 from .results import TermChange
 
 LARGE = 1e-9
-"""A scaled change beyond rounding: two descriptions of one robot round otherwise, by 1e-12 or so."""
+"""A scaled change beyond rounding; two descriptions of one robot differ by about 1e-12."""
 
 
 class States:
@@ -86,7 +86,7 @@ def terms(pair: Pair, samples: int, seed: int) -> Iterator[TermChange]:
 
 
 def _poses(pair: Pair, s: States) -> Iterator[TermChange]:
-    """Of the frames that are called the same: how far they move against each other as their bodies do."""
+    """Relative displacement of equally named frames by the motion of their bodies."""
     bodies = pair.matching.bodies
     ground = next((k for k, (node, _) in pair.a.links.items() if node == 0), None)
     rerooted = bool(pair.matching.rerooted) and ground in pair.b.links
@@ -101,7 +101,7 @@ def _poses(pair: Pair, s: States) -> Iterator[TermChange]:
         if name not in pair.b.links or bodies.get(node) != pair.b.links[name][0]:
             continue
         other, Y = pair.b.links[name]
-        # the frame of b's link, taken where a's is: what is re-framed does not count
+        # b's frame is placed at a's, so that another choice of frame does not count
         same = np.linalg.inv(pair.matching.motions[other] @ Y) @ X
         P = fk(pair.a.robot, s.q, frame=name, engine="numpy")
         Q = base @ fk(pair.b.robot, s.q_b, frame=name, engine="numpy") @ same

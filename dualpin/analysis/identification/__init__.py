@@ -1,4 +1,4 @@
-"""From torques to parameters: which can be known at all, which motion shows them, and what they are."""
+"""Identification of dynamic parameters: base parameters, exciting motions, estimation."""
 
 from .base import BaseParameters, Margin, base_parameters
 from .excitation import Excitation, excite

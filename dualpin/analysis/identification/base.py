@@ -1,13 +1,12 @@
-"""Base parameters: the combinations of dynamic parameters that torques show.
+"""Base parameters: the identifiable combinations of dynamic parameters.
 
-Of the parameters p in tau = Y p many act alike in every motion, or not at all.  A column of Y that is
-a combination of the columns before it adds nothing to them:
+Many of the parameters p in tau = Y p have the same effect in every motion, or none.  A column of Y that is a linear
+combination of the columns before it is redundant:
 
     Y_d = Y_b K        tau = Y_b (p_b + K p_d)
 
-so the columns Y_b, the base, and the regrouped parameters p_b + K p_d say all.  The columns are gone
-through from the ground to the tips, so that what cannot be told apart is counted to the body nearer
-to the ground, as tables in the literature do.
+so the columns Y_b and the base parameters p_b + K p_d describe all torques.  The columns are processed from the ground
+to the tips, so that indistinguishable parameters are assigned to the body nearer to the ground, as in the literature.
 """
 
 from __future__ import annotations
@@ -28,14 +27,14 @@ from .parameters import INERTIAL, Parameters
 TOLERANCE = 1e-9
 """A unit column nearer than this to the others is one of their combinations.
 
-Rounding leaves 1e-15 to 1e-13 of exact combinations; of independent columns 0.1 and more remain on
-the robots of the catalogue.  In between lies what a description's rounded decimals do (1.5708 for a
-right angle leaves 4e-6), which counts as independent, and is said by `Margin.doubtful`.
+The distance of an exact combination is 1e-15 to 1e-13 (rounding), that of an independent column 0.1
+and more on the robots of the catalogue.  Rounded decimals of a description lie between (1.5708 for a
+right angle leaves 4e-6): such a column counts as independent, and `Margin.doubtful` reports it.
 """
 DOUBTFUL = 1e-4
-"""A base column nearer than this to the others owes itself to decimals of the description, most likely."""
+"""A base column nearer than this to the others is probably caused by rounded decimals of the description."""
 ORDER = ("Jxx", "Jxy", "Jxz", "Jyy", "Jyz", "Jzz", "hx", "hy", "hz", "m")
-"""Of a body's columns, as Gautier and Khalil (1990) keep them."""
+"""Order of a body's columns: the first independent ones are kept, as in Gautier and Khalil (1990)."""
 NOISE = 1e-12
 """A factor of K this much smaller than the largest of its column is the rounding of an exact zero."""
 SHOWN = 1e-9
@@ -48,7 +47,7 @@ BLOCK = 2_000_000
 
 @dataclass(frozen=True)
 class Margin:
-    """How certain the count is.  All are distances of a unit column from the span of the others before it.
+    """The certainty of the count: distances of unit columns from the span of the columns before them.
 
     Attributes
     ----------
@@ -57,9 +56,9 @@ class Margin:
     dropped : float
         The largest of those that were left out.
     tolerance : float
-        What lies between them.
+        The threshold between them.
     doubtful : tuple of str
-        The kept parameters below 1e-4: seen in rounded decimals, or in a motion that hardly shows them.
+        The kept parameters below 1e-4: due to rounded decimals, or hardly excited by the motion.
     """
 
     kept: float
@@ -79,7 +78,7 @@ class BaseParameters:
     columns : ndarray of int, shape (len,)
         Which of them are the base.
     grouping : ndarray, shape (len, len(parameters))
-        What makes the base parameters of all: the identity in `columns`, and K.
+        The map from all parameters to base parameters: the identity in `columns`, and K.
     margin : Margin
         How certain `len` is.
     """
@@ -98,12 +97,12 @@ class BaseParameters:
 
     @cached_property
     def names(self) -> list[str]:
-        """What each is, such as "Jzz[b] + 0.25 m[c]"."""
+        """Names, such as "Jzz[b] + 0.25 m[c]"."""
         return [_sum(row, self.parameters.names, first) for row, first in zip(self.grouping, self.columns, strict=True)]
 
     @cached_property
     def identifiable(self) -> dict[str, str]:
-        """Of each parameter: "alone", "regrouped" (only together with others), or "unseen" in any torque."""
+        """For each parameter: "alone", "regrouped" (only together with others), or "unseen" (no effect)."""
         seen, shared = self.grouping != 0, (self.grouping != 0).sum(axis=1) > 1
         regrouped = np.where((seen & shared[:, None]).any(axis=0), "regrouped", "alone")
         return dict(zip(self.parameters.names, np.where(seen.any(axis=0), regrouped, "unseen").tolist(), strict=True))
@@ -135,7 +134,7 @@ def base_parameters(
     friction: bool | str | tuple[str, ...] = False,
     tolerance: float = TOLERANCE,
 ) -> BaseParameters:
-    """The minimal set of dynamic parameters: what torques can tell, regrouped.
+    """The minimal set of dynamic parameters that determines the torques.
 
         tau = Y p = Y_b (p_b + K p_d)
 
@@ -143,8 +142,8 @@ def base_parameters(
     ----------
     robot : Robot
     motion : (q, v, a), optional
-        Arrays (n, nq), (n, nv), (n, nv): what this motion shows.  By default what any motion shows:
-        random states, limits left aside.
+        Arrays (n, nq), (n, nv), (n, nv): the parameters that this motion determines.  By default those of any
+        motion, from random states without limits.
     rotors : bool
         Give every driven joint a rotor inertia; without it those joints have one whose armature is
         known, if any.
@@ -182,7 +181,7 @@ def base_parameters(
 
 
 def grouped(parameters: Parameters, W: np.ndarray, tolerance: float = TOLERANCE) -> BaseParameters:
-    """The base among the columns of a matrix (rows, len), by a QR decomposition that goes past what adds nothing."""
+    """The base among the columns of a matrix (rows, len), by a QR decomposition that skips dependent columns."""
     size = np.linalg.norm(W, axis=0)
     seen = size > tolerance * size.max(initial=0.0)
     U = W / np.where(seen, size, 1.0)
@@ -226,7 +225,7 @@ def _order(parameters: Parameters) -> list[int]:
 
 
 def _states(parameters: Parameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Random states, limits left aside: angles of a turn, lengths of 2 m, with speeds that make all columns count."""
+    """Random states without limits: angles of a turn, lengths of 2 m, with speeds at which all columns matter."""
     robot, rng = parameters.robot, np.random.default_rng(0)
     n = SAMPLES + SAMPLES * len(parameters) // max(robot.nv, 1)
     q = np.empty((n, robot.nq))

@@ -1,4 +1,4 @@
-"""Parameters as bodies: what a body can be, and robots made of parameters."""
+"""Inertial parameters as bodies: physical consistency, and robots from parameters."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def inertia_of(ten: Sequence[float] | np.ndarray) -> Inertia:
 
 
 def moved(placement: Pose) -> np.ndarray:
-    """The matrix (10, 10) that takes a body's parameters in a frame to those in the frame it is placed in."""
+    """The matrix (10, 10) that transforms a body's parameters to another frame."""
     return np.array([[float(x) for x in body.moved(placement).parameters] for body in Inertia.basis()]).T
 
 

@@ -1,10 +1,10 @@
-"""The bodies nearest to what was measured, among those that can exist.
+"""The physically consistent parameters nearest to the estimate.
 
     minimise   |R (G p - b)|^2 + |N^T D^-1 (p - p0)|^2 / 1000      P(p_b) >= 0 for every body b
 
-G p are the base parameters, b their least-squares estimate and R^T R its information: the first term
-counts squared standard deviations.  What torques do not show (the null space N of G) stays near the
-description p0; a whole relative change there weighs as little as 0.03 standard deviations.
+G p are the base parameters, b their least-squares estimate and R^T R its information, so the first term is in squared
+standard deviations.  Parameters without an effect on torques (the null space N of G) stay near the description p0; a
+relative change of 1 there weighs 0.03 standard deviations.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def nearest_bodies(
 
 
 def _scales(p0: np.ndarray, bodies: int) -> np.ndarray:
-    """What one is of each parameter: the body's mass m, m r, m r^2 with r^2 its inertia over its mass."""
+    """Scales of the parameters: m, m r, m r^2 of the body, with r its radius of gyration."""
     scale = np.ones(len(p0))
     mean = max(float(np.mean(p0[: 10 * bodies : 10])), 1e-3) if bodies else 1.0
     for k in range(bodies):
@@ -85,7 +85,7 @@ def _scales(p0: np.ndarray, bodies: int) -> np.ndarray:
 
 
 def _inside(p: np.ndarray, bodies: int, nonnegative: Sequence[int]) -> np.ndarray:
-    """What the solver left outside by its tolerance (1e-8) is put on the border: negative eigenvalues become zero."""
+    """Remove negative eigenvalues that the solver's tolerance (1e-8) leaves."""
     E = pseudo_inertias()
     p = p.copy()
     for k in range(bodies):

@@ -1,4 +1,4 @@
-"""Motions that show a robot's parameters: finite Fourier series of the least condition number."""
+"""Exciting motions: finite Fourier series with a small condition number."""
 
 from __future__ import annotations
 
@@ -22,19 +22,19 @@ from .base import BaseParameters, base_parameters
 from .fourier import Fourier
 
 Progress = Callable[[int, float], object]
-"""What is told of a search: evaluations so far, and the least condition number."""
+"""Progress of a search: evaluations and the least condition number."""
 
 ACCELERATION = 2 * pi
 """[rad/s^2, m/s^2] Where nothing is said: descriptions state no limits of accelerations."""
 VELOCITY = 2 * pi
 """[rad/s, m/s] At most, where the description says more or nothing."""
 SHOWN = 1e7
-"""A condition number beyond this shows nothing: noise of a thousandth would be larger than the parameters."""
+"""A larger condition number is useless: relative noise of 1e-3 would exceed the parameters."""
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a motion stays within; arrays (nv,)."""
+    """Limits of a motion; arrays (nv,)."""
 
     lower: np.ndarray
     upper: np.ndarray
@@ -49,7 +49,7 @@ class Excitation:
     Attributes
     ----------
     base : BaseParameters
-        What it shows.
+        The parameters that it excites.
     motion : Fourier
     bounds : Bounds
     condition : float
@@ -75,13 +75,13 @@ class Excitation:
         return self.motion.period
 
     def sample(self, rate: float = 100.0, periods: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """t (n,), q, v, a (n, nv) with so many samples a second."""
+        """t (n,), q, v, a (n, nv) at this sampling rate [1/s]."""
         real("sample: rate", rate, "1/s", above=0)
         t = np.arange(round(count("sample: periods", periods, 1) * self.period * rate)) / rate
         return (t, *self.motion.at(t))
 
     def margins(self) -> dict[str, np.ndarray]:
-        """What the whole continuous period leaves of each limit, (nv,); none is negative."""
+        """Distance to each limit over the whole continuous period, (nv,); none is negative."""
         (low, high), (v0, v1), (a0, a1) = map(self.motion.range, range(3))
         return {
             "lower": low - self.bounds.lower,
@@ -129,13 +129,13 @@ def excite(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Excitation:
-    """A periodic motion that shows the base parameters well: the least condition number within limits.
+    """A periodic motion that excites the base parameters well: small condition number within limits.
 
         minimise  cond(W^1/2 Y_b)      q = q0 + sum a_l / (w l) sin(w l t) - b_l / (w l) cos(w l t)
 
-    Limits of position, velocity and acceleration hold over the whole continuous period.  **Nothing is
-    said about collisions**, of links with each other or with what stands around: look at the motion
-    before a robot runs it.  It starts and ends at rest.
+    Limits of position, velocity and acceleration hold over the whole continuous period.  **Collisions are not
+    checked**, neither of links with each other nor with the surroundings: look at the motion before a robot
+    runs it.  It starts and ends at rest.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def excite(
     share : float
         How much of the limits is used, at most.
     base : BaseParameters, optional
-        What is to be shown; by default `dualpin.base_parameters(robot)`.
+        The parameters to excite; by default `dualpin.base_parameters(robot)`.
     weights : array_like, shape (nv,), optional
         1 / variance of each torque.
     iterations, starts, seed : int
@@ -268,7 +268,7 @@ class _Shapes:
 
 
 def _null(row: np.ndarray) -> np.ndarray:
-    """An orthonormal basis, in columns, of what a row takes to zero."""
+    """An orthonormal basis, in columns, of the null space of a row."""
     return np.asarray(np.linalg.svd(row[None, :])[2][1:].T)
 
 

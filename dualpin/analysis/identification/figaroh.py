@@ -4,7 +4,7 @@
 
     parameter_names: [Izz_j1 + 0.25*m_j2, ...]     base_parameters: [...]     standard_deviation: [...]
 
-Its inertial parameters are ours: of Pinocchio's bodies, about the joint frame's origin.
+Its inertial parameters are those of dualpin: of Pinocchio's bodies, about the joint frame's origin.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ NAMES = ("parameter_names", "base parameters names")
 
 
 def names(parameters: Parameters) -> list[str]:
-    """Our parameters as figaroh calls them: "hx[elbow]" is "mx_elbow"."""
+    """Names of parameters in figaroh: "hx[elbow]" is "mx_elbow"."""
     found = []
     for name in parameters.names:
         symbol, _, joint = name.partition("[")
@@ -115,7 +115,7 @@ def from_figaroh(robot: Robot, file: str | PathLike[str]) -> np.ndarray:
     Raises
     ------
     ArgumentError
-        If the file is none of these, or names a joint that the robot has not.
+        If the file is none of these, or names a joint that the robot does not have.
     """
     parameters, values = read_figaroh(robot, file)
     return values[: parameters.inertial]

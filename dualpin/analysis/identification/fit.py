@@ -1,4 +1,4 @@
-"""Parameters from measured torques: weighted least squares, and bodies that can exist."""
+"""Parameters from measured torques: weighted least squares, and physical consistency."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from .consistency import nearest_bodies
 from .parameters import Parameters
 
 FLOOR = 1e-6
-"""Noise is taken for at least this much of a joint's torques; steps of the solver keep one size then."""
+"""Lower bound of a joint's noise, relative to its torques, which bounds the scaling of the solver."""
 BLOCK = 2_000_000
 """Numbers of a regressor that are held at once."""
 
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """What torques say of a robot; made by `dualpin.identify`.
+    """Identified parameters of a robot; made by `dualpin.identify`.
 
     Attributes
     ----------
     base : BaseParameters
-        Those that the motion shows.
+        The parameters that the motion determines.
     values : ndarray, shape (len(base),)
-        Their estimate; with ``physical=True`` that of bodies that can exist.
+        Their estimate; with ``physical=True`` a physically consistent one.
     least_squares : ndarray, shape (len(base),)
         The estimate by least squares alone.
     covariance : ndarray, shape (len(base), len(base))
-        Of `least_squares`, (Y^T W Y)^-1; limits that bodies set make the estimate rather better.
+        Covariance of `least_squares`, (Y^T W Y)^-1.
     parameters : ndarray, shape (len(base.parameters),)
         All parameters that give `values`: the nearest to the description.
     noise : ndarray, shape (nv,)
@@ -84,7 +84,7 @@ class Identification:
         ]
 
     def plot(self, path: Any = None) -> Any:
-        """Measured torques, and what the parameters leave of them; see `plots.residuals`."""
+        """Plot measured torques and residuals; see `plots.residuals`."""
         return home("Identification.plot")(self, path)
 
     def __repr__(self) -> str:
@@ -113,9 +113,9 @@ def identify(
     Parameters
     ----------
     robot : Robot
-        As it is described: its kinematics, and what torques do not show.
+        The description: its kinematics, and values of parameters that torques do not determine.
     q, v, a : array_like, shapes (n, nq), (n, nv), (n, nv)
-        Measured, filtered and differentiated; their noise is not in the model.
+        Measured, filtered and differentiated; their noise is not modelled.
     tau : array_like, shape (n, nv)
         Torques and forces of the joints [N m, N]; nan where there is no measurement.
     weights : array_like, shape (nv,) or (n, nv), optional

@@ -1,9 +1,9 @@
-"""Finite Fourier series as motions of joints, and how far they go over the whole period.
+"""Finite Fourier series as motions of joints, and their extremes over the whole period.
 
     q(t) = q0 + sum_l  a_l / (w l) sin(w l t) - b_l / (w l) cos(w l t)        w = 2 pi / period
 
 (Swevers et al. 1997).  The extremes of such a sum are where its derivative, a polynomial of degree 2 N in
-z = exp(i w t), has roots on the unit circle; so they are found, not sampled.  A quick bound is that
+z = exp(i w t), has roots on the unit circle; so they are computed, not sampled.  A quick bound is that
 of Ehlich and Zeller (1964): on M > 2 N equidistant points a trigonometric polynomial of degree N
 reaches at least cos(pi N / M) of its greatest size.
 """
@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 FINE = 16
-"""Points of a bound for each harmonic: it is above the truth by 2 % at most, 1 / cos(pi / 16)."""
+"""Points of a bound for each harmonic: it exceeds the extreme by at most 2 %, 1 / cos(pi / 16)."""
 ON_CIRCLE = 1e-4
-"""Roots this near to the unit circle are tried as extremes; a double root is off it by the root of rounding."""
+"""Roots this near to the unit circle are candidates; a double root deviates by the square root of rounding."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,7 +55,7 @@ class Parameters:
 
     @property
     def inertial(self) -> int:
-        """How many are of bodies: ten each, the first ones."""
+        """The number of inertial parameters, which come first: ten for each body."""
         return 10 * len(self.robot)
 
     @cached_property
@@ -67,7 +67,7 @@ class Parameters:
 
     @cached_property
     def names(self) -> list[str]:
-        """Such as "m[elbow_joint]", "rotor[elbow_joint]": of all that moves with that joint, and of its motor."""
+        """Names, such as "m[elbow_joint]" (all that moves with that joint) and "rotor[elbow_joint]" (its motor)."""
         of_bodies = [f"{symbol}[{b.name}]" for b in self.robot for symbol in INERTIAL]
         return of_bodies + [f"{model}[{_label(b, n)}]" for model, b, n in self.of_joints]
 
@@ -88,7 +88,7 @@ class Parameters:
             coulomb            |multiplier| sign(v_k)
             offset             multiplier
 
-        in row k, the multiplier being 1 but for joints that follow another (mimic).
+        in row k, with the multiplier 1 except for mimic joints.
         """
         bodies = joint_torque_regressor(self.robot, q, v, a, engine=engine)[..., : self.inertial]
         v, a = (np.broadcast_to(numbers(name, x), bodies.shape[:-1]) for name, x in (("v", v), ("a", a)))

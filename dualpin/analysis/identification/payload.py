@@ -1,4 +1,4 @@
-"""The body that a robot carries, from its torques."""
+"""Identification of a payload from torques."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def identify_payload(
     weights: ArrayLike | None = None,
     physical: bool = True,
 ) -> Payload:
-    """Mass, centre and inertia of what a robot carries.
+    """Mass, centre of mass and inertia of a payload.
 
         tau - tau_unloaded = Y_frame (m, h, J)
 
@@ -108,14 +108,14 @@ def identify_payload(
     tau : array_like, shape (n, nv)
         Measured with the payload [N m, N]; nan where there is no measurement.
     frame : str, int or Frame, optional
-        What carries it; by default the last frame.
+        The frame that carries it; by default the last one.
     unloaded : array_like, shape (n, nv), optional
         Torques of the same motion without the payload; by default what `rnea` says of `robot`.
-        Measured ones have friction and the model's faults in them, and so free the result of both.
+        Measured ones contain friction and errors of the model, which then cancel.
     weights : array_like, optional
         As in `dualpin.identify`.
     physical : bool
-        Only bodies that can exist; needs ``pip install 'dualpin[identify]'``.
+        Only physically consistent bodies; needs ``pip install 'dualpin[identify]'``.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def identify_payload(
     Raises
     ------
     ArgumentError
-        If the motion does not show all ten parameters: which directions it leaves open.
+        If the motion does not determine all ten parameters; the message names the undetermined directions.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where a robot's frame can be, how well it moves there, what it can carry there, and where it cannot move."""
+"""Reachability, manipulability, static loads and singularities of a frame."""
 
 from .ellipsoids import Manipulability, characteristic_length, manipulability
 from .loads import payload_capacity, static_load

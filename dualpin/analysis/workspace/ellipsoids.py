@@ -1,7 +1,7 @@
-"""How well a frame can be moved from a configuration: ellipsoids of velocity, force and acceleration.
+"""Manipulability: ellipsoids of velocity, force and acceleration.
 
-Turning and moving have different units, so does a rotary and a sliding joint; a characteristic
-length L makes them comparable:
+Rotation and translation have different units, of the frame and of joints; a characteristic length L
+makes them comparable:
 
     [w; v / L] = D J S (v_joints in rad/s, slides over L)
 """
@@ -34,9 +34,9 @@ class Manipulability:
     ----------
     kind : "velocity", "force" or "dynamic"
     index : ndarray, shape (...)
-        Its volume but for a constant: the product of the semi-axes; sqrt(det(J J^T)) of velocities (Yoshikawa).
+        The product of the semi-axes, proportional to the volume; sqrt(det(J J^T)) for velocities (Yoshikawa).
     axes : ndarray, shape (..., r)
-        Semi-axes, descending; infinite of forces that joints need no torque for.
+        Semi-axes, descending; infinite for forces that need no joint torques.
     directions : ndarray, shape (..., r, r)
         Unit vectors of the task (w, v, or both as [w; v / L]), in columns as the semi-axes; in world axes.
     condition : ndarray, shape (...)
@@ -63,7 +63,7 @@ def manipulability(
     length: float | None = None,
     effort: bool = False,
 ) -> Manipulability:
-    """How far unit joint velocities, or torques, move or push a frame in each direction.
+    """Ellipsoids of the velocities, forces or accelerations that unit joint velocities or torques give a frame.
 
         velocity   {D J v : |v| <= 1}            force   {f : |J^T f| <= 1}
         dynamic    {D J M^-1 tau : |tau| <= 1}   accelerations from rest, gravity left aside
@@ -121,7 +121,7 @@ def manipulability(
         A = J[..., rows, :] / torque
     else:
         A = J[..., rows, :] * S
-    if A.shape[-1] < A.shape[-2]:  # fewer joints than directions: the others have axes of zero
+    if A.shape[-1] < A.shape[-2]:  # with fewer joints than directions the other axes are zero
         A = np.concatenate([A, np.zeros((*A.shape[:-1], A.shape[-2] - A.shape[-1]))], axis=-1)
     U, axes, _ = np.linalg.svd(A, full_matrices=False)
     if kind == "force":
@@ -136,7 +136,7 @@ def manipulability(
 def characteristic_length(robot: Robot, frame: str | int | Frame) -> float:
     """The length that makes the least condition number of a frame's Jacobian least, over the limits [m].
 
-    Over `SAMPLES` random configurations of a fixed seed, so to some percent; 1 where there is nothing to balance.
+    Over `SAMPLES` random configurations of a fixed seed, so accurate to some percent; 1 if it has no effect.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _length(robot: Robot, frame: Frame) -> float:
 
 
 def slides(robot: Robot) -> np.ndarray:
-    """Which velocities are of sliding, (nv,): their screws turn nothing."""
+    """Which velocities are translations, (nv,)."""
     found = np.zeros(robot.nv, bool)
     for j in robot:
         for k, s in j.dofs:

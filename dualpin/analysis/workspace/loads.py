@@ -1,4 +1,4 @@
-"""What joints carry when the robot stands still: shares of their effort limits, and how much more they could."""
+"""Static loads: joint torques relative to the effort limits, and the payload capacity."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def static_load(
     robot : Robot
     q : array_like, shape (..., nq)
     frame : str, int or Frame
-        What carries the payload.
+        The frame that carries the payload.
     payload : float or Inertia
         Its mass [kg], or the body in the frame.
     com : array_like, shape (3,)
@@ -77,11 +77,11 @@ def payload_capacity(
     *,
     effort: ArrayLike | None = None,
 ) -> np.ndarray:
-    """The largest mass that can be held at rest, shape (...) [kg]; 0 where the arm does not hold itself.
+    """The largest mass that can be held at rest, shape (...) [kg]; 0 where the arm cannot hold itself.
 
         |g_k + m u_k| <= effort_k for all joints k         u = -J_c^T gravity
 
-    It says nothing of motion, grippers, or bearings.
+    Motion, grippers and bearings are not considered.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def payload_capacity(
     Returns
     -------
     ndarray, shape (...)
-        Infinite where no joint with a limit feels the payload.
+        Infinite where the payload loads no joint with a limit.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def payload_capacity(
     check_robot(robot, "payload_capacity")
     g, u = gravity(robot, q), _unit(robot, q, frame, _point("payload_capacity", com))
     limit = np.broadcast_to(_limits(robot, effort), g.shape)
-    # each joint allows masses up to where it reaches the limit on the side that it moves to
+    # each joint allows masses until it reaches the limit in the direction of the load
     felt = np.abs(u) > 1e-12 * (1 + np.abs(u).max(axis=-1, keepdims=True))
     with np.errstate(divide="ignore", invalid="ignore"):
         most = np.where(felt & np.isfinite(limit), (limit - np.sign(u) * g) / np.abs(u), np.inf)

@@ -1,8 +1,8 @@
-"""Reachability maps: in which cells of space a frame can be, and in how many directions there.
+"""Reachability maps: the cells of space that a frame can reach, and the directions in each.
 
-Random configurations within the limits are sent through forward kinematics, and marked in a grid of
-cells times directions.  The index of a cell is the share of the directions in which the frame was
-there (Zacharias, Borst & Hirzinger 2007): a lower bound that rises with the number of samples.
+Forward kinematics of random configurations within the limits marks a grid of cells times directions.  The index of a
+cell is the share of directions in which the frame reached it (Zacharias, Borst & Hirzinger 2007): a lower bound that
+rises with the number of samples.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from ...model.robot import Frame, Robot
 
 AXES = ("x", "y", "z")
 BLOCK = 1 << 15
-"""Configurations at once: their poses fit into a processor's cache."""
+"""Configurations of a block, whose poses fit into the cache."""
 PILOT = 20_000
-"""Configurations that say how large the grid is to be."""
+"""Configurations of the pilot run that determines the size of the grid."""
 EACH, FEWEST, MOST = 5, 20, 60
 """Where no size of cells is given: configurations for each direction of a cell of the cube around all, and
 the bounds of the number of cells along its side."""
 PAD = 0.02
-"""Of the longest side, added around what the pilot reached; the grid grows where that was not enough."""
+"""Margin around the cells of the pilot run, relative to the longest side; the grid grows if necessary."""
 
 
 @dataclass(eq=False)
@@ -54,17 +54,17 @@ class ReachMap:
         In which directions the frame was in a cell: bands of equal height of the sphere, each cut into
         sectors from -pi on, all of one area; times turns about the direction.
     counts : ndarray of int, shape (nx, ny, nz)
-        How many configurations were there.
+        Configurations in each cell.
     axis : str
         The frame's axis whose direction is meant.
     bands, rolls : int
     samples : int
     seed : int
     seconds : float
-        What it took.
+        Computing time [s].
     coverage : float
-        Of the last configurations, the share that came to a cell and direction seen before; near 1 only
-        what few configurations reach is still missing.
+        Share of the last configurations that marked no new cell and direction; near 1 only cells that few
+        configurations reach are missing.
     """
 
     robot: Robot
@@ -93,7 +93,7 @@ class ReachMap:
 
     @property
     def volume(self) -> float:
-        """Of the cells that were reached [m^3]; cells cut by the border count whole."""
+        """Volume of the reached cells [m^3]."""
         return float((self.counts > 0).sum() * self.cell**3)
 
     @property
@@ -117,7 +117,7 @@ class ReachMap:
     def survey(
         self, measure: Callable[[np.ndarray], np.ndarray], how: str = "max", n: int = 20_000, seed: int = 1
     ) -> np.ndarray:
-        """The largest or least of any measure of configurations in each cell, (nx, ny, nz); nan where none came.
+        """The largest or least value of a measure in each cell, (nx, ny, nz); nan without a configuration.
 
         Parameters
         ----------
@@ -196,14 +196,14 @@ def reach_map(
     cell : float, optional
         Side of a cell [m]; by default 1/20 to 1/60 of the longest side, finer with more samples.
     axis : "x", "y" or "z"
-        The frame's axis whose directions are told apart.
+        The frame's axis whose directions are distinguished.
     bands : int
         Bands of the sphere; each has twice as many sectors, all of one area: 72 directions by default.
     rolls : int
-        Turns about the direction that are told apart: with more than 1 the index is of whole orientations.
+        Rotations about the direction that are distinguished; with more than 1 the index is that of orientations.
     seed : int
     memory : float
-        What the map may take [MB].
+        Limit of the map's memory [MB].
     progress : callable, optional
         Called with (done, n); by default a line on a terminal's stderr.
 
@@ -240,7 +240,7 @@ def growing(
     robot: Robot, frame: str | int | Frame | None = None, *, n: int, cell: float | None, axis: str, bands: int,
     rolls: int, seed: int, memory: float,
 ) -> Iterator[ReachMap]:  # fmt: skip
-    """The same map again and again while it grows: what is there when the work is interrupted is a map too."""
+    """Yield the growing map, so that an interruption leaves a valid one."""
     check_robot(robot, "reach_map")
     at = robot.frames[-1] if frame is None else robot.frame(frame)
     _check(robot, at)
@@ -291,7 +291,7 @@ def _bin(R: np.ndarray, column: int, bands: int, rolls: int) -> np.ndarray:
 
 
 def _configurations(robot: Robot, frame: Frame, n: int, seed: int) -> Iterator[np.ndarray]:
-    """Blocks of random configurations; joints that do not move the frame stay where the neutral one has them."""
+    """Blocks of random configurations; joints that do not move the frame keep their neutral value."""
     rng = np.random.default_rng(count("seed", seed))
     lower, upper = ranges(robot)
     chain = list(frame.joint.chain) if frame.joint else []
@@ -311,7 +311,7 @@ def _configurations(robot: Robot, frame: Frame, n: int, seed: int) -> Iterator[n
 
 
 def _grow(found: ReachMap, cells: np.ndarray, most: float) -> None:
-    """Cells are added on the sides where something is outside, some more at a time than needed."""
+    """Extend the grid where positions are outside, with some reserve."""
     before = np.maximum(0, -cells.min(axis=0))
     after = np.maximum(0, cells.max(axis=0) + 1 - np.array(found.shape))
     before, after = before + (before > 0), after + (after > 0)

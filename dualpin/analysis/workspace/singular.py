@@ -1,8 +1,8 @@
-"""How far a configuration is from a singular one, and which screw is lost there.
+"""The distance of a configuration to a singularity, and its reciprocal screw.
 
-Near a singularity there is a wrench on which no joint does work: the screw reciprocal to all joint
-screws (Ball 1900).  The twists that would do work on it are those that the frame cannot make; the
-bearings carry it without any torque.
+At a singularity there is a wrench on which no joint does work: the screw reciprocal to all joint screws
+(Ball 1900).  The frame cannot make twists that would do work on it, and the bearings carry it without
+joint torques.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...model.robot import Frame, Robot
 from .ellipsoids import TASKS, characteristic_length, slides
 
 FULL = 1e-6
-"""Of the largest singular value over random configurations: what is below is none, and lost everywhere."""
+"""Relative to the largest singular value over random configurations: smaller ones are zero everywhere."""
 STEPS = 50
 """Of the search for the nearest singular configuration."""
 CLOSE = 1e-10
@@ -30,7 +30,7 @@ CLOSE = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Singularity:
-    """What is nearly lost at configurations; made by `dualpin.singularity`.
+    """Distances to singularities and their screws; made by `dualpin.singularity`.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ class Singularity:
         The least singular value of the scaled Jacobian: the least change of it that makes it singular
         (Eckart & Young 1936).
     lost : Motor, shape (...)
-        The unit wrench f + eps n that joints do least work on, about the world's origin: at a
+        The unit wrench f + eps n on which joints do the least work, about the world's origin: at a
         singularity the screw that is reciprocal to all joint screws.  `.axis`, `.point`, `.pitch`, `.kind`.
     work : ndarray, shape (..., nv)
-        Its power on a unit velocity of each joint; zeros at a singularity.
+        Its power for a unit velocity of each joint; zeros at a singularity.
     joints : ndarray, shape (..., nv)
         The unit joint velocity that moves the frame least.
     rank : int
-        Of the Jacobian at most configurations; of robots with fewer than six joints less than six.
+        Rank of the Jacobian at most configurations; less than six for robots with fewer than six joints.
     length : float
         Characteristic length [m].
     """
@@ -71,7 +71,7 @@ def singularity(
     q : array_like, shape (..., nq)
     frame : str, int or Frame
     task : "pose", "position" or "orientation"
-        What of the frame's motion counts: with "position" the lost wrench is a force through its origin.
+        The components of the motion; with "position" the wrench is a force through the frame's origin.
     length : float, optional
         Characteristic length [m]; by default `characteristic_length`.
 
@@ -121,8 +121,8 @@ def nearest_singularity(
 ) -> tuple[np.ndarray, float]:  # fmt: skip
     """A singular configuration near q, and how far it is in joint velocities [rad, or m over L].
 
-    Newton's method on the least singular value, ds = u^T dJ v, from q along its own gradient; limits are
-    left aside.  The nearest one locally, if there is one where it leads.
+    Newton's method on the least singular value, ds = u^T dJ v, from q along its gradient, without limits.  It
+    finds a local solution, if any.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def nearest_singularity(
 def _rank(robot: Robot, frame: Frame, L: float, task: str) -> tuple[int, np.ndarray]:
     """The Jacobian's rank at most configurations, and an orthonormal basis of the directions it ever has.
 
-    A planar arm never leaves its plane: what no configuration has is not lost, and is left out.
+    Directions in which no configuration can move, as out of the plane of a planar arm, are left out.
     """
     counts = np.zeros((6, 1))
     counts[TASKS[choice("singularity: task", task, tuple(TASKS))]] = 1.0
