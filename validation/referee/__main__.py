@@ -64,8 +64,9 @@ Reports = dict[str, dict[str, dict[str, Any]]]
 
 
 def main(words: list[str], folder: Path = Path("out/referee")) -> int:
-    """``--ask`` only asks; titles of libraries, if any are given, are those asked and judged."""
-    titles = [t for t in SUBJECTS if not words or t in words] or list(SUBJECTS)
+    """``--ask`` only asks, ``--page`` only writes; titles of libraries, if given, are those asked and judged."""
+    named = [t for t in SUBJECTS if t in words]
+    titles = [] if "--page" in words else named or list(SUBJECTS)
     reports: Reports = {}
     for title, label, cell in cells([t for t in titles if ready(t)], folder):
         print(f"{title}: {label} {time.strftime('%T')}", file=sys.stderr, flush=True)
@@ -73,7 +74,7 @@ def main(words: list[str], folder: Path = Path("out/referee")) -> int:
         if "--ask" not in words:
             reports.setdefault(title, {})[label] = judged(cell, folder)
     if "--ask" not in words:
-        write({t: judged_before(t, folder) if t not in reports else reports[t] for t in SUBJECTS})
+        write({t: judged_before(t, folder) | reports.get(t, {}) for t in SUBJECTS})
     return 0
 
 
@@ -111,8 +112,9 @@ def write(reports: Reports) -> None:
 
 
 def judged_before(title: str, folder: Path) -> dict[str, dict[str, Any]]:
-    """What this dualpin has judged of a library already."""
-    found = {label: kept(cell, folder) for _, label, cell in cells([title], folder)}
+    """What is known of a library: judged by this dualpin, else what is committed."""
+    committed = json.loads((HERE / "results.json").read_text(encoding="utf-8")).get(title, {})
+    found = {label: kept(cell, folder) or committed.get(label) for _, label, cell in cells([title], folder)}
     return {label: x for label, x in found.items() if x is not None}
 
 

@@ -49,6 +49,10 @@ def summary(reports: Reports) -> list[str]:
 
 
 def cell(robots: dict[str, dict[str, Any]], term: str) -> str:
+    """Robots by verdict; a library that has read a robot, and has no such term, is not silent about another."""
+    read = [verdict(r, term) for r in robots.values() if not r["reason"]]
+    if read and set(read) == {"not offered"}:
+        return ""
     counts = {
         w: sum(verdict(r, term) == w for r in robots.values()) for w in ("agrees", "convention", "differs", "silent")
     }

@@ -39,6 +39,8 @@ class Score:
 
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
+STEP = 2.0**-12
+"""Of velocities: small beside those at which a force changes its sign, and large beside their rounding."""
 FAR = Score(float("inf"), 0.0, float("inf"))
 ROUNDINGS = 64 * float(np.finfo(float).eps)
 """What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
@@ -214,6 +216,8 @@ class Case:
         forces = _forces(story, view) if QUESTIONS[term].source in ("bias", "rnea") else None
         if forces is not None:
             x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)
+        if term == "rnea_derivatives":
+            x = x + _by_velocity(story, view)
         for h in story:
             if h.place == "change" and term in h.terms:
                 x = h.act(view, term, x)
@@ -277,6 +281,24 @@ def _forces(story: Story, view: View) -> np.ndarray | None:
     return sum(forces[1:], forces[0]) if forces else None
 
 
+def _by_velocity(story: Story, view: View) -> np.ndarray | float:
+    """What forces of a story add to the derivatives of tau; they depend on velocities, piecewise linearly."""
+    forces = [h for h in story if h.place == "force"]
+    if not forces:
+        return 0.0
+    n, nv = view.states["v"].shape
+    out = np.zeros((n, 3, nv, nv))
+    for j in range(nv):
+        step = np.zeros(nv)
+        step[j] = STEP
+        ahead, behind = (
+            View(view.case, view.description, view.layout, {**view.states, "v": view.states["v"] + s})
+            for s in (step, -step)
+        )
+        out[:, 1, :, j] = sum((h.act(ahead) - h.act(behind)) / (2 * STEP) for h in forces)
+    return out
+
+
 def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[str], reference: str) -> np.ndarray:
     """A term of stories x samples: inputs (h, n, size), constants of the robot numbers or (h, 1); (h, n, ...) out."""
     if question.pushes:
@@ -324,7 +346,8 @@ def scaled(x: np.ndarray, reference: np.ndarray) -> float:
     if not have.any():
         return float("nan")
     with np.errstate(all="ignore"):
-        e = np.abs(a - b)[have].max(axis=1, initial=0.0) / np.maximum(1.0, np.abs(b)[have].max(axis=1, initial=0.0))
+        apart = np.where(np.isnan(a), 0.0, np.abs(a - b))  # of some frames there may be no answer
+        e = apart[have].max(axis=1, initial=0.0) / np.maximum(1.0, np.abs(b)[have].max(axis=1, initial=0.0))
     return float(np.where(np.isfinite(e), e, np.inf).max())
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...subjects.layout import product
+from ...subjects.questions import QUESTIONS
 from ..case import Case, View
 from ..description import Description
 from ..hypothesis import Hypothesis
@@ -33,7 +34,7 @@ def _has(what: str) -> Callable[[Case], bool]:
     "damping",
     "the file's joint damping is in it",
     "set <dynamics damping> to 0, or subtract D v",
-    (*FORCED, *PUSHED),
+    (*FORCED, *PUSHED, "rnea_derivatives"),
     "force",
     when=_has("damping"),
 )
@@ -45,7 +46,7 @@ def damping(view: View) -> np.ndarray:
     "damping_sign",
     "the file's joint damping is in it with the other sign",
     "damping opposes the motion: tau has + D v",
-    (*FORCED, *PUSHED),
+    (*FORCED, *PUSHED, "rnea_derivatives"),
     "force",
     when=_has("damping"),
 )
@@ -81,7 +82,7 @@ def friction_sign(view: View) -> np.ndarray:
     "friction_as_damping",
     "the file's friction is used as a viscous coefficient",
     "<dynamics friction> is dry friction: f sign(v)",
-    (*FORCED, *PUSHED),
+    (*FORCED, *PUSHED, "rnea_derivatives"),
     "force",
     when=_has("friction"),
 )
@@ -106,14 +107,15 @@ def _allowed(
 ) -> np.ndarray:
     """The prediction, and what of the rest is an allowed force; accelerations are turned into forces first."""
     r = observed - x
-    if term != "aba":
+    if QUESTIONS[term].source != "aba":
         return x + f(r)
     M = view.layout.answer("matrix", view.compute("crba"), view.states)
+    M = M[:, None] if QUESTIONS[term].pushes else M
     return x + np.linalg.solve(M, f(product(M, r))[..., None])[..., 0]
 
 
 @rule("mimic_force", "a force along the <mimic> constraint (a soft equality)", "switch equality constraints off",
-      ("rnea", "aba"), "relation", cost=1.3,
+      ("rnea", "aba", *PUSHED), "relation", cost=1.3,
       when=lambda case: not case.floating and not case.robot.coupled and bool(case.description.mimics))  # fmt: skip
 def mimic_force(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     names, rows = view.case.how.v, []
@@ -134,7 +136,7 @@ SATURATED = 0.3
     "friction_bound",
     "a friction force within the file's bound (not f sign(v))",
     "switch friction off",
-    ("rnea", "aba"),
+    ("rnea", "aba", *PUSHED),
     "relation",
     cost=1.7,
     when=_has("friction"),
@@ -143,7 +145,7 @@ def friction_bound(view: View, term: str, x: np.ndarray, observed: np.ndarray) -
     f = view.case.per_velocity(lambda p: p.friction)[view.layout.to_v] * (1 + 1e-9)
 
     def within(r: np.ndarray) -> np.ndarray:
-        at_bound = (np.abs(np.abs(r) - f) < 1e-6 * f)[:, f > 0]
+        at_bound = (np.abs(np.abs(r) - f) < 1e-6 * f)[..., f > 0]
         return np.clip(r, -f, f) if at_bound.mean() > SATURATED else 0 * r
 
     return _allowed(view, term, x, observed, within)
