@@ -162,3 +162,22 @@ def _rows(f, term, state, f_ext, given, names):
         return [((n,), row) for n, row in zip(v, f(*state), strict=True)]
     by = ("q", "v", "tau" if term.startswith("aba") else "a")
     return [((b, n), row) for b, M in zip(by, f(*state), strict=True) for n, row in zip(v, M, strict=True)]
+
+
+def test_damping_is_known_under_a_wrench_and_in_derivatives_where_some_frames_are_not_answered():
+    pushed = Pushed("double_pendulum")
+    D = np.array([0.05, 0.05])  # of the file
+
+    def rnea_f_ext(q, v, a, f_ext, frame):
+        if frame == given.frames[0]:
+            raise KeyError(frame)
+        return pushed.rnea_f_ext(q, v, a, f_ext, frame) + D * v
+
+    def derivatives(q, v, a):
+        by_q, by_v, M = dp.rnea_derivatives(pushed.robot, q, v, a)
+        return by_q, by_v + np.diag(D), M
+
+    given = asking("double_pendulum", 4, 0, ("rnea_f_ext",))
+    report = dp.judge("double_pendulum", {"rnea_f_ext": rnea_f_ext, "rnea_derivatives": derivatives}, 4)
+    assert [(f.key, f.terms) for f in report.findings] == [("damping", ["rnea_f_ext", "rnea_derivatives"])]
+    assert "not answered for" in report.terms["rnea_f_ext"].note
