@@ -16,6 +16,9 @@ CONVENTIONS = frozenset({
 })  # fmt: skip
 """Keys that name another convention, not a mistake: such a difference reads "agrees under another convention"."""
 
+SEARCHED = ("diagnosis: ", "refusal: ")
+"""How remarks begin that say what a search for causes took: of no later judgement."""
+
 
 @dataclass
 class Finding:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..crosscheck.findings import SEARCHED
 from ..crosscheck.fingerprint import differences
 from ..crosscheck.results import AGREES, DIFFERS, NOT_COMPARED, Report, RobotResult, TermResult
 from ..errors import ArgumentError
@@ -83,25 +84,26 @@ def _validations(found: Comparison, old: Report, new: Report) -> Iterable[Change
 def _robots(found: Comparison, old: RobotResult, new: RobotResult) -> Iterable[Change]:
     for where, was, is_ in differences(old.model, new.model):
         yield Change("model", f"{new.label} {where}", was, is_, True)
-    for note in (n for n in new.notes if n not in old.notes):
+    before, after = ([n for n in r.notes if not n.startswith(SEARCHED)] for r in (old, new))
+    for note in (n for n in after if n not in before):
         yield Change("remark", new.label, "-", note, True)
-    for note in (n for n in old.notes if n not in new.notes):
+    for note in (n for n in before if n not in after):
         yield Change("remark", new.label, note, "-", False, 0.5)
     if old.verdict != new.verdict:
         yield Change("verdict", new.label, old.verdict, new.verdict, _rank(new) > _rank(old))
     for name in sorted(old.terms.keys() - new.terms.keys()):
         yield Change("missing", f"{new.label} {name}", "compared", new.error or "absent", True)
     for name, t in new.terms.items():
-        before = old.terms.get(name)
-        if before is None:
+        then = old.terms.get(name)
+        if then is None:
             continue
-        if before.verdict != t.verdict and {before.status, t.status} != {AGREES, DIFFERS}:
+        if then.verdict != t.verdict and {then.status, t.status} != {AGREES, DIFFERS}:
             # between agreeing and differing the robot's verdict and the error say it
-            yield Change("verdict", f"{new.label} {name}", before.verdict, t.verdict, _rank(t) > _rank(before))
-        if not (before.compared and t.compared):
+            yield Change("verdict", f"{new.label} {name}", then.verdict, t.verdict, _rank(t) > _rank(then))
+        if not (then.compared and t.compared):
             continue
         found.compared += 1
-        x, y = before.max_scaled_error or 0.0, t.max_scaled_error or 0.0
+        x, y = then.max_scaled_error or 0.0, t.max_scaled_error or 0.0
         factor = max(y, LAST_DIGITS) / max(x, LAST_DIGITS)
         if factor > found.error_factor or factor < 1 / found.error_factor:
             yield Change("error", f"{new.label} {name}", f"{x:.1e}", f"{y:.1e}", factor > 1, factor)
