@@ -61,6 +61,8 @@ def test_with_and_without_out(robot, state, expected):
         lambda x: np.frombuffer(b"\0" + x.tobytes(), dtype=np.uint8)[1:].view(float),
         lambda x: memoryview(x),
         lambda x: np.ma.masked_array(x),
+        lambda x: x.view(type("Mine", (np.ndarray,), {})),
+        lambda x: np.broadcast_arrays(x, np.zeros(6))[0],
         lambda x: x.astype(np.longdouble),
         lambda x: np.array(x, copy=True, order="F"),
     ],
@@ -73,6 +75,17 @@ def test_whatever_holds_the_same_numbers_gives_the_same_result(robot, state, exp
     out = np.empty(6)
     f(*map(convert, state), out=out)
     assert np.array_equal(out, expected)
+
+
+def test_arrays_that_are_laid_out_in_another_way_are_left_to_python(robot, state, expected, monkeypatch):
+    assert entry._arrays_as_known()
+    monkeypatch.setattr(entry, "_NUMPY", 3)
+    assert not entry._arrays_as_known()
+    monkeypatch.setattr(entry, "addresses", entry.Once(entry.addresses.make))
+    other = dp.load("ur5")
+    f = other.kernel("rnea")
+    assert type(f).__name__ == "Evaluator"
+    assert np.array_equal(f(*state), expected) and np.array_equal(dp.rnea(other, *state), expected)
 
 
 def test_read_only_inputs_are_welcome(robot, state, expected):

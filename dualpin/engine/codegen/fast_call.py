@@ -5,22 +5,18 @@
     compute    checks the arrays, allocates the result, calls the kernel; null if the slow call must answer
     release    the destructor of the capsule
 
-Written with `c_like`, so that a line here is a line of C.  Attribute look-ups may run Python code, so they come before
-the first buffer is acquired.
+Written with `c_like`, so that a line here is a line of C.  Nothing here runs Python code before the general call.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from .c_like import Record, Value, Writer, struct
+from .c_like import Record, Value, Writer
 
 API = {
     "PyCapsule_GetPointer": "ptr (ptr, ptr)",
     "PyCapsule_GetContext": "ptr (ptr)",
-    "PyObject_GetAttr": "ptr (ptr, ptr)",
-    "PyObject_GetBuffer": "i32 (ptr, ptr, i32)",
-    "PyBuffer_Release": "void (ptr)",
     "PyObject_Call": "ptr (ptr, ptr, ptr)",
     "PyTuple_New": "ptr (i64)",
     "PyTuple_Size": "i64 (ptr)",
@@ -36,12 +32,14 @@ API = {
     "Py_IncRef": "void (ptr)",
     "Py_DecRef": "void (ptr)",
 }
-NUMPY = {"PyArray_Empty": ("ptr (i32, ptr, ptr, i32)", 184), "PyArray_GetPtr": ("ptr (ptr, ptr)", 160)}
+NUMPY = {"PyArray_Empty": ("ptr (i32, ptr, ptr, i32)", 184)}
 """Indices in NumPy's table of functions; they are part of its binary interface."""
-BUFFER = {
-    "buf": "ptr", "obj": "ptr", "len": "i64", "itemsize": "i64", "readonly": "i32", "ndim": "i32", "format": "ptr",
-    "shape": "ptr", "strides": "ptr", "suboffsets": "ptr", "internal": "ptr",
+ARRAY = {
+    "references": "i64", "type": "ptr", "data": "ptr", "ndim": "i32", "shape": "ptr", "strides": "ptr", "base": "ptr",
+    "dtype": "ptr", "flags": "i32",
 }  # fmt: skip
+"""Fields of an array in memory (`PyArrayObject_fields`).  NumPy's headers compile their places into every extension
+module, so that they are part of its binary interface too; `jit.fast_call` verifies them."""
 CODE = {"one": "ptr", "many": "ptr", "scratch_one": "i64", "scratch_many": "i64", "most": "i64"}
 """Fields of `jit.fast_call.Code`: two kernels, the scratch of each, and the number of samples for one thread."""
 OPTIONS = 6
@@ -55,7 +53,8 @@ MOST, AXES = 6, 4
 """The most arrays of a call, and axes of an array for one sample."""
 BUCKETS, FORMS = 64, 63
 """Forms are kept in hash buckets; a call searches one bucket."""
-_READ, _WRITE = 0x8, 0x9  # PyBUF_ND, with PyBUF_WRITABLE: contiguous, with a shape
+_READ, _WRITE = 0x101, 0x501  # flags of an array that is C-contiguous and aligned; and writeable
+_WARNS = 1 << 31  # flag of an array whose first change NumPy warns of
 _NORM = 1.9e-6  # tolerance of a squared norm, slightly below 1e-6 of the norm; the general call decides the rest
 
 
@@ -156,63 +155,52 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
     c = Writer("internal ptr @compute() nounwind noinline", spec="ptr", arrays="ptr", asked="ptr")
     place, arrays, asked = c.parameters
     spec = Record(place, fields)
-    buffers, pointers, sizes = c.room(struct(BUFFER), MOST), c.room("ptr", MOST), c.room("i64", AXES + 1)
+    pointers, sizes = c.room("ptr", MOST), c.room("i64", AXES + 1)
     inputs, none = spec.inputs, spec.none
     has_out = (asked != c.null) & (asked != none)
     held = inputs + has_out.to("zext", "i64")
 
-    def array(k: Value) -> Value:
-        return c.choose(k == inputs, lambda: asked, lambda: arrays.item("ptr", k))
+    def array(k: Value) -> Record:
+        return Record(c.choose(k == inputs, lambda: asked, lambda: arrays.item("ptr", k)), ARRAY)
 
-    def buffer(k: Value) -> Record:
-        return Record(buffers.at(struct(BUFFER), k), BUFFER)
-
-    def give_up(count: Value) -> None:
-        with c.for_(count) as k:
-            c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
+    def give_up() -> None:
         c.returns(c.null)
 
-    # every dtype is the same object
-    dtype, dtype_name = spec.dtype, spec.dtype_name
+    # NumPy's own arrays of the same dtype object, contiguous; the last of them is the result
+    dtype, kind = spec.dtype, spec.array
     with c.for_(held) as k:
-        found = c.call("PyObject_GetAttr", array(k), dtype_name, gives="ptr")
-        with c.if_(found == c.null):
-            c.returns(c.null)
-        c.call("Py_DecRef", found)
-        with c.if_(found != dtype):
-            c.returns(c.null)
-
-    # all arrays contiguous, the last of them the result
-    with c.for_(held) as k:
+        x = array(k)
+        with c.if_(x.type != kind):
+            give_up()
         last = k == inputs
-        flags = c.value(f"select i1 {last.name}, i32 {_WRITE}, i32 {_READ}", "i32")
-        view = buffers.at(struct(BUFFER), k)
-        with c.if_(c.call("PyObject_GetBuffer", array(k), view, flags, gives="i32") < 0):
-            give_up(k)
-        c.store(view.item("ptr"), pointers.at("ptr", k))
+        wanted = c.value(f"select i1 {last.name}, i32 {_WRITE}, i32 {_READ}", "i32")
+        flags = c.value(f"select i1 {last.name}, i32 {_WRITE - _WARNS}, i32 {_READ}", "i32")
+        with c.if_((x.dtype != dtype) | ((x.flags & flags) != wanted)):
+            give_up()
+        c.store(x.data, pointers.at("ptr", k))
 
     # one sample, or n with one axis more: every shape that of the table (axes, bytes, lengths)
     shapes = spec.shapes
-    first = buffer(c.number(0))
+    first = array(c.number(0))
     many = first.ndim.to("sext", "i64") - shapes.item("i64")
     with c.if_((many != 0) & (many != 1)):
-        give_up(held)
+        give_up()
     n = c.choose(many == 1, lambda: first.shape.item("i64"), lambda: c.number(1))
     with c.for_(held) as k:
-        b, row = buffer(k), shapes.at("i64", k * (2 + AXES))
-        axes, shape = row.item("i64"), b.shape
-        with c.if_((b.ndim.to("sext", "i64") != axes + many) | (b.len != row.item("i64", 1) * n)):
-            give_up(held)
+        x, row = array(k), shapes.at("i64", k * (2 + AXES))
+        axes, shape = row.item("i64"), x.shape
+        with c.if_(x.ndim.to("sext", "i64") != axes + many):
+            give_up()
         with c.if_(c.choose(many == 1, lambda: shape.item("i64"), lambda: n) != n):
-            give_up(held)
+            give_up()
         with c.for_(axes) as i, c.if_(shape.item("i64", many + i) != row.item("i64", i + 2)):
-            give_up(held)
+            give_up()
 
     # the kernel, if it is compiled yet; it is set after all the rest
     code = spec.code
     kernel = code.item("ptr", many, how=" acquire, align 8")
     with c.if_(kernel == c.null):
-        give_up(held)
+        give_up()
     scratch = code.item("i64", many + 2)
 
     # a batch: at most the samples for one thread, and a result that does not overlap the inputs
@@ -221,21 +209,20 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         alone = spec.alone != 0
         one = (spec.threads.item("i64") == 1) | alone
         with c.if_((n <= 0) | ((n > code.item("i64", 4)) & (one == 0))):
-            give_up(held)
+            give_up()
         with c.if_(has_out):
-            result = buffer(inputs)
-            start = result.buf.to("ptrtoint", "i64")
-            end = start + result.len
+            start = pointers.item("ptr", inputs).to("ptrtoint", "i64")
+            end = start + row.item("i64", 1) * n
             with c.for_(inputs) as k:
-                b = buffer(k)
-                begin = b.buf.to("ptrtoint", "i64")
-                with c.if_((begin < end) & (start < begin + b.len)):
-                    give_up(held)
+                begin = pointers.item("ptr", k).to("ptrtoint", "i64")
+                size = shapes.item("i64", k * (2 + AXES) + 1) * n
+                with c.if_((begin < end) & (start < begin + size)):
+                    give_up()
         # a large one: memory from the pool and, the first time, the choice of stores
         with c.if_((row.item("i64", 1) * n >= spec.pooled) & (alone == 0)):
             settled = Value(c, "@stores", "ptr").item("i64", 1)
             with c.if_((has_out == 0) | (settled == 0)):
-                give_up(held)
+                give_up()
 
     # unit quaternions; otherwise the general call raises the error
     strides, single, quaternions = spec.strides, spec.single != 0, spec.quaternions
@@ -257,7 +244,7 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
                 lambda: squares(lambda i: q.item("double", i)),
             )
             with c.if_((norm > _NORM) | (norm < -_NORM)):
-                give_up(held)
+                give_up()
 
     def allocated() -> Value:
         axes = row.item("i64")
@@ -274,18 +261,16 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
 
     out = c.choose(has_out, borrowed, allocated)
     with c.if_(out == c.null):
-        give_up(held)
+        give_up()
     with c.if_(has_out == 0):
-        with c.for_(c.number(AXES + 1)) as i:
-            c.store(c.number(0), sizes.at("i64", i))
-        c.store(c.call("PyArray_GetPtr", out, sizes, gives="ptr"), pointers.at("ptr", inputs))
+        c.store(Record(out, ARRAY).data, pointers.at("ptr", inputs))
 
     # scratch on the stack or, aligned, on the heap
     small = scratch <= stack
     block = c.choose(small, lambda: c.null, lambda: c.call("PyMem_RawMalloc", scratch + 64, gives="ptr"))
     with c.if_((block == c.null) & (scratch > stack)):
         c.call("Py_DecRef", out)
-        give_up(held)
+        give_up()
     memory = c.choose(
         small,
         lambda: c.room("i8", scratch, align=64),
@@ -299,8 +284,6 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         c.call("PyEval_RestoreThread", state)
     with c.if_(block != c.null):
         c.call("PyMem_RawFree", block)
-    with c.for_(held) as k:
-        c.call("PyBuffer_Release", buffers.at(struct(BUFFER), k))
     c.returns(out)
     return c.text
 

@@ -6,8 +6,9 @@ configuration and for thousands.  So the function that Python calls is compiled 
 float32) arrays, C-contiguous, of the right shape or with one batch axis before it.  All other calls go to a Python
 function that converts, allocates large results, uses several threads or raises the error.
 
-Only the stable ABI of CPython 3.11 and later and NumPy's table of functions are used; internal structures of either are
-not accessed.  Attribute look-ups may run Python code and come before the first buffer is acquired.
+Only the stable ABI of CPython 3.11 and later and the binary interface of NumPy 2 are used: its table of functions, and
+the fields of an array, whose places are verified first.  To ask Python for them instead (the attribute `dtype` and a
+buffer of each array) takes longer than the inverse dynamics of an arm: 0.24 us a call instead of 0.15 (ur5).
 """
 
 from __future__ import annotations
@@ -36,6 +37,8 @@ from .host import CompilerError, this_host
 from .kernel import Kernel
 
 _FAST_KEYWORDS = 0x82  # METH_FASTCALL | METH_KEYWORDS
+_NUMPY = 2  # version of the binary interface
+_FIELDS: dict[str, Any] = {"i64": ctypes.c_int64, "i32": ctypes.c_int32, "ptr": ctypes.c_void_p}
 
 
 class Code(ctypes.Structure):
@@ -65,7 +68,7 @@ class Spec(ctypes.Structure):
         ("code", ctypes.c_void_p),
         ("inputs", ctypes.c_int64),
         ("dtype", ctypes.py_object),
-        ("dtype_name", ctypes.py_object),
+        ("array", ctypes.py_object),
         ("slow", ctypes.py_object),
         ("out_name", ctypes.py_object),
         ("none", ctypes.py_object),
@@ -122,11 +125,11 @@ def bound(
         row[2 : 2 + len(shape)] = shape
     at, strides = np.array([*quaternions, 0], np.int64), table[:, 1] // dtype.itemsize
     spec = Spec(
-        ctypes.addressof(code), len(shapes) - 1, dtype, "dtype", slow, "out", None,
+        ctypes.addressof(code), len(shapes) - 1, dtype, np.ndarray, slow, "out", None,
         len(quaternions), at.ctypes.data, table.ctypes.data, strides.ctypes.data, dtype.itemsize == 4,
         alone, ctypes.addressof(threads.count), memory.FROM,
     )  # fmt: skip
-    spec.dtype_name, spec.out_name = sys.intern("dtype"), sys.intern("out")
+    spec.out_name = sys.intern("out")
     method = _Method(name.encode(), addresses()["entry"], _FAST_KEYWORDS, doc.encode())
     owner = SimpleNamespace(name=name, slow=slow, memory=(code, spec, method, table, at, strides), objects=(dtype,))
     capsule = _new_capsule(ctypes.addressof(spec), None, addresses()["release"])
@@ -174,7 +177,15 @@ _keep = _api("Py_IncRef", None, _object)
 
 @Once
 def addresses() -> dict[str, Any]:
-    """The emitted functions; compiled once in a process."""
+    """The emitted functions; compiled once in a process.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler, or arrays are not what they are known to be.
+    """
+    if not _arrays_as_known():
+        raise CompilerError("this NumPy's arrays are laid out in another way")
     api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _PYTHON}
     fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     names = ("entry", "public", "release")
@@ -198,7 +209,29 @@ forms = ((ctypes.c_void_p * (source.FORMS + 1)) * source.BUCKETS)()
 """The known forms of calls, in buckets: their number and addresses."""
 
 
+def _table() -> Any:
+    """NumPy's binary interface."""
+    return ctypes.cast(_pointer(np._core._multiarray_umath._ARRAY_API, None), ctypes.POINTER(ctypes.c_void_p))  # type: ignore[attr-defined]
+
+
 def _numpy() -> dict[str, int]:
     """Functions of NumPy's binary interface."""
-    table = ctypes.cast(_pointer(np._core._multiarray_umath._ARRAY_API, None), ctypes.POINTER(ctypes.c_void_p))  # type: ignore[attr-defined]
+    table = _table()
     return {name: table[place] or 0 for name, (_, place) in source.NUMPY.items()}
+
+
+class _Array(ctypes.Structure):
+    _fields_ = [(name, _FIELDS[kind]) for name, kind in source.ARRAY.items()]
+
+
+def _arrays_as_known() -> bool:
+    """Whether NumPy's binary interface is that of version 2, and an array has its fields where they should be."""
+    version = ctypes.CFUNCTYPE(ctypes.c_uint)(_table()[0])()
+    x = np.zeros((2, 3))
+    found = _Array.from_address(id(x))
+    if version >> 24 != _NUMPY or (found.type, found.dtype, found.ndim) != (id(np.ndarray), id(x.dtype), x.ndim):
+        return False
+    shape, strides = (ctypes.cast(at, ctypes.POINTER(ctypes.c_int64)) for at in (found.shape, found.strides))
+    places = found.data, (shape[0], shape[1]), (strides[0], strides[1]), found.base
+    flags = x.flags.num
+    return places == (x.ctypes.data, x.shape, x.strides, None) and found.flags & 0xFFFF == flags & 0xFFFF

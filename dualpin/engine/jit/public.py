@@ -20,9 +20,7 @@ from typing import Any
 
 from ...locking import LOCK
 from ..codegen import fast_call as source
-from .fast_call import _FAST_KEYWORDS, _Method, _new_function, addresses, forms, spec_of
-
-_FIELDS: dict[str, Any] = {"i64": ctypes.c_int64, "ptr": ctypes.c_void_p}
+from .fast_call import _FAST_KEYWORDS, _FIELDS, _Method, _new_function, addresses, forms, spec_of
 
 
 class Form(ctypes.Structure):
