@@ -46,9 +46,11 @@ def bodies(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
     mine = _linear(case, term, story, train)
     if mine is None:
         return
-    others = (t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term)
+    others = [t for t in ("gravity", "bias", "rnea", "crba") if t in case.observed and t != term]
     together = [mine, *(found for t in others if (found := _linear(case, t, story, train)) is not None)]
-    for equations in [together, [mine]] if len(together) > 1 else [[mine]]:
+    # a body that is another shows in all of them: where one is right, it is not this term alone that tells
+    alone = len(together) > 1 and not any(case.score(t).right for t in others)
+    for equations in [together, [mine]] if alone else [together]:
         compressed = _compressed(case, equations)
         yield from _links(case, compressed)
         for joint, delta in _solved(case, compressed):

@@ -16,7 +16,7 @@ from ...terms import TERMS, flat
 from ..subjects.answers import Answers
 from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question, pushed
-from .description import Description, Part, built, describe
+from .description import Description, Part, built, describe, merged
 from .hypothesis import Story, Wording, identity
 
 States = dict[str, np.ndarray]
@@ -99,6 +99,11 @@ class Case:
         """The joints that move by themselves, with their places in v."""
         where = {j.name: j.v for j in self.robot if j.mimic is None}
         return ((p, where[p.joint]) for p in self.description.parts if p.joint in where)
+
+    @cached_property
+    def merged(self) -> Description:
+        """The description with the inertia of fixed links in the bodies that carry them."""
+        return merged(self.description)
 
     def per_velocity(self, what: Callable[[Part], float]) -> np.ndarray:
         """A number for each entry of v, from each joint's part; zero for the base."""

@@ -135,9 +135,14 @@ class Description:
 
     def carriers(self) -> dict[str, str]:
         """For every link: the link that it is fixed to and that a joint moves (or the root)."""
-        found = {self.root: self.root}
+        return {link: carrier for link, (carrier, _) in self.carried().items()}
+
+    def carried(self) -> dict[str, tuple[str, np.ndarray]]:
+        """For every link: the link that it is fixed to and that a joint moves (or the root), and its pose there."""
+        found = {self.root: (self.root, np.eye(4))}
         for p in self.parts:
-            found[p.link] = p.link if p.moves else found[p.parent]
+            carrier, H = found[p.parent]
+            found[p.link] = (p.link, np.eye(4)) if p.moves else (carrier, H @ p.pose)
         return found
 
     def with_bodies(self, f: Callable[[Body], Body | None], items: Sequence[str] = ()) -> Description:
@@ -152,6 +157,30 @@ class Description:
     def with_parts(self, f: Callable[[Part, Description], Part], items: Sequence[str] = ()) -> Description:
         """f of every joint, or of those in `items`."""
         return replace(self, parts=tuple(f(p, self) if not items or p.joint in items else p for p in self.parts))
+
+
+def merged(d: Description) -> Description:
+    """The same robot with the inertia of fixed links carried over to the links that joints move."""
+    where = d.carried()
+    pieces: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {}
+    for link, body in [(d.root, d.base), *((p.link, p.body) for p in d.parts)]:
+        carrier, H = where[link]
+        if body is not None:
+            R, c = H[:3, :3], (H @ np.append(body.com, 1.0))[:3]
+            pieces.setdefault(carrier, []).append((body.mass, c, R @ body.in_link @ R.T))
+    if all(p.moves or p.body is None for p in d.parts):
+        return d
+    bodies = {link: lump(group) for link, group in pieces.items()}
+    parts = tuple(replace(p, body=bodies.get(p.link)) for p in d.parts)
+    return replace(d, base=bodies.get(d.root), parts=parts)
+
+
+def lump(group: Sequence[tuple[float, np.ndarray, np.ndarray]]) -> Body:
+    """One body of several: masses, centres and inertias about these in common axes."""
+    mass = sum(m for m, _, _ in group)
+    com = sum((m * c for m, c, _ in group), np.zeros(3)) / (mass or 1.0)
+    inertia = sum((I + steiner(m, c - com) for m, c, I in group), np.zeros((3, 3)))
+    return Body(mass, com, np.zeros(3), np.eye(3), inertia)
 
 
 def homogeneous(R: np.ndarray, p: np.ndarray) -> np.ndarray:

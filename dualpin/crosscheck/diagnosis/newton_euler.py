@@ -13,6 +13,7 @@ References: Craig, Introduction to Robotics (2005), section 6.5; Siciliano et al
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,31 +22,50 @@ from ...model.robot import Joint, Robot
 from ..subjects.convention import base_of
 from ..subjects.layout import cross_matrix, product, rotations, transposed
 from .description import Description, Part
+from .description import merged as merged_bodies
 
 SLIPS = {
     "gyroscopic": "w x I w is left out",
     "gyroscopic_sign": "w x I w has the other sign",
+    "gyroscopic_half": "w x I w is counted half",
+    "inertia_frame_half": "inertia is turned into world axes from one side alone (R I in place of R I R^T)",
     "inertia_frame": "inertia is not turned into world axes (R I R^T is missing)",
     "inertia_frame_transposed": "inertia is turned the wrong way into world axes (R^T I R)",
     "centripetal": "w x (w x r) is left out",
     "centripetal_com": "w x (w x r) is left out from a link's origin to its centre of mass",
     "centripetal_link": "w x (w x r) is left out from joint to joint",
+    "centripetal_sign": "w x (w x r) has the other sign",
+    "centripetal_com_sign": "w x (w x r) has the other sign from a link's origin to its centre of mass",
+    "centripetal_link_sign": "w x (w x r) has the other sign from joint to joint",
     "tangential": "alpha x r is left out",
     "tangential_com": "alpha x r is left out from a link's origin to its centre of mass",
     "tangential_link": "alpha x r is left out from joint to joint",
+    "tangential_sign": "alpha x r (in Jacobians: axis x arm) has the other sign",
+    "tangential_com_sign": "alpha x r has the other sign from a link's origin to its centre of mass",
+    "tangential_link_sign": "alpha x r has the other sign from joint to joint",
     "axis_rate": "w x z v, the turning of a joint's axis, is left out of angular accelerations",
     "axis_rate_sign": "w x z v has the other sign in angular accelerations",
+    "axis_rate_twice": "w x z v is counted twice in angular accelerations",
+    "slide_acceleration": "z a of sliding joints is left out of accelerations",
+    "slide_moment": "sliding joints feel the moment along their axis, not the force",
     "slide_coriolis": "2 w x z v of sliding joints is left out",
     "slide_coriolis_half": "w x z v of sliding joints is counted once, not twice",
+    "slide_coriolis_sign": "2 w x z v of sliding joints has the other sign",
     "slide_radius": "the position of sliding joints is left out of the lever arms",
     "axis_frame": "axes of joints are not turned into world axes",
     "slide_axis_frame": "axes of sliding joints are not turned into world axes",
     "moment_arm": "forces act at links' origins, not at their centres of mass",
+    "moment_arm_sign": "the moment of a body's force about its link's origin has the other sign",
     "force_moment": "the moment of forces about the joints is left out",
+    "force_moment_link": "the moment r x f of a force that is handed on from joint to joint is left out",
+    "force_moment_link_sign": "the moment r x f of a force that is handed on from joint to joint has the other sign",
     "no_translational": "m a is left out",
     "no_angular_acceleration": "I alpha is left out",
+    "not_handed_on": "forces and moments are not handed on: each joint feels its own link alone",
+    "moment_not_handed_on": "moments are not handed on from joint to joint, forces are",
     "gravity_at_origin": "gravity acts at links' origins, not at their centres of mass",
     "gravity_in_base": "gravity turns with the base",
+    "gravity_each_link": "gravity is added at every link, not at the base alone",
 }
 """What may be forgotten, by key."""
 
@@ -94,12 +114,19 @@ class NewtonEuler:
     """
 
     def __init__(self, robot: Robot, d: Description, slip: str, merged: bool = False) -> None:
-        self.robot, self.d, self.slip, self.merged = robot, d, slip, merged
+        self.robot, self.d, self.slip, self.merged = robot, merged_bodies(d) if merged else d, slip, merged
         self.gravity = np.array(d.gravity)
         self.floating = base_of(robot) is not None
 
     def without(self, *slips: str) -> bool:
         return self.slip in slips
+
+    def share(self, *slips: str) -> float:
+        """How often a term counts: 0 where it is left out, -1 where it has the other sign, ..."""
+        if self.slip in slips:
+            return 0.0
+        base, _, how = self.slip.rpartition("_")
+        return {"sign": -1.0, "half": 0.5, "twice": 2.0}.get(how, 1.0) if base in slips else 1.0
 
     def forces(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
         """tau (n, nv) for the velocities and accelerations, under the gravity g."""
@@ -109,18 +136,24 @@ class NewtonEuler:
         for lump in self._lumps():
             k = links[lump.link]
             r = product(k.R, lump.com)
-            a_c = k.a.copy()
-            if not self.without("tangential", "tangential_com"):
-                a_c += cross(k.alpha, r)
-            if not self.without("centripetal", "centripetal_com"):
-                a_c += cross(k.w, cross(k.w, r))
+            a_c = k.a + self.share("tangential", "tangential_com") * cross(k.alpha, r)
+            a_c = a_c + self.share("centripetal", "centripetal_com") * cross(k.w, cross(k.w, r))
             weight = -lump.mass * (product(R0, g) if self.without("gravity_in_base") else g)
+            if self.without("gravity_each_link"):
+                weight = weight * (1 + self._depth(links, lump.link))
             push = np.zeros_like(a_c) if self.without("no_translational") else lump.mass * a_c
             n = self._moment(k, lump)
-            at = k.p if self.without("moment_arm") else k.p + r
-            low = k.p if self.without("gravity_at_origin", "moment_arm") else k.p + r
+            arm = self.share("moment_arm") * r
+            at, low = k.p + arm, k.p if self.without("gravity_at_origin") else k.p + arm
             self._into(out, links, lump.link, push, n, at, np.broadcast_to(weight, push.shape), low)
         return out
+
+    def accelerations(self, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str]) -> np.ndarray:
+        """(n, frames, 6): alpha, and the acceleration of the frame's origin, in world axes."""
+        links = self._motions(q, v, a)
+        number = {self.d.root: 0} | {p.link: k + 1 for k, p in enumerate(self.d.parts)}
+        seen = [links[number[f]] for f in frames]
+        return np.stack([np.concatenate([k.alpha, k.a], -1) for k in seen], axis=1)
 
     def mass_matrix(self, q: np.ndarray) -> np.ndarray:
         """Column by column: the forces of unit accelerations, at rest and without gravity."""
@@ -134,11 +167,38 @@ class NewtonEuler:
         for lump in self._lumps():
             k = links[lump.link]
             r = product(k.R, lump.com)
-            arm = 0 * r if self.without("moment_arm", "tangential", "tangential_com") else cross(k.alpha, r)
+            arm = self.share("moment_arm") * self.share("tangential", "tangential_com") * cross(k.alpha, r)
             Jv, Jw = (k.a + arm).reshape(shape), k.alpha.reshape(shape)
             IJw = product(self._inertia(k, lump), k.alpha).reshape(shape)
-            M += lump.mass * np.einsum("ind,jnd->nij", Jv, Jv) + np.einsum("ind,jnd->nij", Jw, IJw)
+            if not self.without("no_translational"):
+                M += lump.mass * np.einsum("ind,jnd->nij", Jv, Jv)
+            if not self.without("no_angular_acceleration"):
+                M += np.einsum("ind,jnd->nij", Jw, IJw)
         return M
+
+    def momentum(self, q: np.ndarray) -> np.ndarray:
+        """(n, 6, nv): momentum about the centre of mass of what moves, per unit velocity."""
+        links, shape = self._motions(*self._unit(q)), (self.robot.nv, len(q), 3)
+        G, total = self.centre(q), np.zeros((len(q), 6, self.robot.nv), q.dtype)
+        for lump in self._lumps():
+            k = links[lump.link]
+            r = product(k.R, lump.com)
+            v = lump.mass * (k.a + cross(k.alpha, r))
+            spin = self.share("spin") * product(self._inertia(k, lump), k.alpha)
+            orbit = self.share("orbit") * cross(k.p + r - np.tile(G, (self.robot.nv, 1)), v)
+            total += np.concatenate([spin + orbit, v], -1).reshape(*shape[:2], 6).transpose(1, 2, 0)
+        return total
+
+    def centre(self, q: np.ndarray) -> np.ndarray:
+        """(n, 3): the centre of mass of what joints move."""
+        links = self._motions(q, np.zeros((len(q), self.robot.nv)), np.zeros((len(q), self.robot.nv)))
+        weight, moment = 0.0, np.zeros((len(q), 3))
+        for lump in self._lumps():
+            if self._depth(links, lump.link, joints=True) or self.floating:
+                m, k = 1.0 if self.without("com_unweighted") else lump.mass, links[lump.link]
+                weight += m
+                moment += m * (k.p + (lump.com if self.without("com_frame") else product(k.R, lump.com)))
+        return moment / weight
 
     def _unit(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Every state at rest under every unit acceleration."""
@@ -149,6 +209,8 @@ class NewtonEuler:
         """About the centre of mass, in world axes."""
         if self.without("inertia_frame"):
             return np.broadcast_to(lump.inertia, k.R.shape)
+        if self.without("inertia_frame_half"):
+            return k.R @ lump.inertia
         if self.without("inertia_frame_transposed"):
             return transposed(k.R) @ lump.inertia @ k.R
         return k.R @ lump.inertia @ transposed(k.R)
@@ -156,8 +218,7 @@ class NewtonEuler:
     def _moment(self, k: _Link, lump: Lump) -> np.ndarray:
         """I alpha + w x I w about the centre of mass."""
         I = self._inertia(k, lump)
-        spin = cross(k.w, product(I, k.w))
-        spin = -spin if self.without("gyroscopic_sign") else 0 * spin if self.without("gyroscopic") else spin
+        spin = self.share("gyroscopic") * cross(k.w, product(I, k.w))
         return spin if self.without("no_angular_acceleration") else product(I, k.alpha) + spin
 
     def _into(
@@ -165,21 +226,28 @@ class NewtonEuler:
         weight: np.ndarray, low: np.ndarray,
     ) -> None:  # fmt: skip
         """What the joints below a link feel of its forces and moment."""
-        while i >= 0:
+        own, whole, handed = links[i].p, self.share("force_moment"), self.share("force_moment_link")
+        first, below = i, own
+
+        def moment(o: np.ndarray, k: int) -> np.ndarray:
+            """About o, as link k feels it: from the link's origin, then from there to o."""
+            on = handed * (own - o)
+            if self.without("moment_not_handed_on") and k != first:
+                return cross(below - o, push + weight)
+            return n + whole * (cross(at - own + on, push) + cross(low - own + on, weight))
+
+        while i >= 0 and not (self.without("not_handed_on") and i != first):
             k = links[i]
             if k.column >= 0 and i > 0:
-                if k.slides:
+                if k.slides and not self.without("slide_moment"):
                     out[:, k.column] += (k.z * (push + weight)).sum(-1)
                 else:
-                    moment = n.copy()
-                    if not self.without("force_moment"):
-                        moment += cross(at - k.at, push) + cross(low - k.at, weight)
-                    out[:, k.column] += (k.z * moment).sum(-1)
+                    out[:, k.column] += (k.z * moment(k.p if k.slides else k.at, i)).sum(-1)
             elif i == 0 and self.floating:
                 back = transposed(k.R)
-                arm = 0 if self.without("force_moment") else cross(at - k.p, push) + cross(low - k.p, weight)
-                out[:, :3] += product(back, n + arm)
+                out[:, :3] += product(back, moment(k.p, i))
                 out[:, 3:6] += product(back, push + weight)
+            below = k.p if k.column >= 0 or not self.merged else below
             i = k.parent
 
     def _motions(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> list[_Link]:
@@ -219,14 +287,11 @@ class NewtonEuler:
         z = np.broadcast_to(axis, along.shape) if local else along  # of velocities and forces, not of poses
         if slides:
             p, arm = at + along * x, at - up.p + (0 if self.without("slide_radius") else along * x)
-            twice = 0.0 if self.without("slide_coriolis") else 1.0 if self.without("slide_coriolis_half") else 2.0
-            acc = self._carried(up, arm) + z * xdd + twice * cross(w, z * xd)
+            twice = 2.0 * self.share("slide_coriolis")
+            acc = self._carried(up, arm) + self.share("slide_acceleration") * z * xdd + twice * cross(w, z * xd)
         else:
             p, acc = at, self._carried(up, at - up.p)
-            turning = cross(w, z * xd)
-            turning = (
-                -turning if self.without("axis_rate_sign") else 0 * turning if self.without("axis_rate") else turning
-            )
+            turning = self.share("axis_rate") * cross(w, z * xd)
             w, alpha = w + z * xd, alpha + z * xdd + turning
             K = cross_matrix(axis)
             R = R @ (np.eye(3) + np.sin(x)[..., None] * K + (1 - np.cos(x))[..., None] * (K @ K))
@@ -236,34 +301,18 @@ class NewtonEuler:
 
     def _carried(self, up: _Link, r: np.ndarray) -> np.ndarray:
         """The acceleration of a point of the parent."""
-        a = up.a.copy()
-        if not self.without("tangential", "tangential_link"):
-            a += cross(up.alpha, r)
-        if not self.without("centripetal", "centripetal_link"):
-            a += cross(up.w, cross(up.w, r))
-        return a
+        a = up.a + self.share("tangential", "tangential_link") * cross(up.alpha, r)
+        return np.asarray(a + self.share("centripetal", "centripetal_link") * cross(up.w, cross(up.w, r)))
+
+    def _depth(self, links: list[_Link], i: int, joints: bool = False) -> int:
+        """How many links it is from the base; of merged bodies, or if only these count, how many joints."""
+        steps = 0
+        while i > 0:
+            steps += links[i].column >= 0 or not (self.merged or joints)
+            i = links[i].parent
+        return steps
 
     def _lumps(self) -> list[Lump]:
-        """Bodies: links by themselves, or merged with what is fixed to them."""
-        number = {self.d.root: 0} | {p.link: k + 1 for k, p in enumerate(self.d.parts)}
-        where: dict[str, tuple[str, np.ndarray]] = {self.d.root: (self.d.root, np.eye(4))}
-        for p in self.d.parts:
-            carrier, H = where[p.parent]
-            where[p.link] = (p.link, np.eye(4)) if p.moves or not self.merged else (carrier, H @ p.pose)
-        pieces: dict[str, list[tuple[float, np.ndarray, np.ndarray]]] = {}
-        for link, body in [(self.d.root, self.d.base), *((p.link, p.body) for p in self.d.parts)]:
-            if body is not None and body.mass > 0:
-                carrier, H = where[link]
-                c, R = (H @ np.append(body.com, 1.0))[:3], H[:3, :3]
-                pieces.setdefault(carrier, []).append((body.mass, c, R @ body.in_link @ R.T))
-        return [_lump(number[link], group) for link, group in pieces.items()]
-
-
-def _lump(link: int, group: list[tuple[float, np.ndarray, np.ndarray]]) -> Lump:
-    mass = sum(m for m, _, _ in group)
-    com = sum((m * c for m, c, _ in group), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for m, c, I in group:
-        r = c - com
-        inertia = inertia + I + m * (r @ r * np.eye(3) - np.outer(r, r))
-    return Lump(link, mass, com, inertia)
+        """What counts as bodies: links by themselves, or merged with what is fixed to them."""
+        bodies = [self.d.base, *(p.body for p in self.d.parts)]
+        return [Lump(k, b.mass, b.com, b.in_link) for k, b in enumerate(bodies) if b is not None and b.mass > 0]

@@ -8,13 +8,14 @@ from math import acos, degrees
 
 import numpy as np
 
-from ..subjects.layout import cross_matrix, product
 from .case import Case, View
 from .description import Description, Part
+from .displaced import displaced
 from .hypothesis import Hypothesis, Story
 from .rules.register import ALL, SIX
 
 SEEN = ("fk", *SIX, "com", "com_jacobian", "centroidal_momentum_matrix")
+TOOLED = ("fk", *SIX, "frame_acceleration")
 NOTICED = 1e-6
 """An offset below this is one of precision, not of place."""
 SAME = 1e-7
@@ -35,7 +36,7 @@ def placements(case: Case, term: str, story: Story) -> list[Hypothesis]:
         return []
     found = []
     found += _base(case, x, p, have)
-    if term in SEEN:
+    if term in TOOLED:
         found += _tools(case, x, p, off)
     if not story:
         found += _origins(case, x, p, have, off)
@@ -113,26 +114,12 @@ def _tools(case: Case, x: np.ndarray, p: np.ndarray, off: Sequence[int]) -> list
     words = "; ".join(_words(T) for T in list(tools.values())[:3])
     says, fix = "frames stand elsewhere on their links", "use the link's own frame, at its joint"
     return [
-        Hypothesis(
-            "tool_offset", says, ("fk", *SIX), "change", _tooled(tools), fix, frames, words, 1.6 + 0.2 * len(tools)
-        )
+        Hypothesis("tool_offset", says, TOOLED, "change", _tooled(tools), fix, frames, words, 1.6 + 0.2 * len(tools))
     ]
 
 
 def _tooled(tools: Mapping[int, np.ndarray]) -> Callable[[View, str, np.ndarray], np.ndarray]:
-    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
-        out, poses = x.copy(), view.compute("fk")
-        for k, T in tools.items():
-            arm = cross_matrix(product(poses[:, k, :3, :3], np.broadcast_to(T[:3, 3], (len(x), 3))))
-            if term == "fk":
-                out[:, k] = x[:, k] @ T
-            elif term == "frame_velocity":
-                out[:, k, 3:] -= product(arm, x[:, k, :3])
-            elif term == "jacobian":
-                out[:, k, 3:] -= arm @ x[:, k, :3]
-        return out
-
-    return act
+    return lambda view, term, x: displaced(view, term, x, tools)
 
 
 def _origins(case: Case, x: np.ndarray, p: np.ndarray, have: Sequence[int], off: Sequence[int]) -> list[Hypothesis]:

@@ -23,6 +23,8 @@ BEAM = 8
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
+SAME = ("same_cv", "same_product")
+"""Matrices that need only do the same as what an earlier term's story predicts."""
 LARGE = 40  # joints from which pairs of single links are not tried
 
 
@@ -80,6 +82,8 @@ def explain(
     found = Explanation(term, case.score(term))
     search.consider([tuple(h for h in s if term in h.terms) for s in first])
     whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
+    alike = [h for h in whole if h.key in SAME]
+    search.consider([ordered((*s, h)) for s in first for h in alike if any(term in g.terms for g in s)])
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
     if found.before.error < SMALL:
         depth = min(depth, 1)

@@ -1,6 +1,20 @@
 """The rules, by what they are about.  Importing this package registers them all in `RULES`."""
 
-from . import answers, forces, formulas, joints, links, matrices, merging, numerics, pushes, units, writing  # noqa: F401
+from . import (  # noqa: F401
+    answers,
+    composed,
+    forces,
+    formulas,
+    joints,
+    links,
+    matrices,
+    merging,
+    momentum,
+    numerics,
+    pushes,
+    units,
+    writing,
+)
 from .register import RULES
 
 __all__ = ["RULES"]

@@ -10,11 +10,13 @@ import numpy as np
 from ...subjects.layout import cross_matrix, product, quaternions, rotations, transposed
 from ...subjects.questions import QUESTIONS
 from ..case import Case, View, evaluate
-from ..description import Description, homogeneous
+from ..description import Description, homogeneous, merged
+from ..displaced import displaced
 from ..hypothesis import Hypothesis
 from .register import SIX, proposer, rule
 
 FRAMED_SIX = ("jacobian", "jacobian_dot")
+OF_FRAMES = ("fk", *SIX, "frame_acceleration")
 SEEN = ("fk", *SIX, "com", "com_jacobian", "centroidal_momentum_matrix")
 
 
@@ -56,25 +58,27 @@ def rotation_missing(view: View, term: str, x: np.ndarray) -> np.ndarray:
     "at_com",
     "taken at the link's centre of mass",
     "ask for the link's frame, not its inertial frame",
-    ("fk", *SIX),
+    OF_FRAMES,
     "change",
 )
 def at_com(view: View, term: str, x: np.ndarray) -> np.ndarray:
-    poses, out = view.compute("fk"), x.copy()
     bodies = {p.link: p.body for p in view.description.parts}
+    at = {k: homogeneous(b.rotation, b.com) for k, f in enumerate(view.frames) if (b := bodies.get(f)) is not None}
+    return displaced(view, term, x, at)
+
+
+@rule("at_com", "taken at the centre of mass of the body that the link is part of (fixed links merged)",
+      "ask for the link's frame, not for its centre of mass", OF_FRAMES, "change", cost=1.1)  # fmt: skip
+def at_body_com(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    """In the link's axes."""
+    whole, to = merged(view.description), view.description.carried()
+    bodies = {p.link: p.body for p in whole.parts}
+    at = {}
     for k, frame in enumerate(view.frames):
-        body = bodies.get(frame)
-        if body is None:
-            continue
-        if term == "fk":
-            out[:, k] = x[:, k] @ homogeneous(body.rotation, body.com)
-            continue
-        arm = cross_matrix(poses[:, k, :3, :3] @ body.com)
-        if term == "frame_velocity":
-            out[:, k, 3:] -= product(arm, x[:, k, :3])
-        else:
-            out[:, k, 3:] -= arm @ x[:, k, :3]
-    return out
+        carrier, H = to[frame]
+        if (b := bodies.get(carrier)) is not None:
+            at[k] = homogeneous(np.eye(3), (np.linalg.inv(H) @ np.append(b.com, 1.0))[:3])
+    return displaced(view, term, x, at)
 
 
 @rule("in_base", "seen from the base", "multiply the base's pose in", SEEN, "change", when=lambda case: case.floating)
@@ -125,13 +129,21 @@ def linear_only(view: View, term: str, x: np.ndarray) -> np.ndarray:
 def parent_frame(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """As where frames are counted from the joint before."""
 
-    def act(view: View, term: str) -> np.ndarray:
-        parents = {p.link: p.parent for p in view.description.parts}
-        frames = [parents.get(f, f) for f in view.frames]
-        inputs = {k: x[None] for k, x in view.states.items()}
-        return evaluate(view.robot, QUESTIONS[term], inputs, frames, view.layout.how.reference)[0]
+    def of(taken: Callable[[Description], dict[str, str]]) -> Callable[[View, str], np.ndarray]:
+        def act(view: View, term: str) -> np.ndarray:
+            instead = taken(view.description)
+            frames = [instead.get(f, f) for f in view.frames]
+            inputs = {k: x[None] for k, x in view.states.items()}
+            return evaluate(view.robot, QUESTIONS[term], inputs, frames, view.layout.how.reference)[0]
 
-    return [replace(h, terms=("fk", *SIX), place="formula", act=act, cost=1.1)]
+        return act
+
+    h = replace(h, terms=OF_FRAMES, place="formula", cost=1.1)
+    carrier = "frames on fixed joints are those of the links that carry them"
+    return [
+        replace(h, act=of(lambda d: {p.link: p.parent for p in d.parts})),
+        replace(h, act=of(Description.carriers), says=carrier, fix="multiply the poses of fixed joints in"),
+    ]
 
 
 @proposer("mixed_axes", "angular and linear rows are in different axes", "turn both alike")
@@ -150,12 +162,54 @@ def mixed_axes(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [one(slice(0, 3)), one(slice(3, 6))]
 
 
+@rule("acceleration_in_frame", "accelerations of frames are those of their origins, in the frames' own axes",
+      "turn them into world axes", ("frame_acceleration",), "change", cost=1.05,
+      when=lambda case: case.how.reference == "local_world_aligned")  # fmt: skip
+def turned_into_the_frame(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    R = transposed(view.compute("fk")[..., :3, :3])
+    return np.concatenate([product(R, x[..., :3]), product(R, x[..., 3:])], -1)
+
+
+@proposer("position_units", "positions are multiplied by a number (other units)", "give them in metres")
+def position_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str, k: float) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            out = x.copy()
+            out[..., :3, 3] *= k
+            return out
+
+        return replace(h, terms=("fk",), place="change", act=act, values=words, cost=1.05)
+
+    return [one("1000", 1e3), one("100", 1e2), one("1/1000", 1e-3), one("1/100", 1e-2)]
+
+
 @rule("pose_quaternion", "the quaternion of poses is written in the other order", "return qw qx qy qz, or a 4x4 matrix",
       ("fk",), "change")  # fmt: skip
 def pose_quaternion(view: View, term: str, x: np.ndarray) -> np.ndarray:
     out, q = x.copy(), quaternions(x[..., :3, :3])
     out[..., :3, :3] = rotations(np.roll(q, -1, axis=-1))
     return out
+
+
+@rule("pose_transposed", "the 4x4 is transposed", "write it row by row, or declare its order", ("fk",), "change")
+def pose_transposed(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    """As where rows and columns of a flat array are taken for each other."""
+    return transposed(x)
+
+
+@proposer("proper_acceleration", "gravity is taken from it, as an accelerometer does", "add gravity to it")
+def proper_acceleration(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(sign: float) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            R, g = view.compute("fk")[..., :3, :3], np.array(view.description.gravity)
+            out = x.copy()
+            out[..., 3:] -= sign * (g @ R if view.layout.how.reference == "local" else g)
+            return out
+
+        words = {} if sign > 0 else {"says": "gravity is added to it", "fix": "take gravity from it"}
+        return replace(h, terms=("frame_acceleration",), place="change", act=act, cost=1.0 + 0.1 * (sign < 0), **words)
+
+    return [one(1.0), one(-1.0)]
 
 
 @rule(
@@ -231,66 +285,3 @@ def same_product(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> 
     v = view.case.sent["v"]
     lacks = np.einsum("nfij,nj->nfi", x - observed, v)
     return observed + lacks[..., None] * (v / (v**2).sum(-1, keepdims=True))[:, None, None, :]
-
-
-# --- mass and momentum ---------------------------------------------------------------------------
-
-
-@rule(
-    "about_origin",
-    "the momentum is about the origin of the world",
-    "take it about the centre of mass",
-    ("centroidal_momentum_matrix",),
-    "change",
-)
-def about_origin(view: View, term: str, x: np.ndarray) -> np.ndarray:
-    out = x.copy()
-    out[:, :3] += cross_matrix(view.compute("com")) @ x[:, 3:]
-    return out
-
-
-@rule(
-    "base_counts", "the mass of what cannot move counts", "leave the links that no joint moves out of it",
-    ("com", "com_jacobian", "centroidal_momentum_matrix", "potential_energy"), "change",
-    when=lambda case: not case.floating and _ground(case.description)[0] > 0,
-)  # fmt: skip
-def base_counts(view: View, term: str, x: np.ndarray) -> np.ndarray:
-    m, c = _ground(view.description)
-    moving = view.robot_mass
-    com = view.compute("com")
-    whole = moving + m
-    if term == "com":
-        return (moving * com + m * c) / whole
-    if term == "com_jacobian":
-        return x * moving / whole
-    if term == "potential_energy":
-        return x - m * (c @ np.array(view.description.gravity))
-    new = (moving * com + m * c) / whole
-    out = x.copy()
-    out[:, :3] -= cross_matrix(new - com) @ x[:, 3:]
-    return out
-
-
-def _ground(d: Description) -> tuple[float, np.ndarray]:
-    """Mass and centre of all links that no joint moves."""
-    where = {d.root: np.eye(4)}
-    mass, moment = (d.base.mass, d.base.mass * d.base.com) if d.base is not None else (0.0, np.zeros(3))
-    for p in d.parts:
-        if not p.moves and p.parent in where:
-            where[p.link] = where[p.parent] @ p.pose
-            if p.body is not None:
-                mass += p.body.mass
-                moment = moment + p.body.mass * (where[p.link] @ np.append(p.body.com, 1))[:3]
-    return mass, moment / mass if mass else moment
-
-
-@rule(
-    "potential_offset",
-    "heights are counted from elsewhere",
-    "nothing, if only differences are used",
-    ("potential_energy",),
-    "relation",
-    cost=1.2,
-)
-def potential_offset(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
-    return x + np.nanmean(observed - x)

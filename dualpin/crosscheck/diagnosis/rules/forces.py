@@ -102,6 +102,35 @@ def damping_as_friction(view: View) -> np.ndarray:
     return view.case.per_velocity(lambda p: p.damping) * np.sign(view.states["v"])
 
 
+SMOOTH: dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
+    "tanh(v / {})": lambda v, e: np.tanh(v / e), "v / (|v| + {})": lambda v, e: v / (np.abs(v) + e),
+    "2/pi atan(v / {})": lambda v, e: 2 / np.pi * np.arctan(v / e),
+}  # fmt: skip
+
+
+@proposer("friction_smooth", "the file's friction is in it, smoothed near v = 0", "set <dynamics friction> to 0")
+def friction_smooth(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str, width: float) -> Hypothesis:
+        def force(view: View) -> np.ndarray:
+            return view.case.per_velocity(lambda p: p.friction) * SMOOTH[words](view.states["v"], width)
+
+        return replace(h, place="force", act=force, terms=FORCED, values=words.format(width), cost=1.2)
+
+    if not _has("friction")(case):
+        return []
+    return [one(words, width) for words in SMOOTH for width in (1.0, 0.5, 0.1, 0.05, 0.01, 0.001)]
+
+
+@rule("saturated", "forces are cut off at a bound", "give them uncut; what an actuator can do is another question",
+      ("bias", "rnea", "gravity"), "relation", cost=1.3)  # fmt: skip
+def saturated(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    """The largest value of a row stands in it at least twice, and what is predicted is beyond."""
+    top = np.abs(observed).max(axis=0)
+    at = np.abs(np.abs(observed) - top) <= 1e-12 * top
+    cut = (at & (np.abs(x) > top)).sum(axis=0) >= 2
+    return np.where(cut, np.clip(x, -top, top), x)
+
+
 def _allowed(
     view: View, term: str, x: np.ndarray, observed: np.ndarray, f: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:

@@ -14,15 +14,22 @@ from ..hypothesis import Hypothesis
 from ..newton_euler import SLIPS, NewtonEuler
 from .register import FORCED, WEIGHED, proposer
 
-IN_MASS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "force_moment", "no_translational",
-           "no_angular_acceleration", "tangential", "tangential_com", "tangential_link", "slide_radius", "axis_frame",
-           "slide_axis_frame")  # fmt: skip
+TANGENTIAL = ("tangential", "tangential_com", "tangential_link", "tangential_sign", "tangential_com_sign",
+              "tangential_link_sign")  # fmt: skip
+HANDED_ON = ("moment_arm", "moment_arm_sign", "force_moment", "force_moment_link", "force_moment_link_sign",
+             "not_handed_on", "moment_not_handed_on", "slide_moment")  # fmt: skip
+TURNED = ("slide_radius", "axis_frame", "slide_axis_frame")
+IN_MASS = (*TANGENTIAL, *HANDED_ON, *TURNED, "inertia_frame", "inertia_frame_transposed", "inertia_frame_half",
+           "no_translational", "no_angular_acceleration", "slide_acceleration")  # fmt: skip
 """Slips that the mass matrix shows too."""
-IN_JACOBIANS = ("inertia_frame", "inertia_frame_transposed", "moment_arm", "tangential", "tangential_com",
-                "tangential_link", "slide_radius", "axis_frame", "slide_axis_frame")  # fmt: skip
-"""Those of them that Jacobians have."""
-IN_GRAVITY = ("moment_arm", "force_moment", "gravity_at_origin", "gravity_in_base", "slide_radius", "axis_frame",
-              "slide_axis_frame")  # fmt: skip
+IN_JACOBIANS = (*TANGENTIAL, *TURNED, "inertia_frame", "inertia_frame_transposed", "inertia_frame_half", "moment_arm",
+                "no_translational", "no_angular_acceleration")  # fmt: skip
+"""Those of them that Jacobians, and the kinetic energy that is made of them, have."""
+IN_GRAVITY = (*HANDED_ON, *TURNED, "gravity_at_origin", "gravity_in_base", "gravity_each_link")
+SEEN = ("centripetal", "centripetal_sign", "centripetal_link", "centripetal_link_sign", "axis_rate", "axis_rate_sign",
+        "slide_coriolis", "slide_coriolis_half", "slide_coriolis_sign", "axis_rate_twice", "slide_acceleration",
+        *TANGENTIAL)  # fmt: skip
+"""Those that accelerations of frames show."""
 
 
 Mass = Callable[[NewtonEuler, np.ndarray], np.ndarray]
@@ -35,19 +42,25 @@ MOST_STEPS = 12
 """Degrees of freedom up to which C is predicted from dM/dq."""
 
 
-def newton_euler(slip: str, merged: bool, mass: Mass) -> Callable[[View, str], np.ndarray | None]:
+def newton_euler(slip: str, merged: bool, how: str) -> Callable[[View, str], np.ndarray | None]:
     """The prediction of a term by Newton-Euler equations with a slip."""
 
     def act(view: View, term: str) -> np.ndarray | None:
         s, zero = view.states, np.zeros_like(view.states["v"])
-        model = NewtonEuler(view.robot, view.description, slip, merged)
+        model, mass = NewtonEuler(view.robot, view.description, slip, merged), MASSES[how]
         g = model.gravity
+        if term == "frame_acceleration":
+            aligned = view.layout.how.reference == "local_world_aligned"
+            return model.accelerations(s["q"], s["v"], s["a"], view.frames) if aligned else None
         if term == "gravity":
             return model.forces(s["q"], zero, zero, g)
         if term == "bias":
             return model.forces(s["q"], s["v"], zero, g)
         if term == "rnea":
             return model.forces(s["q"], s["v"], s["a"], g)
+        if term == "coriolis" and (slip not in IN_MASS or how == "M is right"):  # of which nothing is known but C v
+            C_v, v = model.forces(s["q"], s["v"], zero, 0 * g), s["v"]
+            return C_v[:, :, None] * v[:, None, :] / (v**2).sum(-1)[:, None, None]
         if term == "coriolis":
             return christoffel(lambda q: mass(model, q), s["q"], s["v"])
         M = mass(model, s["q"])
@@ -90,16 +103,20 @@ def slips(h: Hypothesis, case: Case) -> list[Hypothesis]:
         if (slip.startswith("slide") and not slides) or (slip == "gravity_in_base" and not case.floating):
             continue
         terms: tuple[str, ...] = (*WEIGHED,) if slip in IN_GRAVITY else FORCED
+        if slip in SEEN:
+            terms = (*terms, "frame_acceleration")
         if slip in IN_MASS:
             terms = (*terms, "crba", "minv", "kinetic_energy", *steps)
-        for merged, (how, mass) in itertools.product((False, True)[: 1 + merges], MASSES.items()):
-            if (how and slip not in IN_MASS) or (how == "M from Jacobians" and slip not in IN_JACOBIANS):
+        elif slip not in IN_GRAVITY:
+            terms = (*terms, "coriolis")
+        for merged, how in itertools.product((False, True)[: 1 + merges], MASSES):
+            if how and slip not in (IN_MASS if how == "M is right" else IN_JACOBIANS):
                 continue
-            touched = tuple(t for t in terms if t in WEIGHED) if how == "M is right" else terms
+            touched = (*(t for t in terms if t in WEIGHED), "coriolis") if how == "M is right" else terms
             values = ", ".join(x for x in ("of bodies merged from fixed links" if merged else "", how) if x)
             out.append(
                 replace(
-                    h, key=slip, says=says, terms=touched, place="formula", act=newton_euler(slip, merged, mass),
+                    h, key=slip, says=says, terms=touched, place="formula", act=newton_euler(slip, merged, how),
                     cost=1.1 + 0.05 * bool(how), values=values,
                     fix=f"put it in: {says.replace(' is left out', '')}" if "left out" in says else "turn it round",
                 )
@@ -168,6 +185,17 @@ def not_inverted(h: Hypothesis, case: Case) -> list[Hypothesis]:
         return view.compute("crba")
 
     return [replace(h, terms=("minv",), place="formula", act=act)]
+
+
+@proposer("diagonal_inverse", "only the diagonal of M is inverted", "factorise all of M")
+def diagonal_inverse(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def act(view: View, term: str) -> np.ndarray:
+        d = 1.0 / np.einsum("nii->ni", view.compute("crba"))
+        if term == "minv":
+            return np.asarray(d[:, :, None] * np.eye(d.shape[1]))
+        return np.asarray(d * (view.states["tau"] - view.compute("bias")))
+
+    return [replace(h, terms=("minv", "aba"), place="formula", act=act)]
 
 
 @proposer("coriolis_with_gravity", "gravity is in it as well as velocities", "C holds velocities only")

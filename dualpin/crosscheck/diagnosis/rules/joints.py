@@ -44,6 +44,11 @@ def axis_in_parent(p: Part, d: Description) -> Part:
     return _along(p, p.rotation.T @ p.unit_axis)
 
 
+@joint_rule("axis_turned", "axes are turned by the rpy of their joint once more", AXIS, cost=1.1)
+def axis_turned(p: Part, d: Description) -> Part:
+    return _along(p, p.rotation @ p.unit_axis)
+
+
 @joint_rule("rpy_order", "rpy of joints is multiplied in the other order", ORIGIN)
 def rpy_order(p: Part, d: Description) -> Part:
     return replace(p, rotation=turn(0, p.rpy[0]) @ turn(1, p.rpy[1]) @ turn(2, p.rpy[2]))
@@ -77,6 +82,11 @@ def xyz_sign(p: Part, d: Description) -> Part:
 @joint_rule("origin_inverted", "the pose of joint origins is inverted", ORIGIN)
 def origin_inverted(p: Part, d: Description) -> Part:
     return p.placed(np.linalg.inv(p.pose))
+
+
+@joint_rule("origin_twice", "the pose of joint origins is multiplied in twice", ORIGIN, cost=1.1)
+def origin_twice(p: Part, d: Description) -> Part:
+    return p.placed(p.pose @ p.pose)
 
 
 @joint_rule("motion_first", "the joint moves before its origin is applied", "a joint's pose is origin times motion")

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..case import Case
-from ..description import Body, Description, Part, fixed_axes, steiner, turn
+from ..description import Body, Description, Part, fixed_axes, merged, steiner, turn
 from ..hypothesis import Hypothesis
 from .register import ALL, INERTIAL, MASSIVE, link_rule, proposer
 
@@ -70,20 +70,23 @@ WRONG_STEINER = {
     "m c.c 1, without c c^T": lambda m, c: m * (c @ c) * np.eye(3),
     "m c c^T in place of m (c.c 1 - c c^T)": lambda m, c: m * np.outer(c, c),
     "m (c.c 1 + c c^T), with the other sign": lambda m, c: m * (c @ c * np.eye(3) + np.outer(c, c)),
+    "subtracted": lambda m, c: -steiner(m, c),
 }
 
 
 @proposer("steiner_wrong", "Steiner's term is another", "the parallel axis theorem adds m (c.c 1 - c c^T)")
-def steiner_wrong(h: Hypothesis, case: object) -> list[Hypothesis]:
-    def one(words: str) -> Hypothesis:
+def steiner_wrong(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str, bodies: bool) -> Hypothesis:
         def edit(d: Description, items: Sequence[str]) -> Description:
-            return d.with_bodies(
+            return (merged(d) if bodies else d).with_bodies(
                 lambda b: b.turned(b.in_link - steiner(b.mass, b.com) + WRONG_STEINER[words](b.mass, b.com)), items
             )
 
-        return replace(h, place="edit", act=edit, terms=MASSIVE, values=words)
+        values = words + (", of bodies merged from fixed links" if bodies else "")
+        return replace(h, place="edit", act=edit, terms=MASSIVE, values=values, cost=1.0 + 0.05 * bodies)
 
-    return [one(words) for words in WRONG_STEINER]
+    merges = case.merged is not case.description
+    return [one(words, bodies) for words in WRONG_STEINER for bodies in (False, True)[: 1 + merges]]
 
 
 @link_rule("products_dropped", "products of inertia are dropped", "use ixy, ixz and iyz too", MASSIVE)

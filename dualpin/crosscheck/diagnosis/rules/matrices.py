@@ -69,6 +69,7 @@ def coriolis_momentum(view: View, term: str, C: np.ndarray) -> np.ndarray:
 
 SYMBOLS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "(dM/dt + d(M v)/dq) / 2": lambda rate, B: (rate + B) / 2,
+    "(dM/dt + d(M v)/dq + (d(M v)/dq)^T) / 2": lambda rate, B: (rate + B + transposed(B)) / 2,
     "(dM/dt - (d(M v)/dq)^T) / 2": lambda rate, B: (rate - transposed(B)) / 2,
     "(dM/dt - d(M v)/dq + (d(M v)/dq)^T) / 2": lambda rate, B: (rate - B + transposed(B)) / 2,
     "d(M v)/dq": lambda rate, B: B,

@@ -69,7 +69,7 @@ def merge_steiner(h: Hypothesis, case: object) -> list[Hypothesis]:
     """Inertias about their own centres are simply added: each lacks Steiner's term to the common centre."""
 
     def edit(d: Description, items: Sequence[str]) -> Description:
-        where = _in_carriers(d)
+        where = d.carried()
         mass: dict[str, float] = {}
         moment: dict[str, np.ndarray] = {}
         for p in d.parts:
@@ -92,15 +92,6 @@ def merge_steiner(h: Hypothesis, case: object) -> list[Hypothesis]:
         return d.with_parts(part)
 
     return [replace(h, place="edit", act=edit, terms=MASSIVE)]
-
-
-def _in_carriers(d: Description) -> dict[str, tuple[str, np.ndarray]]:
-    """For every link: the link that moves it, and its pose there."""
-    found = {d.root: (d.root, np.eye(4))}
-    for p in d.parts:
-        carrier, H = found[p.parent]
-        found[p.link] = (p.link, np.eye(4)) if p.moves else (carrier, H @ p.pose)
-    return found
 
 
 def _chained(breadth: bool, names: tuple[str, ...]) -> Callable[[Description, Sequence[str]], Description]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...subjects.questions import QUESTIONS
 from ..case import Case
-from ..description import Body, Description, Part
+from ..description import Body, Description, Part, merged
 from ..hypothesis import Hypothesis
 
 ALL = tuple(QUESTIONS)
@@ -61,6 +61,8 @@ class _Family:
     edit: Callable[[Description, Sequence[str]], Description]
     items: Callable[[Description], list[str]]
     singles: bool = field(default=True)
+    of_bodies: bool = field(default=False)
+    """Whether it is also tried after fixed links were merged into what carries them, as many codes do first."""
 
     def __call__(self, case: Case) -> Iterable[Hypothesis]:
         found = self.items(case.description)
@@ -71,6 +73,12 @@ class _Family:
         if self.singles and 1 < len(found) <= MOST_ITEMS:
             for item in found:
                 yield replace(whole, items=(item,), cost=self.cost + 1.0, single=True)
+        lumped = case.merged
+        if self.of_bodies and lumped is not case.description and self.items(lumped):
+            yield replace(
+                whole, act=lambda d, i: self.edit(merged(d), i), values="of bodies merged from fixed links",
+                cost=self.cost + 0.05,
+            )  # fmt: skip
 
 
 def _register(key: str, says: str, fix: str, propose: Callable[[Case], Iterable[Hypothesis]]) -> None:
@@ -87,7 +95,8 @@ def link_rule(
             bodies = [(d.root, d.base), *((p.link, p.body) for p in d.parts)]
             return [link for link, body in bodies if body is not None and differ(body, f(body))]
 
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: d.with_bodies(f, i), items))
+        family = _Family(key, says, fix, terms, cost, lambda d, i: d.with_bodies(f, i), items, of_bodies=True)
+        _register(key, says, fix, family)
         return f
 
     return decorate

@@ -68,6 +68,31 @@ def inertial_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return _variants(h, MASSIVE, {words: edit(R) for words, R in _orders().items()}, case)
 
 
+def _parts() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
+    """Angles of rpy left out, or with the other sign."""
+    found: dict[str, np.ndarray] = {}
+    for k, name in enumerate(("roll", "pitch", "yaw")):
+        e = np.eye(3)[k]
+        found |= {f"without {name}": 1 - e, f"{name} alone": e, f"-{name}": 1 - 2 * e}
+    return {words: lambda rpy, s=s: _product((2, 1, 0), s * rpy) for words, s in found.items()}  # type: ignore[misc]
+
+
+@proposer("rpy_part", "of rpy of joints an angle is left out, or has the other sign", ANGLES)
+def rpy_parts(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
+        return lambda d, items: d.with_parts(lambda p, _: replace(p, rotation=R(p.rpy)) if p.rpy.any() else p)
+
+    return _variants(h, ALL, {words: edit(R) for words, R in _parts().items()}, case, cost=1.15)
+
+
+@proposer("inertial_rpy_part", "of rpy of <inertial> an angle is left out, or has the other sign", ANGLES)
+def inertial_parts(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
+        return lambda d, items: d.with_bodies(lambda b: replace(b, rotation=R(b.rpy)) if b.rpy.any() else b)
+
+    return _variants(h, MASSIVE, {words: edit(R) for words, R in _parts().items()}, case, cost=1.15)
+
+
 @joint_rule("rpy_degrees", "rpy of joints is read as degrees", ANGLES)
 def rpy_degrees(p: Part, d: Description) -> Part:
     return replace(p, rotation=_product((2, 1, 0), np.radians(p.rpy)))
@@ -92,7 +117,8 @@ def rpy_snapped(p: Part, d: Description) -> Part:
 
 # --- lengths and masses --------------------------------------------------------------------------
 
-THOUSANDS = {"1000": 1e3, "1/1000": 1e-3}
+LENGTHS = {"1000": 1e3, "1/1000": 1e-3, "100": 1e2, "1/100": 1e-2, "0.0254, inches": 0.0254, "0.3048, feet": 0.3048}
+MASSES = {"1000": 1e3, "1/1000": 1e-3, "0.45359237, pounds": 0.45359237, "1/0.45359237, to pounds": 1 / 0.45359237}
 
 
 @proposer("xyz_units", "xyz of joints is multiplied by a number (other units)", "give <origin xyz> in metres")
@@ -100,7 +126,7 @@ def xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(k: float) -> Edit:
         return lambda d, items: d.with_parts(lambda p, _: replace(p, position=k * p.position))
 
-    return _variants(h, ALL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+    return _variants(h, ALL, {words: edit(k) for words, k in LENGTHS.items()}, case)
 
 
 @proposer("inertial_xyz_units", "xyz of <inertial> is multiplied by a number (other units)", "give it in metres")
@@ -108,7 +134,7 @@ def inertial_xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(k: float) -> Edit:
         return lambda d, items: d.with_bodies(lambda b: replace(b, com=k * b.com))
 
-    return _variants(h, INERTIAL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+    return _variants(h, INERTIAL, {words: edit(k) for words, k in LENGTHS.items()}, case)
 
 
 @proposer("mass_units", "masses are multiplied by a number (other units)", "give <mass> in kg")
@@ -116,25 +142,84 @@ def mass_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(k: float) -> Edit:
         return lambda d, items: d.with_bodies(lambda b: replace(b, mass=k * b.mass))
 
-    return _variants(h, INERTIAL, {words: edit(k) for words, k in THOUSANDS.items()}, case)
+    return _variants(h, INERTIAL, {words: edit(k) for words, k in MASSES.items()}, case)
 
 
 # --- places --------------------------------------------------------------------------------------
 
 
 @proposer(
-    "inertial_xyz_order", "components of xyz of <inertial> are swapped or have the other sign", "read x y z in order"
+    "inertial_xyz_order",
+    "components of xyz of <inertial> are swapped, left out, or have the other sign",
+    "read x y z in order",
 )
 def inertial_xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(P: np.ndarray) -> Edit:
         return lambda d, items: d.with_bodies(lambda b: replace(b, com=P @ b.com))
 
-    found = {f"{a} and {b} swapped": edit(np.eye(3)[list(p)]) for (a, b), p in SWAPPED.items()}
-    found |= {f"-{'xyz'[k]}": edit(np.eye(3) - 2 * np.diag(np.eye(3)[k])) for k in range(3)}
-    return _variants(h, INERTIAL, found, case, cost=1.15)  # the other sign of all says more
+    return _variants(h, INERTIAL, {w: edit(P) for w, P in PLACES.items()}, case, cost=1.15)  # less than "all" says
 
 
 SWAPPED = {("x", "y"): (1, 0, 2), ("y", "z"): (0, 2, 1), ("x", "z"): (2, 1, 0)}
+PLACES = {f"{a} and {b} swapped": np.eye(3)[list(p)] for (a, b), p in SWAPPED.items()}
+PLACES |= {f"-{'xyz'[k]}": np.eye(3) - 2 * np.diag(np.eye(3)[k]) for k in range(3)}
+PLACES |= {f"{'xyz'[k]} ignored": np.eye(3) - np.diag(np.eye(3)[k]) for k in range(3)}
+"""What may happen to three components."""
+
+
+@proposer(
+    "xyz_order", "components of xyz of joints are swapped, left out, or have the other sign", "read x y z in order"
+)
+def xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(P: np.ndarray) -> Edit:
+        return lambda d, items: d.with_parts(lambda p, _: replace(p, position=P @ p.position))
+
+    return _variants(h, ALL, {w: edit(P) for w, P in PLACES.items()}, case, cost=1.15)
+
+
+@proposer(
+    "axis_order", "components of <axis> are swapped, or have the other sign", "read x y z in order, with their signs"
+)
+def axis_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(P: np.ndarray) -> Edit:
+        return lambda d, items: d.with_parts(lambda p, _: replace(p, axis=P @ p.unit_axis) if p.axial else p)
+
+    turns = {w: P for w, P in PLACES.items() if abs(np.linalg.det(P)) > 0.5}
+    return _variants(h, ALL, {w: edit(P) for w, P in turns.items()}, case, cost=1.15)
+
+
+@proposer("products_scale", "products of inertia are multiplied by a number", "ixy, ixz, iyz are the matrix's entries")
+def products_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(k: float) -> Edit:
+        def scaled(b: Body) -> Body:
+            return replace(b, inertia=k * b.inertia + (1 - k) * np.diag(np.diag(b.inertia)))
+
+        return lambda d, items: d.with_bodies(scaled, items)
+
+    return _variants(h, MASSIVE, {"1/2": edit(0.5), "2": edit(2.0)}, case)
+
+
+@proposer("file_digits", "numbers of the file are rounded", "read and keep all digits of the file")
+def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(f: Callable[[np.ndarray], np.ndarray]) -> Edit:
+        def body(b: Body) -> Body:
+            rpy = f(b.rpy)
+            return Body(float(f(np.array(b.mass))), f(b.com), rpy, _product((2, 1, 0), rpy), f(b.inertia))
+
+        def part(p: Part, _: Description) -> Part:
+            rpy, axis = f(p.rpy), None if p.axis is None else f(p.axis)
+            return replace(p, position=f(p.position), rpy=rpy, rotation=_product((2, 1, 0), rpy), axis=axis)
+
+        return lambda d, items: d.with_bodies(body).with_parts(part)
+
+    kept = {f"{n} decimals": edit(lambda x, n=n: np.round(x, n)) for n in (2, 3, 4, 5, 6)}  # type: ignore[misc]
+    kept |= {f"{n} significant digits": edit(lambda x, n=n: _significant(x, n)) for n in (3, 4, 5, 6)}  # type: ignore[misc]
+    return _variants(h, ALL, kept, case)
+
+
+def _significant(x: np.ndarray, n: int) -> np.ndarray:
+    step = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(x), 1e-300))) - n + 1)
+    return np.where(x == 0, 0.0, np.round(x / step) * step)
 
 
 @proposer("moments_swapped", "moments of inertia are in each other's place", "read ixx, iyy and izz by name")

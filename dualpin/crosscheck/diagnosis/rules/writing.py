@@ -253,6 +253,17 @@ def degrees_everywhere(view: View) -> States:
     return {**view.states, "q": q}
 
 
+@proposer("angles_scale", "angles are multiplied by a number", "pass angles in radians, as the joint turns")
+def angles_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str, k: float) -> Hypothesis:
+        def act(view: View) -> States:
+            return {**view.states, "q": _angles(view.case, view.states["q"], k)}
+
+        return replace(h, terms=ALL, place="state", act=act, values=words, cost=1.1)
+
+    return [one("-1", -1.0), one("1/2", 0.5), one("2", 2.0), one("180/pi", 180 / np.pi)]
+
+
 @rule(
     "millimetres", "positions of sliding joints are read as millimetres", "pass lengths in metres", ALL, "state",
     when=lambda case: any(p.slides for p, _ in case.parts()),

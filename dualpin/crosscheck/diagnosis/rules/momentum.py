@@ -1,0 +1,137 @@
+"""Centres of mass, momentum and heights: what is summed, about which point, and what counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...subjects.layout import cross_matrix
+from ..case import Case, View
+from ..description import Description
+from ..hypothesis import Hypothesis
+from ..newton_euler import NewtonEuler
+from .register import proposer, rule
+
+
+@rule(
+    "about_origin",
+    "the momentum is about the origin of the world",
+    "take it about the centre of mass",
+    ("centroidal_momentum_matrix",),
+    "change",
+)
+def about_origin(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    out = x.copy()
+    out[:, :3] += cross_matrix(view.compute("com")) @ x[:, 3:]
+    return out
+
+
+SUMS = {
+    "spin": "the spin I w of bodies is left out of the momentum",
+    "orbit": "m r x v of bodies is left out of the angular momentum",
+    "orbit_sign": "m r x v of bodies has the other sign in the angular momentum",
+    "com_frame": "centres of mass are not turned into world axes",
+    "com_unweighted": "the centre of mass is the mean of the bodies' centres, without their masses",
+}
+
+
+@proposer("spin, ...", "sums over bodies lack a part", "sum m c, and I w + m r x v, over all bodies", SUMS)
+def sums(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """Momentum and centre of mass, body by body."""
+    if case.robot.coupled or case.floating or any(p.moves and not p.axial for p in case.description.parts):
+        return []
+    out = []
+    for bodies in (False, True)[: 1 + (case.merged is not case.description)]:
+        for key, says in SUMS.items():
+
+            def act(view: View, term: str, key: str = key, bodies: bool = bodies) -> np.ndarray:
+                model = NewtonEuler(view.robot, view.description, key, bodies)
+                return model.centre(view.states["q"]) if term == "com" else model.momentum(view.states["q"])
+
+            term = "com" if key.startswith("com") else "centroidal_momentum_matrix"
+            values = "of bodies merged from fixed links" if bodies else ""
+            out.append(
+                replace(
+                    h,
+                    key=key,
+                    says=says,
+                    terms=(term,),
+                    place="formula",
+                    act=act,
+                    values=values,
+                    cost=1.0 + 0.05 * bodies,
+                )
+            )
+    return out
+
+
+@proposer("about_point", "the momentum is about another point of the world", "take it about the centre of mass")
+def about_point(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """h_P = h_G + (G - P) x p, the point P from least squares."""
+    term = "centroidal_momentum_matrix"
+    x, p, G = case.observed.get(term), case.predict(term), case.predict("com")
+    if x is None or p is None or G is None or not np.isfinite(x).all():
+        return []
+    rows = [case.how.rows.index(r) for r in ("wx", "wy", "wz", "vx", "vy", "vz")]
+    apart, linear = (x - p)[:, rows[:3]], p[:, rows[3:]]
+    left = cross_matrix(G) @ linear - apart  # P x p
+    A, b = -cross_matrix(np.moveaxis(linear, 1, 2)).reshape(-1, 3), np.moveaxis(left, 1, 2).ravel()
+    P, *_ = np.linalg.lstsq(A, b, rcond=None)
+    if np.abs(A @ P - b).max() > 1e-9 or np.abs(P).max() < 1e-9:
+        return []
+
+    def act(view: View, term: str, y: np.ndarray) -> np.ndarray:
+        out = y.copy()
+        out[:, :3] += cross_matrix(view.compute("com") - P) @ y[:, 3:]
+        return out
+
+    words = f"({', '.join(f'{c + 0.0:.6g}' for c in P)})"
+    return [replace(h, terms=(term,), place="change", act=act, values=words, cost=1.3)]
+
+
+@rule(
+    "base_counts", "the mass of what cannot move counts", "leave the links that no joint moves out of it",
+    ("com", "com_jacobian", "centroidal_momentum_matrix", "potential_energy"), "change",
+    when=lambda case: not case.floating and _ground(case.description)[0] > 0,
+)  # fmt: skip
+def base_counts(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    m, c = _ground(view.description)
+    moving = view.robot_mass
+    com = view.compute("com")
+    whole = moving + m
+    if term == "com":
+        return (moving * com + m * c) / whole
+    if term == "com_jacobian":
+        return x * moving / whole
+    if term == "potential_energy":
+        return x - m * (c @ np.array(view.description.gravity))
+    new = (moving * com + m * c) / whole
+    out = x.copy()
+    out[:, :3] -= cross_matrix(new - com) @ x[:, 3:]
+    return out
+
+
+def _ground(d: Description) -> tuple[float, np.ndarray]:
+    """Mass and centre of all links that no joint moves."""
+    where = {d.root: np.eye(4)}
+    mass, moment = (d.base.mass, d.base.mass * d.base.com) if d.base is not None else (0.0, np.zeros(3))
+    for p in d.parts:
+        if not p.moves and p.parent in where:
+            where[p.link] = where[p.parent] @ p.pose
+            if p.body is not None:
+                mass += p.body.mass
+                moment = moment + p.body.mass * (where[p.link] @ np.append(p.body.com, 1))[:3]
+    return mass, moment / mass if mass else moment
+
+
+@rule(
+    "potential_offset",
+    "heights are counted from elsewhere",
+    "nothing, if only differences are used",
+    ("potential_energy",),
+    "relation",
+    cost=1.2,
+)
+def potential_offset(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+    return x + np.nanmean(observed - x)
