@@ -206,10 +206,9 @@ def proper_acceleration(h: Hypothesis, case: Case) -> list[Hypothesis]:
             out[..., 3:] -= sign * (g @ R if view.layout.how.reference == "local" else g)
             return out
 
-        words = {} if sign > 0 else {"says": "gravity is added to it", "fix": "take gravity from it"}
-        return replace(h, terms=("frame_acceleration",), place="change", act=act, cost=1.0 + 0.1 * (sign < 0), **words)
+        return replace(h, terms=("frame_acceleration",), place="change", act=act, cost=1.0 + 0.1 * (sign < 0))
 
-    return [one(1.0), one(-1.0)]
+    return [one(1.0), replace(one(-1.0), says="gravity is added to it", fix="take gravity from it")]
 
 
 @rule(

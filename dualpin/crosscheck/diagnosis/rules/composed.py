@@ -68,6 +68,8 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
             return x + along("crba", "a") + bias
         if term == "aba":
             M = case.predict("crba")
+            if M is None:
+                raise ValueError("no mass matrix")
             forces = product(M, x) - bias
             return np.linalg.solve(observed["crba"] if "crba" in parts else M, forces[..., None])[..., 0]
         if term == "minv":

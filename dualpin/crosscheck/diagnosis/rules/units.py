@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import permutations
 
 import numpy as np
@@ -212,12 +213,16 @@ def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return lambda d, items: d.with_bodies(body).with_parts(part)
 
-    kept = {f"{n} decimals": edit(lambda x, n=n: np.round(x, n)) for n in (2, 3, 4, 5, 6)}  # type: ignore[misc]
-    kept |= {f"{n} significant digits": edit(lambda x, n=n: _significant(x, n)) for n in (3, 4, 5, 6)}  # type: ignore[misc]
+    kept = {f"{n} decimals": edit(partial(_decimals, n)) for n in (2, 3, 4, 5, 6)}
+    kept |= {f"{n} significant digits": edit(partial(_significant, n)) for n in (3, 4, 5, 6)}
     return _variants(h, ALL, kept, case)
 
 
-def _significant(x: np.ndarray, n: int) -> np.ndarray:
+def _decimals(n: int, x: np.ndarray) -> np.ndarray:
+    return np.asarray(np.round(x, n))
+
+
+def _significant(n: int, x: np.ndarray) -> np.ndarray:
     step = 10.0 ** (np.floor(np.log10(np.maximum(np.abs(x), 1e-300))) - n + 1)
     return np.where(x == 0, 0.0, np.round(x / step) * step)
 
