@@ -17,6 +17,7 @@ PARTS = {
     "bias": ("gravity", "coriolis"),
     "rnea": ("crba", "bias", "gravity", "coriolis"),
     "aba": ("crba", "bias", "gravity", "coriolis"),
+    "rnea_f_ext": ("rnea",),
     "minv": ("crba",),
     "kinetic_energy": ("crba",),
     "gravity": ("com_jacobian",),
@@ -72,6 +73,8 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
                 raise ValueError("no mass matrix")
             forces = product(M, x) - bias
             return np.linalg.solve(observed["crba"] if "crba" in parts else M, forces[..., None])[..., 0]
+        if term == "rnea_f_ext":
+            return x + apart("rnea")[:, None]
         if term == "minv":
             return np.linalg.inv(observed["crba"])
         if term == "kinetic_energy":
