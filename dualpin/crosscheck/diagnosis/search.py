@@ -80,10 +80,11 @@ def explain(
     """Look for the stories of one term; stories that explained other terms are tried first."""
     search = _Search(case, term, time.process_time() + budget)
     found = Explanation(term, case.score(term))
-    search.consider([tuple(h for h in s if term in h.terms) for s in first])
+    mine = [t for s in first if (t := tuple(h for h in s if term in h.terms))]
+    search.consider(mine)
     whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
     alike = [h for h in whole if h.key in SAME]
-    search.consider([ordered((*s, h)) for s in first for h in alike if any(term in g.terms for g in s)])
+    search.consider([ordered((*s, h)) for s in mine for h in alike])
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
     if found.before.error < SMALL:
         depth = min(depth, 1)
