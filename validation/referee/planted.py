@@ -16,11 +16,15 @@ from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.subjects import QUESTIONS, asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.planted import FIXED, MISTAKES, PAIRS
+from tests.crosscheck.planted_blind import BESIDES, wrong
+from tests.crosscheck.planted_blind import MISTAKES as RECURSIVE
+from tests.crosscheck.planted_blind import PAIRS as RECURSIVE_PAIRS
 from tests.crosscheck.planted_more import MORE, Written
 from tests.crosscheck.student import Student
 
 HERE = Path(__file__).parent
-KEYS = MISTAKES | MORE
+KEYS = {k: set(x) for k, x in (MISTAKES | MORE).items()}
+KEYS |= {f"recursive {k}": {*keys.split(), *BESIDES} for k, (keys, _) in RECURSIVE.items()}
 ROBOTS = {
     "probe": ("urdf/probe/probe.urdf", False),
     "panda": ("panda", False),
@@ -36,7 +40,7 @@ def outcome(asked: Any, subject: Any, wrong: tuple[str, ...]) -> dict[str, Any]:
     shows = bool(case.answers.history) or any(not case.score(t).right for t in case.observed)
     found = diagnose(case)
     keys = sorted({f.key for f in found.findings})
-    right = all(set(keys) & set(KEYS[w]) for w in wrong) and set(keys) <= {k for w in wrong for k in KEYS[w]}
+    right = all(set(keys) & (KEYS[w] - BESIDES) for w in wrong) and set(keys) <= {k for w in wrong for k in KEYS[w]}
     verdict = "invisible" if not shows and not keys else "named" if right else "missed"
     return {"verdict": verdict, "keys": keys, "seconds": round(found.seconds, 2)}
 
@@ -47,13 +51,15 @@ def main(names: list[str]) -> None:
         robot, floating = ROBOTS[name]
         asked = asking(robot, SAMPLES, 0, tuple(QUESTIONS), floating=floating)
         chosen = [(m,) for m in (MISTAKES if floating else FIXED)] + (list(PAIRS) if name == "probe" else [])
-        subjects = {wrong: Student(asked.text, floating, wrong) for wrong in chosen}
+        subjects: dict[tuple[str, ...], Any] = {w: Student(asked.text, floating, w) for w in chosen}
         if not floating:
             subjects |= {(m,): Written(asked.text, floating, m) for m in MORE}
+        for names in [*((m,) for m in RECURSIVE), *(RECURSIVE_PAIRS if name == "probe" else ())]:
+            subjects[tuple(f"recursive {m}" for m in names)] = wrong(*names)(asked.text, floating)
         found = {}
-        for wrong, subject in subjects.items():
-            found["+".join(wrong)] = one = outcome(asked, subject, wrong)
-            print(name, "+".join(wrong), one, file=sys.stderr, flush=True)
+        for mistakes, subject in subjects.items():
+            found["+".join(mistakes)] = one = outcome(asked, subject, mistakes)
+            print(name, "+".join(mistakes), one, file=sys.stderr, flush=True)
         others = json.loads(file.read_text()) if file.exists() else {}
         file.write_text(json.dumps({**others, name: found}, indent=1) + "\n")
     write(json.loads(file.read_text()))
