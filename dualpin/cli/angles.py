@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 Degrees = Annotated[bool, typer.Option("--degrees", help="Angles in degrees, those typed and those printed.")]
 TURNS = 2.0  # turns beyond which an angle of a joint without limits is asked about
-MOST = 720.0  # degrees that somebody would type
+MOST = 720.0  # degrees; larger numbers are hardly typed on purpose
 SLACK = 1e-9  # rad or m: a limit typed with the digits that are printed is inside
 
 

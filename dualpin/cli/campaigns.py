@@ -1,4 +1,4 @@
-"""`dualpin campaign`: what a store of results holds."""
+"""`dualpin campaign`: the contents of a store of results."""
 
 from __future__ import annotations
 

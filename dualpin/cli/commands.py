@@ -1,4 +1,4 @@
-"""Commands that look at one robot, or at what is installed."""
+"""Commands about one robot, and the list of installed ones."""
 
 from __future__ import annotations
 

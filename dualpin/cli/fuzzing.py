@@ -1,4 +1,4 @@
-"""`dualpin fuzz`: random robots without end."""
+"""`dualpin fuzz`: random robots, as many as wanted."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ EXIT_FOUND, EXIT_INTERRUPTED = 1, 130
 @app.command()
 def fuzz(
     robots: Annotated[
-        int, typer.Option("--robots", min=1, help="How many; more later go on with what --store has.")
+        int, typer.Option("--robots", min=1, help="How many; a larger number later continues --store.")
     ] = 1000,
     seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
     store: Annotated[Path | None, typer.Option("--store", help="A file in which results stay.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Write tables and minimal robots into this folder.")] = None,
-    small: Annotated[int, typer.Option("--small", min=0, help="How many robots of each kind are made small.")] = 1,
+    small: Annotated[int, typer.Option("--small", min=0, help="How many robots of each kind are reduced.")] = 1,
     jobs: Annotated[int, typer.Option("--jobs", "-j", min=0, help="Processes; 0: one a core.")] = 0,
     scheduler: Annotated[str, typer.Option("--scheduler", help="As of `dualpin validate`.")] = "",
     replay: Annotated[
@@ -35,8 +35,8 @@ def fuzz(
 ) -> None:
     """Examine random robots: every term against Pinocchio, and identities that must hold.
 
-    Every difference is decided by the term's definition in 50 digits, and one robot of each kind is
-    made as small as it gets.  Exit code 1 where dualpin errs.
+    Every difference is arbitrated by the term's definition in 50 digits, and one robot of each kind is
+    reduced to a minimal one.  Exit code 1 where dualpin is wrong.
 
     Examples:  dualpin fuzz --robots 100000 --seed 7 --store all.sqlite --out out
     """

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 @app.command()
 def integrate(
     robot: RobotName,
-    frame: Annotated[str | None, typer.Option("--frame", help="What follows; the last frame by default.")] = None,
+    frame: Annotated[str | None, typer.Option("--frame", help="Frame that moves; the last by default.")] = None,
     radius: Annotated[float, typer.Option("--radius", help="Of the circle, in metres.")] = 0.05,
-    period: Annotated[float, typer.Option("--period", help="Of a turn, in seconds.")] = 10.0,
+    period: Annotated[float, typer.Option("--period", help="Of one revolution, in seconds.")] = 10.0,
     plane: Annotated[
         str | None, typer.Option("--plane", help="xy, yz or zx; by default one in which the robot can move.")
     ] = None,

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 STYLES = {"agrees": "green", "passed": "bold green", "FAILED": "bold red"}
 REMARKS = 8  # that are printed below a robot's terms
-PIPE = 160  # columns where nobody looks
+PIPE = 160  # columns of output that is not a terminal
 
 
 def formats() -> tuple[str, ...]:

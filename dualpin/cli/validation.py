@@ -40,7 +40,8 @@ def validate(
     mimic: Mimic = False,
     engine: Annotated[str, typer.Option("--engine", help="auto, numpy, compiled, tiered or cuda.")] = "auto",
     arbitrate: Annotated[
-        bool, typer.Option("--arbitrate", help="Ask 50 digits also where a term agrees and is off by more than 1e-13.")
+        bool,
+        typer.Option("--arbitrate", help="Arbitrate in 50 digits also agreeing terms that differ by more than 1e-13."),
     ] = False,
     against: Annotated[
         str | None, typer.Option("--against", help="Compare with this robot or file instead, and say what differs.")

@@ -29,7 +29,7 @@ def workspace(
     cell: Annotated[
         float | None, typer.Option("--cell", help="Side of a cell [m]; by default fits the samples.")
     ] = None,
-    bands: Annotated[int, typer.Option("--bands", min=1, help="Bands of directions: 2 BANDS^2 are told apart.")] = 6,
+    bands: Annotated[int, typer.Option("--bands", min=1, help="Bands of directions: 2 BANDS^2 in all.")] = 6,
     payload: Annotated[
         float, typer.Option("--payload", min=0.0, help="Mass [kg] that the map of joint torques carries.")
     ] = 0.0,

@@ -47,7 +47,7 @@ def dh_text(table: DHTable, format: str, degrees: bool, digits: int | None) -> s
 
 
 def caption(table: DHTable) -> str:
-    """What the table is of: the robot, its links as they were asked for, and the convention."""
+    """Title of the table: the robot, base and tip link, and the convention."""
     ends = f" from {table.chain.base.name} to {table.chain.tip.name}" if table.chain else ""
     return f"{table.name}{ends}: Denavit-Hartenberg, {table.convention}"
 

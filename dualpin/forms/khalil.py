@@ -59,7 +59,7 @@ class KhalilRow:
 
     @property
     def sigma(self) -> int | None:
-        """Khalil's type: 0 revolute, 1 prismatic, 2 fixed; None for kinds he has not."""
+        """Khalil's sigma: 0 revolute, 1 prismatic, 2 fixed; None for kinds that the notation does not have."""
         return {"R": 0, "P": 1, "F": 2}.get(self.letter)
 
     @property
@@ -134,7 +134,7 @@ class KhalilTable:
 
     @cached_property
     def robot(self) -> Robot:
-        """The table as a robot of its own, without masses; frame "number" for each row."""
+        """The table as a separate robot without masses; a frame "number" for each row."""
         b = Builder(self.source.name)
         b.base("0")
         for row in self.rows:

@@ -153,7 +153,7 @@ class Screws:
 
     @cached_property
     def robot(self) -> Robot:
-        """The product of exponentials as a robot of its own, one joint for each screw."""
+        """The product of exponentials as a separate robot, one joint for each screw."""
         return home("Screws.robot")(self.home, self.Slist.T, name=self.chain.robot.name, unit=False)
 
     def pose(self, q: Sequence[Scalar]) -> Pose:

@@ -1,4 +1,4 @@
-"""The Denavit-Hartenberg table: dual angles first, four columns as their view."""
+"""The Denavit-Hartenberg table: dual angles, with the four usual columns as a view of them."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class DHStep:
 
 @dataclass(frozen=True)
 class DHEnd:
-    """What stands before the first row, or after the last: a product of steps, usually one.
+    """The constant part before the first row, or after the last: a product of steps, usually one.
 
     NumPy sees it as its homogeneous matrix.
 
@@ -249,7 +249,7 @@ class DHTable:
 
     @cached_property
     def robot(self) -> Robot:
-        """The chain as a robot of its own, with a joint for each row that moves, and no masses."""
+        """The chain as a separate robot without masses, with a joint for each row that moves."""
         return home("DHTable.robot")(self)
 
     @cached_property
@@ -313,7 +313,7 @@ class DHTable:
         if self.chain is None:
             return 0.0
         q = self.chain.sample(samples, seed)
-        # few samples of a chain used once: not worth compiling
+        # few samples, used once: compiling would take longer
         return float(np.abs(self.fk(q, engine="numpy") - self.chain.fk(q, engine="numpy")).max())
 
     @cached_property

@@ -35,7 +35,7 @@ def number(x: float, digits: int | None = None) -> str:
 
 
 ROUNDING = 1e-15
-"""What a double leaves of numbers of size one, where nothing is known to be worse."""
+"""Rounding of numbers of size one in double precision, the default residual."""
 
 
 def tidy(x: float, residual: float = 0.0, digits: int | None = None) -> str:
@@ -90,7 +90,7 @@ def aligned(header: Sequence[str], rows: Rows) -> str:
 
 
 def markdown(header: Sequence[str], rows: Rows) -> str:
-    """A pipe table; names in it stay names."""
+    """A Markdown table; special characters in names are escaped."""
     lines = [header, ["---:"] * len(header), *([escape.markdown(str(c)) for c in row] for row in rows)]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 

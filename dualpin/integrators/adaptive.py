@@ -12,7 +12,7 @@ from .space import Space
 from .step import combination, stages
 
 SAFETY, SMALLEST, LARGEST = 0.9, 0.2, 10.0  # usual bounds on the change of the step (Hairer et al., II.4)
-TINY = 1e-12  # of the whole time: a step this small does not get anywhere
+TINY = 1e-12  # of the whole time: with steps this small the run would not end
 
 
 def adaptive_steps(
@@ -51,7 +51,7 @@ def adaptive_steps(
         K = stages(method, rate, y, h, space)
         evaluations += method.evaluations - 1
         u = combination(method.b, K, h)
-        with np.errstate(all="ignore"):  # a step too long can leave the numbers; a shorter one is tried
+        with np.errstate(all="ignore"):  # too long a step can overflow; a shorter one is tried
             error = np.abs(h * np.tensordot(weights, np.stack(K), 1))
             scale = atol + rtol * np.maximum(np.abs(u), 1.0)
             size = np.sqrt(np.mean((error / scale) ** 2, axis=-1)).max(initial=0.0)

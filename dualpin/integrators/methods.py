@@ -1,4 +1,4 @@
-"""What a method is: coefficients, its declared order, and the limit of its stability.
+"""The data of a method: coefficients, its declared order, and its stability limit.
 
 A method is data.  `step.py` knows how to take a step with each of the four kinds, and nothing
 about any particular one; to add a method, add its coefficients to `tableaus.py`.
@@ -20,7 +20,7 @@ class Method:
     Attributes
     ----------
     name, title, source : str
-        What it is called in code, in text, and where it is described.
+        Its name in code, its name in text, and a reference.
     order : int
         The global error is O(dt^order).
     stability_limit : float
@@ -45,7 +45,7 @@ class Method:
 
     @property
     def depth(self) -> int:
-        """How many earlier rates a step looks back on."""
+        """How many earlier rates a step uses."""
         return 0
 
 

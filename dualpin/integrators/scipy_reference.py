@@ -64,7 +64,7 @@ def _solve_ivp(
 
     def watched(t: float, y: np.ndarray) -> np.ndarray:
         rate = f(t, y)
-        if not np.isfinite(rate).all():  # SciPy would go on for ever
+        if not np.isfinite(rate).all():  # SciPy would not terminate
             raise ArgumentError(f"{options['method']}: the rate is not finite at t = {t:.6g} s")
         return rate
 

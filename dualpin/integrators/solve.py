@@ -26,7 +26,7 @@ STARTUPS = ("paper", "rk4")
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run cost: evaluations of the rate, steps taken, seconds of wall time."""
+    """Cost of a run: evaluations of the rate, steps taken, seconds of wall time."""
 
     evaluations: int
     steps: int
@@ -95,7 +95,7 @@ def fixed_steps(
 
 
 def check_multistep(what: str, method: Method, space: Space) -> None:
-    """Differences of earlier rates mean nothing once a base has turned: refuse rather than lose the order."""
+    """Refuse multistep methods where a base turns: rates in different frames cannot be combined."""
     if isinstance(method, PredictorCorrector) and not space.additive:
         raise ArgumentError(
             f"{what}: method {method.name!r} adds rates of several instants, which has no order on a floating or "

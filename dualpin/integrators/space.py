@@ -1,4 +1,4 @@
-"""Where values live: coordinates that add, or configurations that move along screws."""
+"""Spaces of values: vectors, or configurations of a robot that move along screws."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ Past = tuple[Any, ...]
 
 
 def step(method: Method, f: Rate, y: Any, h: Any, past: Past = (), space: Space = Space()) -> tuple[Any, Past]:  # noqa: B008
-    """The value one step later, and the rates that the next step looks back on (latest first).
+    """The value one step later, and the earlier rates for the next step (latest first).
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """yourdfpy without trimesh, which it imports for meshes, and with it SciPy and networkx: most of a second.
 
 A description needs only `trimesh.transformations`.  While yourdfpy is imported, a package with trimesh's path and
-nothing in it stands for trimesh; whoever asks yourdfpy for a mesh later gets the real one.
+nothing in it stands for trimesh; a mesh requested from yourdfpy later uses the real one.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _import_beside(path: list[str]) -> None:
     sys.modules[_NAME] = stand_in
     try:
         importlib.import_module("yourdfpy")
-    except Exception:  # of another release than was tested: as it comes
+    except Exception:  # of another release than was tested: imported as it is
         for name in [x for x in sys.modules if x.partition(".")[0] == "yourdfpy"]:
             del sys.modules[name]
     finally:

@@ -1,4 +1,4 @@
-"""A document as it is read: the checked <robot> element, and what reading one of its elements needs."""
+"""A document while it is read: the checked <robot> element, and helpers for reading its elements."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Owner(NamedTuple):
 
 @dataclass
 class Document:
-    """A checked <robot> element, its links and joints by name, and notes on what is odd in it."""
+    """A checked <robot> element, its links and joints by name, and notes on it."""
 
     root: etree._Element
     source: str
@@ -44,13 +44,13 @@ class Document:
     reductions: dict[str, float] = field(default_factory=dict)
     """Joint -> ratio of its transmission."""
     whole: etree._Element | None = None
-    """The root element with all that is not mechanics, meshes for instance."""
+    """The root element with everything that is not mechanics too, meshes for instance."""
     mended: bool = False
     """Whether the text had faults of markup, so that its elements are not those of the file."""
 
     @property
     def stem(self) -> str:
-        """The name of the file, for what has none of its own."""
+        """The name of the file, for elements without a name."""
         return "robot" if self.source.startswith("<") else Path(self.source).stem or "robot"
 
     def fail(self, element: etree._Element | None, message: str) -> NoReturn:
@@ -60,7 +60,7 @@ class Document:
     # reading one element
 
     def note(self, kind: str, owner: Owner, detail: str = "") -> None:
-        """Say `kind` of a link or a joint."""
+        """Add a note of this kind about a link or a joint."""
         self.notes.add(kind, owner.tag, owner.name, detail)
 
     def one(self, parent: etree._Element, tag: str, owner: Owner) -> etree._Element | None:
@@ -90,7 +90,7 @@ class Document:
             if not number or not (unbounded or math.isfinite(float(word))):
                 self.fail(e, f"{shown} is {short(text)}; {short(word)} is not a finite decimal number")
             values.append(float(word))
-        if attribute in e.attrib:  # whoever reads it next finds the numbers that were checked
+        if attribute in e.attrib:  # later readers find the numbers that were checked
             e.set(attribute, " ".join(map(repr, values)))
         return values
 

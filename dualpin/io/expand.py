@@ -25,9 +25,9 @@ from .apart import expand as worker
 from .xml import MAX_BYTES
 
 SECONDS = 60.0
-"""After which an expansion is stopped: the largest public descriptions take two."""
+"""Seconds after which an expansion is stopped; the largest public descriptions take two."""
 SETTINGS = "DUALPIN_XACRO"
-"""An environment variable, {"args": {...}, "packages": {...}} as JSON, for what a call does not say itself."""
+"""An environment variable, {"args": {...}, "packages": {...}} as JSON, with defaults for what a call does not give."""
 
 
 def is_xacro(path: Path) -> bool:
@@ -75,7 +75,7 @@ def expanded(
 
 
 def _settings() -> dict[str, dict[str, str]]:
-    """What the command line, or whoever started this program, said for all files."""
+    """Settings for all files, from the command line or from the program that started this one."""
     try:
         said = json.loads(os.environ.get(SETTINGS, "{}"))
         return {key: {str(k): str(x) for k, x in said.get(key, {}).items()} for key in ("args", "packages")}
@@ -98,7 +98,7 @@ Key = tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], str]
 
 
 def _run(path: Path, key: Key, size: int) -> str:
-    """The text of the URDF.  It is never remembered: what the file includes may have changed."""
+    """The text of the URDF; not cached, since included files may have changed."""
     if size > MAX_BYTES:
         raise UrdfError(f"{path.name}: {size >> 20} MiB; files up to {MAX_BYTES >> 20} MiB are read")
     extra("xacrodoc", "xacro", f"{path.name}: an xacro file")
@@ -123,7 +123,7 @@ def _run(path: Path, key: Key, size: int) -> str:
 
 
 def _explained(error: str) -> str:
-    """What to do about the errors that everybody meets first."""
+    """Advice for the commonest errors."""
     text = " ".join(error.split())
     if "PackageNotFound" in text or "ResourceNotFound" in text:
         return f"{text}; say where it is: packages={{name: folder}} or `--package name=folder`, or in ROS_PACKAGE_PATH"

@@ -66,7 +66,7 @@ def _check_axis(document: Document, joint: etree._Element, kind: str, owner: Own
     axis = document.one(joint, "axis", owner)
     if axis is None:
         return
-    if kind in ("fixed", "floating"):  # it means nothing there, and is not read
+    if kind in ("fixed", "floating"):  # an axis has no meaning there, and is not read
         joint.remove(axis)
         return
     text = axis.get("xyz")

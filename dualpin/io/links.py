@@ -50,7 +50,7 @@ def read_links(document: Document) -> None:
 
 
 def _name_the_nameless(document: Document) -> None:
-    """The robot and a link without a name get that of the file; nothing else can mean them."""
+    """A robot or a link without a name gets the file's name, as no other element can refer to it."""
     stem = document.stem
     if not document.root.get("name"):
         document.root.set("name", stem)

@@ -1,7 +1,7 @@
 """From bytes to text that an XML parser reads: encodings, and small faults whose meaning is clear.
 
 Most readers of URDF use a lenient parser (TinyXML), so files that are no XML are common: a declaration of
-version "0.0" or after a blank line, `--` in a comment, a namespace prefix that nobody declared.  Each is
+version "0.0" or after a blank line, `--` in a comment, an undeclared namespace prefix.  Each is
 mended with a note; everything else is left for the parser to refuse.  Lines are never moved, so that
 the lines of messages are those of the file.
 """
@@ -31,7 +31,7 @@ _VERSION = re.compile(r"""\sversion\s*=\s*["']([^"']*)["']""")
 def decoded(data: bytes, source: str, notes: Notes) -> tuple[str, bool]:
     """The text of a file, by its byte order mark, its declaration, or as UTF-8; and whether all of it is text.
 
-    Bytes that are none come out as `UNREADABLE`: they do no harm in comments and meshes.
+    Bytes that are not text become `UNREADABLE`: they are harmless in comments and meshes.
     """
     encoding = next((name for mark, name in _MARKS if data.startswith(mark)), None)
     if encoding is None:
@@ -102,9 +102,9 @@ _CONTENT = {"robot", "link", "joint"}
 
 
 def mended(text: str, source: str, notes: Notes) -> str:
-    """The text with its small faults put right; from what is not understood on, as it is.
+    """The text with its small faults corrected, up to the first place that is not understood.
 
-    One pass from left to right, every character looked at a bounded number of times: hostile text
+    One pass from left to right, every character read a bounded number of times: hostile text
     costs no more than other text.
     """
     return _Mender(text, source, notes).result()

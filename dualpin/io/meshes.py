@@ -43,14 +43,14 @@ class Shape:
         """The mesh's own colour, or grey."""
         try:
             red, green, blue = self.mesh.visual.to_color().main_color[:3]
-        except Exception:  # textures that need a library, or are broken: what a reader of meshes leaves
+        except Exception:  # textures that are broken, or need a library that is not installed
             return GREY
         return int(red), int(green), int(blue)
 
 
 @dataclass
 class Shapes:
-    """What can be drawn of a description, and what cannot: a line for each."""
+    """The shapes of a description that can be drawn, and a line for each that cannot."""
 
     found: list[Shape] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
@@ -69,7 +69,7 @@ def shapes(path: str | Path) -> Shapes:
     """
     try:
         described, wrong = described_shapes(path)
-    except DualpinError as e:  # what was loaded from here is no longer there, or another file
+    except DualpinError as e:  # the file was removed or changed after it was loaded
         return Shapes(missing=[str(e)])
     result = Shapes(missing=wrong)
     for one in described:
@@ -118,7 +118,7 @@ def _mesh(shape: Described, urdf: Path) -> tuple[Any, str]:
 
 
 def find(urdf: Path, name: str) -> Path | None:
-    """The file a mesh's name means.
+    """The path of a mesh's file.
 
     "package://..." is looked for in the folders above the URDF and in those of ROS_PACKAGE_PATH.
     """

@@ -48,7 +48,7 @@ def is_mjcf(source: Path | bytes | str) -> bool:
             with source.open("rb") as stream:
                 source = stream.read(LOOK)
         except OSError:
-            return False  # whoever reads it says why
+            return False  # reading it raises the error
     data = source[:LOOK].encode("utf-8", "replace") if isinstance(source, str) else source[:LOOK]
     parser = etree.XMLPullParser(("start",), resolve_entities=False, no_network=True, load_dtd=False, recover=True)
     try:
@@ -101,7 +101,7 @@ def read_mjcf(
 
 @contextmanager
 def _listening(mujoco: Any) -> Iterator[list[str]]:
-    """What MuJoCo warns of, which it otherwise prints and writes into a file of the current folder."""
+    """Collect MuJoCo's warnings, which it otherwise prints and writes to a file in the current folder."""
     said: list[str] = []
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda text: said.append(" ".join(str(text).split())))
@@ -146,7 +146,7 @@ class _Reader:
     # names
 
     def _names(self, kind: str, count: int) -> list[str]:
-        """Of all elements of a kind; those without one are numbered, in words that no other has."""
+        """Names of all elements of a kind; those without one get a numbered name that is not in use."""
         of: Callable[[int], Any] = getattr(self.m, kind)
         found = [of(i).name for i in range(count)]
         taken = set(found)

@@ -10,12 +10,12 @@ LISTED = 40  # names in one note; a chain of 20,000 joints has one note, not one
 
 @dataclass
 class Notes:
-    """What was assumed or looks odd: kind -> the elements concerned, in the order of the file."""
+    """Assumptions and oddities of a description: kind -> the elements concerned, in the order of the file."""
 
     _found: dict[tuple[str, str], list[tuple[str | int, str]]] = field(default_factory=dict)
 
     def add(self, kind: str, tag: str = "", name: str | int = "", detail: str = "") -> None:
-        """Say `kind` of an element ("link", "base"), of a line ("line", 3), or of the file."""
+        """Add a note of this kind on an element ("link", "base"), on a line ("line", 3), or on the file."""
         said = self._found.setdefault((kind, tag), [])
         if tag:
             said.append((name, detail))

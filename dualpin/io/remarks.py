@@ -1,4 +1,4 @@
-"""What a user should know of a robot before computing with it: what moves no mass, what is left free, odd units."""
+"""Notes on a robot as read: joints that move no mass, joints that are left free, unlikely units."""
 
 from __future__ import annotations
 

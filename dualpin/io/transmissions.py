@@ -1,7 +1,7 @@
 """Gears between motors and joints, as a URDF's <transmission> elements state them.
 
-They are no part of what moves: a file gives the ratio and nothing of the rotor.  So the ratio is kept
-for whoever knows the rotor (`Robot.with_rotors`), and no term changes.
+They are not part of the mechanics: a file gives the ratio and nothing about the rotor.  So the ratio is kept
+for `Robot.with_rotors`, which adds the rotor's inertia; no term changes without it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def reductions(root: etree._Element, notes: Notes) -> dict[str, float]:
     """Joint -> how many times faster its motor turns, of transmissions between one joint and one motor.
 
     The ratio stands in <actuator>, <joint> or <transmission> itself, as formats have had it.  One
-    that is no number but zero is noted and dropped; several joints moved together (differentials)
+    that is not a number, or is zero, is noted and dropped; several joints moved together (differentials)
     have no single ratio.
     """
     found = {}

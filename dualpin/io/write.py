@@ -1,4 +1,4 @@
-"""`Robot` to URDF: what a reader finds again is the same robot."""
+"""`Robot` to URDF; reading the file again gives the same robot."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _numbers(values: Any) -> str:
 
 
 class _Writer:
-    """The XML tree of a robot while it grows: its frames, parents first."""
+    """Builds the XML tree of a robot: its frames, parents first."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot

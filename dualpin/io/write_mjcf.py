@@ -86,7 +86,7 @@ def _numbers(values: Any) -> str:
 
 
 class _Writer:
-    """The XML tree while it grows: frames in their order, so parents come first."""
+    """Builds the XML tree: frames in their order, so parents come first."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -319,7 +319,7 @@ def _is_identity(X: Pose) -> bool:
 
 
 def _pose(X: Pose) -> dict[str, str]:
-    """Without what is zero."""
+    """Without the entries that are zero."""
     found = {}
     if any(float(x) for x in X.position):
         found["pos"] = _numbers(X.position)

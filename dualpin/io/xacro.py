@@ -1,4 +1,4 @@
-"""What is left of xacro, the macro language of ROS, in a URDF.
+"""Remains of xacro, the macro language of ROS, in a URDF.
 
 A `.urdf` is never run through xacro.  Definitions that were left in it change nothing, nor do tags in
 visuals and other parts that are not read; where a tag stands in for links, joints or their inertias, the file

@@ -133,7 +133,7 @@ def _check_root(root: etree._Element, source: str, notes: Notes) -> None:
 
 
 def _kept(e: etree._Element, notes: Notes) -> etree._Element:
-    """A copy without all that a robot's motion does not depend on, so that nobody has to be able to read it."""
+    """A copy with only the elements that a robot's motion depends on; the others need not be readable."""
     tag = plain(e)
     copy = etree.Element(tag, {k: v for k, v in e.attrib.items() if not k.startswith("{")})
     copy.sourceline = e.sourceline

@@ -125,7 +125,7 @@ class DualChain:
         if a.shape[-1] != len(self):
             raise ShapeError(f"{what} of shape (..., {len(self)}) expected, got {a.shape}")
         columns = ((a[..., i][()], b[..., i][()]) for i in range(len(self)))
-        symbols = object in (a.dtype, b.dtype)  # then 0 and 1 are exact, and leave no 1.0 behind
+        symbols = object in (a.dtype, b.dtype)  # 0 and 1 as integers: formulas then contain no factor 1.0
         return [Dual(exact(x), exact(y)) if symbols else Dual(x, y) for x, y in columns]
 
     def steps(self, q: Any) -> list[Rotation]:
@@ -220,12 +220,12 @@ class DualChain:
         return Dual(np.stack(tau[1::2], axis=-1), np.stack(tau[0::2], axis=-1))
 
     def joint_wrenches(self, q: Any, v: Any, a: Any) -> Dual:
-        """All that each joint transmits, force + eps moment with three components each, shape (..., n, 3).
+        """The wrench that each joint transmits, force + eps moment of three components each, shape (..., n, 3).
 
             F_{i-1} = M_i (F_i + f_i)                         f_i as in `forces`, F_n = 0
 
-        what link i gets from the one before, in frame i - 1 and about its origin.  The z component of F_{i-1} is what
-        the joint's motors have to give, see `forces`; the others are carried by its bearings.
+        the wrench on link i from the link before, in frame i - 1 and about its origin.  The z component of F_{i-1} is
+        what the joint's motors have to supply, see `forces`; the bearings carry the others.
 
         Parameters
         ----------

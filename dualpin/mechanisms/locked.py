@@ -1,4 +1,4 @@
-"""A robot with some coordinates held: a robot of its own, on which the same algorithms run."""
+"""A robot with some coordinates held constant: a smaller robot, on which the same algorithms run."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Locked:
         return functions.rnea(self.rest, x, v, a)
 
     def reactions(self, x: ArrayLike, v: ArrayLike, a: ArrayLike) -> np.ndarray:
-        """What the locks must hold, shape (..., nv - n), in the order of the locked coordinates."""
+        """Constraint forces of the locked coordinates, shape (..., nv - n), in their order."""
         locked = [i for i in range(self.robot.nv) if i not in self.free]
         return functions.rnea(self.robot, self.q(x), self.spread(v), self.spread(a))[..., locked]
 

@@ -22,7 +22,7 @@ from .loop_data import UNITS, LoopMotion, LoopPosition, dual_angles, kinds
 
 CLOSED = 1e-9  # of a closure, in radians and of the loop's length: more than rounding leaves, less than a mistake
 RANK = 1e-9  # singular values below this part of the largest count as zero
-TURN = 0.05  # how far a corrector may move what the predictor said, in radians and of the loop's length
+TURN = 0.05  # largest correction of a predicted position, in radians and of the loop's length
 ROUNDS = 60  # of Newton's method; from anywhere it takes ten
 
 
@@ -149,14 +149,14 @@ class Loop:
     # position
 
     def solve(self, x: Any, starts: int = 256, seed: int = 0) -> Sequence[LoopPosition]:
-        """The positions for a value of the input: Newton's method from many places, and what does not close left out.
+        """The positions for a value of the input: Newton's method from many starts, without those that do not close.
 
         Parameters
         ----------
         x : float
             The input coordinate [rad or m].
         starts, seed : int
-            How many random places it begins at.
+            How many random starts.
 
         Returns
         -------
@@ -165,7 +165,7 @@ class Loop:
 
         Notes
         -----
-        A search, and no proof that there are no more: loops of seven revolute joints have up to 16 positions.
+        A search that may miss positions: loops of seven revolute joints have up to 16.
         """
         value = real("solve: input", x)
         rng, many = np.random.default_rng(seed), count("solve: starts", starts, 1)

@@ -1,4 +1,4 @@
-"""What a loop is made of, checked: its joints and dual angles; and what is found of it, positions and motions."""
+"""Input and results of a loop: its joints and dual angles, checked; its positions and motions."""
 
 from __future__ import annotations
 

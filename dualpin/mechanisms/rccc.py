@@ -42,7 +42,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Iteration:
-    """What an iterative method found: the position, and the corrections on the way."""
+    """The result of an iterative method: the position, and the corrections of each iteration."""
 
     position: Position
     iterations: int

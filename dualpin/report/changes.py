@@ -8,7 +8,7 @@ from typing import Any
 from ..delegates import home
 
 LAST_DIGITS = 1e-14
-"""An error below this is a few roundings of the largest entry: its changes say nothing."""
+"""An error below this is a few roundings of the largest entry; its changes are not significant."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Change:
     old, new : str
         As they were, as they are.
     worse : bool
-        Whether it is for the worse, past the threshold.
+        Whether it is worse by more than the threshold.
     factor : float
         How many times larger the new figure is; 1 where that has no meaning.
     """

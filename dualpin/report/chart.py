@@ -17,7 +17,7 @@ Tick = tuple[float, str]
 
 @dataclass
 class Series:
-    """A named run of points (x, y, what a hover says)."""
+    """A named series of points (x, y, tooltip)."""
 
     name: str
     points: list[tuple[float, float, str]]

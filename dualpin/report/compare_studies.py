@@ -1,4 +1,4 @@
-"""What changed between two studies of integrators: errors, evaluations, and what is said about a run."""
+"""What changed between two studies of integrators: errors, evaluations, and notes on a run."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from .changes import LAST_DIGITS, Change, Comparison
 from .read import Row, Study
 
 MEASURED = ("error", "drift", "peak", "late", "seconds", "evaluations", "steps", "wall", "cost")
-"""What a run gives, by words in the name of a column; all other plain columns say what was run."""
+"""Words in the name of a column that holds results of a run; all other plain columns are its settings."""
 ERRORS = ("error", "drift", "peak", "late")
 
 
 def studies(found: Comparison, old: Study, new: Study) -> Iterable[Change]:
-    """The differences of runs with the same settings, table by table; settings that changed are told first."""
+    """The differences of runs with the same settings, table by table; changed settings come first."""
     for name, rows in old.tables.items():
         if not any("method" in r for r in rows):
             continue
@@ -53,7 +53,7 @@ def _run(found: Comparison, setting: str, old: Row, new: Row) -> Iterable[Change
 
 
 def _runs(rows: Sequence[Row]) -> dict[str, Row]:
-    """The rows by what was run: the columns that are no measurement."""
+    """The rows by their settings: the columns that are not measurements."""
     keys = [k for k in dict.fromkeys(k for r in rows for k in r) if not _is(k, MEASURED)]
     plain = [k for k in keys if not any(isinstance(r.get(k), (list, dict)) for r in rows)]
     return {", ".join(f"{k} {_text(r[k])}" for k in plain if r.get(k) is not None): r for r in rows}
@@ -64,7 +64,7 @@ def _is(column: str, words: Sequence[str]) -> bool:
 
 
 def _kinds(row: Row) -> set[str]:
-    """The kinds of what is said about a run: the words before the colon."""
+    """The kinds of the notes on a run: the words before the colon."""
     return {str(w).partition(":")[0] for w in row.get("warnings") or ()}
 
 

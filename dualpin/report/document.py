@@ -1,4 +1,4 @@
-"""A measured result as a document: what was done, with what, when, what is to be said about it, and the rows."""
+"""A measured result as a document: title, versions and machine, date, settings, notes and rows."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ def document(
     rows : iterable of mappings
         Flat records.
     settings : mapping, optional
-        What was asked, as plain values.
+        The settings of the run, as plain values.
     notes : iterable of str
-        What is to be said about the rows.
+        Notes on the rows.
     command : str
         The command that does it again.
     **more

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 POINTS = 600  # of a curve: more are not seen
 MEMBERS = 12  # of a batch that are drawn
-LEAST = 1e-17  # what stands for an error of 0 on a logarithmic axis
+LEAST = 1e-17  # drawn instead of an error of 0 on a logarithmic axis
 ENDINGS = (".png", ".svg", ".pdf")
 
 
@@ -109,7 +109,7 @@ def simulation(run: SimulationResult, axes: Any = None) -> Any:
 
 
 def solved(found: IKResult, axes: Any = None) -> Any:
-    """What each target still lacks, reached ones and others apart."""
+    """The remaining error of each target, reached and not reached ones in two series."""
     axes = _plane(axes)
     error = np.maximum(np.linalg.norm(found.error, axis=-1).ravel(), LEAST)
     reached = np.asarray(found.success).ravel()
@@ -188,7 +188,7 @@ def save(of: Any, path: str | PathLike[str]) -> None:
 
 
 def drawn(of: Any, size: tuple[float, float] = (9.0, 3.6)) -> Any:
-    """A figure of its own, which pyplot does not know, so that nothing is left open."""
+    """A figure outside pyplot, so that none stays open."""
     figure = extra("matplotlib.figure", "figures", "plot").Figure(figsize=size, layout="constrained")
     two = type(of).__name__ in ("IntegratorStudy", "SimulationResult")
     of.plot(axes=figure.subplots(1, 2) if two else figure.subplots())

@@ -1,4 +1,4 @@
-"""A validation as a matrix of robots and terms, and the particulars of every robot."""
+"""A validation as a matrix of robots and terms, and the details of every robot."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ class Matrix:
 
     @property
     def subjects(self) -> list[str]:
-        """Whose answers are judged; none in a validation."""
+        """The subject whose answers are compared; empty in a validation."""
         return list(dict.fromkeys(r.result.subject for r in self.robots if r.result.subject))
 
     @property
@@ -280,7 +280,7 @@ def shade(ratio: float | None) -> int:
 
 
 def short(x: float | None) -> str:
-    """An error in as few characters as tell its size."""
+    """An error in few characters, enough for its order of magnitude."""
     if x is None or not isfinite(x) or x > 1e300:
         return "inf"
     if x == 0:

@@ -1,4 +1,4 @@
-"""What notebooks show: robots, tables and reports as small HTML tables (no Jinja needed)."""
+"""Representations in notebooks: robots, tables and reports as small HTML tables (no Jinja needed)."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def simulation_html(run: SimulationResult) -> str:
 
 
 def ik_html(found: IKResult) -> str:
-    """How many targets were reached, and what the others lack."""
+    """How many targets were reached, and the remaining errors of the others."""
     lacking = np.linalg.norm(found.error, axis=-1)
     row = (found.q.shape, f"{int(found.success.sum())} of {found.success.size}", f"{np.max(lacking, initial=0.0):.3g}",
            int(np.max(found.starts, initial=0)), f"{found.cost.seconds:.3g}")  # fmt: skip

@@ -1,4 +1,4 @@
-"""Thousands of robots on one page: all of them as a table that is drawn a page at a time, particulars of the worst."""
+"""Thousands of robots on one page: all of them as a table that is drawn a page at a time, details of the worst."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ View = Any
 Cell = Any
 
 MANY = 400
-"""From how many robots a page is drawn in parts: their particulars would be 20 kB each."""
+"""From how many robots a page is drawn in parts: their details would be 20 kB each."""
 SHOWN = 200
-"""Whose particulars are given then."""
+"""Of how many robots details are given then."""
 DOTS = 300
 """Of a strip chart's row, at most."""
 

@@ -1,4 +1,4 @@
-"""Recognise a result file by what is in it."""
+"""Recognise a result file by its contents."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Study:
     subject : str
         "validation", "speed", "integrators" or "records" (anything else that has rows).
     name : str
-        What to call it: the file's name, or "validation".
+        Its name on the page: the file's name, or "validation".
     report : Report or None
         The validation.
     tables : dict of str to list of dict

@@ -1,4 +1,4 @@
-"""Parts of a page that are no results of runs: a template, and what it is given."""
+"""Sections of a page that are not results of runs: a template, and its data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One page about a robot: what an engineer prints."""
+"""The data sheet of a robot, on one page."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Node:
 
 
 def robot_page(robot: Robot, frame: str | Frame | None = None, *, samples: int = 200, reach: int = REACH) -> str:
-    """A self-contained HTML page about a robot: what an engineer prints.
+    """The data sheet of a robot, a self-contained HTML page.
 
     Tree, drawing, joints and limits, masses, DH and screws, findings, base parameters, torques under
     gravity, workspace, and the verdict of the validation.
@@ -116,7 +116,7 @@ def _tip(robot: Robot) -> Frame | None:
 
 
 def _robot(robot: Robot) -> Section:
-    """What it is, its tree, and how it stands in the middle of its limits."""
+    """General data, the tree, and a drawing in the middle of the limits."""
     lower, upper = ranges(robot)
     q = robot.neutral.copy()
     for j in robot:
@@ -136,7 +136,7 @@ def _robot(robot: Robot) -> Section:
 
 
 def _tree(robot: Robot) -> Node:
-    """The joints as they hang on each other, with the links each carries."""
+    """The tree of joints, with the links that each carries."""
     carried: dict[Joint | None, list[str]] = {}
     for link in robot.links:
         carried.setdefault(link.joint, []).append(link.name)

@@ -1,4 +1,4 @@
-"""A robot as lines: drawn in a page as it stands, moved there by sliders."""
+"""A robot as lines: drawn in the page, moved there by sliders."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..model.limits import ranges
 from ..model.robot import Joint, Robot
 
 AZIMUTH, ELEVATION = 0.8, 0.35
-"""Where it is looked at from [rad]."""
+"""Direction of view [rad]."""
 SIZE = 200.0
 """Half the side of the drawing."""
 AXIS = 0.08
@@ -47,7 +47,7 @@ class Slider:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """What a page needs to draw a robot, and to draw it anew when it moves."""
+    """The data with which a page draws a robot, and draws it again when it moves."""
 
     lines: list[Line]
     sliders: list[Slider]

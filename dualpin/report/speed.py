@@ -11,7 +11,7 @@ from typing import Any
 from .chart import Chart, Series
 from .read import Row, Study
 
-SERIES = 8  # more lines than that in one chart cannot be told apart
+SERIES = 8  # more lines in one chart cannot be distinguished
 CHARTS = 8
 MATRICES = 2
 

@@ -1,4 +1,4 @@
-"""Maps of the workspace as slices to look through."""
+"""Maps of the workspace as slices."""
 
 from __future__ import annotations
 

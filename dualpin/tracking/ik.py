@@ -26,8 +26,8 @@ from ..terms import configuration
 from .rates import GAUSS_NEWTON
 from .task import Rows, chain_length, rows_of, too_few
 
-LONGEST = 1.0  # rad, or lengths of the chain, in one iteration: beyond, the linearisation at hand says nothing
-FADING = 0.1  # of the damping, per unit of error: a tenth keeps far targets tame and near ones quadratic
+LONGEST = 1.0  # rad, or lengths of the chain, largest step of one iteration; the linearisation is poor beyond
+FADING = 0.1  # damping per unit of error: steps to far targets stay short, convergence near the target stays quadratic
 STALLED = 12  # iterations without halving the error, after which a start is given up
 
 
@@ -74,7 +74,7 @@ class IKResult:
         return str(home("IKResult._repr_html_")(self))
 
     def plot(self, axes: Any = None) -> Any:
-        """Draw what each target still lacks; returns the axes.  Needs ``pip install 'dualpin[figures]'``."""
+        """Draw the remaining error of each target; returns the axes.  Needs ``pip install 'dualpin[figures]'``."""
         return home("IKResult.plot")(self, axes)
 
 

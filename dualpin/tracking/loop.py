@@ -24,7 +24,7 @@ BLOCK = 400_000  # numbers sampled from the trajectory at a time: 3 MB, so that 
 
 
 class Loop:
-    """What one run of `track` evaluates, over a batch q (B, nq)."""
+    """The terms that one run of `track` evaluates, over a batch q (B, nq)."""
 
     def __init__(
         self, robot: Robot, frame: Frame, motion: Bound, batch: tuple[int, ...], dt: float, gain: float, damping: float,
@@ -90,7 +90,7 @@ class Loop:
         return rate
 
     def _by_singular_values(self, *inputs: np.ndarray) -> np.ndarray:
-        """z + J^+ aim by the singular value decomposition, for where elimination loses its digits."""
+        """z + J^+ aim by the singular value decomposition, used where elimination loses too many digits."""
         drift, m = inputs[4], len(self.rows)
         out = self.run(AIM, list(inputs), held=self.held)
         aim, J = out[:, :m], out[:, m:].reshape(len(out), -1, m).swapaxes(-1, -2)
@@ -152,7 +152,7 @@ class Loop:
     # after the run
 
     def errors(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What the task lacks, in length [m] and angle [rad], of q (n + 1, B, nq)."""
+        """The task error in length [m] and angle [rad], for q (n + 1, B, nq)."""
         n = len(q)
         position, orientation = np.empty((n, self.n)), np.empty((n, self.n))
         at_once = max(1, BLOCK // (12 * max(self.n, 1)))

@@ -1,4 +1,4 @@
-"""What a simulation must know of a robot's description: whether its inertia can be inverted, and what it loses."""
+"""Checks and losses of a simulation: whether the mass matrix can be inverted; damping and dry friction."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def check_inertia(what: str, robot: Robot, q: np.ndarray, engine: str = "auto") 
     if not wrong.any():
         return
     member = int(np.argmax(wrong.any(axis=-1)))
-    # beyond a pivot that vanishes the others are no numbers: the outermost is the cause
+    # after a zero pivot the remaining ones are not finite: the outermost is the cause
     k = int(np.flatnonzero(wrong[member])[-1])
     moved = [j for j in robot if j.mimic is None and j.v.start <= k < j.v.stop]
     name = moved[0].name if moved else f"v[{k}]"

@@ -1,4 +1,4 @@
-"""What a redundant arm does with the freedom it has left."""
+"""Null-space motions of a redundant arm: away from joint limits, or towards higher manipulability."""
 
 from __future__ import annotations
 

@@ -92,7 +92,7 @@ def posed(entries: Sequence[Scalar]) -> Pose:
 
 
 class Aim(NamedTuple):
-    """What the law of closed-loop inverse kinematics asks of the joints:  J dq/dt = aim."""
+    """Right-hand side of the law of closed-loop inverse kinematics,  J dq/dt = aim."""
 
     columns: list[list[Scalar] | None]
     """Of the task's Jacobian; None where a joint does not carry the frame."""
@@ -105,7 +105,7 @@ def law(
 ) -> Aim:  # fmt: skip
     """The law of tracking,  J (dq/dt - z) = S (V_d + K e) - J z,  S the components that the task asks for.
 
-    `error` is that of `ERROR`; z, the drift, is what the freedom left is for.
+    `error` is that of `ERROR`; z, the drift, is the wanted null-space motion.
     """
     R = kinematics.frame_pose(robot, q, frame).rotation
     columns = _columns(robot, q, frame, rows, R)
@@ -169,7 +169,7 @@ def _rows(what: str, given: Any) -> Rows:
 
 
 ERROR = Term("task_error", (Q, WANTED), _error, lambda r, **_: (6,), (FRAME, ROWS))
-"""What the frame lacks of a pose: six numbers, see `dualpin.tracking.task.task_error`."""
+"""The error of the frame against a pose: six numbers, see `dualpin.tracking.task.task_error`."""
 
 RATE = Term("tracking_rate", (Q, WANTED, TWIST, LACKING, DRIFT, GAIN, DAMPING), _rate, lambda r, **_: (r.nv + 1,),
             (FRAME, ROWS, HELD, DAMPED))  # fmt: skip
@@ -191,7 +191,7 @@ def _gauss_newton(
     else:
         error = task_error(rows, wanted, X)
         J = _columns(robot, q, frame, rows, X.rotation)
-    # lengths in units of the chain's: the search does not depend on the unit in which a robot is described
+    # lengths are divided by the chain's length, so that the search does not depend on the unit of length
     unit = [1.0 if i < 3 else 1.0 / length for i in rows]
     columns = [None if c is None else [x * (w * u) for x, u in zip(c, unit, strict=True)]
                for c, w in zip(J, weights, strict=True)]  # fmt: skip
@@ -240,7 +240,7 @@ def tracking_step(method: Method, held: bool, depth: int) -> Term:
 
 
 SLOW = 1e-3
-"""Speed [rad/s or m/s] below which dry friction fades: at rest it would be any force that keeps the joint still."""
+"""Speed [rad/s or m/s] below which dry friction fades: at rest Coulomb friction is not a function of the velocity."""
 
 
 def drag(v: Scalar, viscous: Scalar, dry: Scalar) -> Scalar:

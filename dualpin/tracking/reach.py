@@ -1,4 +1,4 @@
-"""Can the robot get there at all?  A bound that needs no search.
+"""Whether a pose is out of reach: a bound on distances that needs no search.
 
 A point on a joint's axis is fixed in both bodies that the joint joins.  Choose one point on each
 axis of the chain: whatever the joints do, the distance from the first (fixed on the ground) to the
@@ -48,12 +48,12 @@ class Reach:
     last: str
 
     def distance(self, poses: np.ndarray) -> np.ndarray:
-        """From base to tip, were the frame at these poses (..., 4, 4) [m]."""
+        """The distance from base to tip if the frame were at these poses (..., 4, 4) [m]."""
         there = np.einsum("...ij,j->...i", poses[..., :3, :3], self.tip) + poses[..., :3, 3]
         return np.linalg.norm(there - self.base, axis=-1)
 
     def excess(self, poses: np.ndarray) -> np.ndarray:
-        """By how much the poses are out of reach [m]; 0 where nothing is known against them."""
+        """By how much the poses are out of reach [m]; 0 within the bounds (necessary, not sufficient)."""
         d = self.distance(poses)
         allowed = 1e-9 * (1 + self.farthest)  # rounding of the poses and of the chain's constants
         miss = np.maximum(d - self.farthest, self.nearest - d)
@@ -68,7 +68,7 @@ def reach(robot: Robot, frame: str | int | Frame, task: Any = "pose") -> Reach |
     robot : Robot
     frame : str, int or Frame
     task : str or six booleans
-        What is asked of the frame, see `dualpin.track`.  A turn that is left free is one more joint at the frame.
+        Components of the task, see `dualpin.track`.  A free rotation counts as one more joint at the frame.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def reach(robot: Robot, frame: str | int | Frame, task: Any = "pose") -> Reach |
 
 
 def reach_of(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
-    """`reach` for the components of a task, looked for once."""
+    """`reach` for the components of a task, computed once."""
     known = memory(robot).setdefault("reach", {})
     if (frame, rows) not in known:
         known[frame, rows] = _reach(robot, frame, rows)

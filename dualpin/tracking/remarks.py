@@ -1,4 +1,4 @@
-"""What is said about a motion before it is followed, and after."""
+"""Errors and notes about a motion, before and after it is tracked."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NO_RANK = 1e-9  # ratio of singular values that rounding leaves of a direction i
 
 
 def feasible(loop: Loop, start: np.ndarray, t_end: float, unreachable: str) -> list[str]:
-    """Whether the robot can be where the trajectory leads: an error or a note where it certainly cannot."""
+    """An error or a note where the trajectory certainly leaves the robot's reach."""
     if unreachable == "ignore" or not loop.n:
         return []
     text = _joints_enough(loop, start, t_end) or _within_reach(loop, t_end)
@@ -32,7 +32,7 @@ def feasible(loop: Loop, start: np.ndarray, t_end: float, unreachable: str) -> l
 
 
 def _joints_enough(loop: Loop, start: np.ndarray, t_end: float) -> str:
-    """Fewer joints than numbers follow only some motions; where they do not, the nearest they come says so."""
+    """A note where a robot with fewer joints than task components cannot follow, with the smallest error reached."""
     why = too_few(loop.frame, loop.rows)
     if not why:
         return ""

@@ -1,4 +1,4 @@
-"""Forward dynamics over time: by any method, on the group, with energy and momentum watched."""
+"""Forward dynamics over time: by any method, on the group, with energy and momentum recorded."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class SimulationResult:
     energy_drift, momentum_drift : float
         The largest departure from the start; infinite where the motion is not finite.
     energy_loss : ndarray, shape (..., n + 1)
-        What damping and friction took since the start [J], by the trapezoidal rule over the values kept; of
+        Energy dissipated by damping and friction since the start [J], by the trapezoidal rule over the values kept; of
         passive motion energy + energy_loss is constant.
     cost : Cost
     method : Method

@@ -1,4 +1,4 @@
-"""A robot to look at, in a browser: links, frames, joint screws with their pitch, DH frames, sliders, playing a run."""
+"""A robot in a browser: links, frames, joint screws with their pitch, DH frames, sliders, playing a run."""
 
 from .scene import Axis, axes, bones, helix
 from .viewer import Viewer, view

@@ -1,4 +1,4 @@
-"""The panel beside the scene: sliders, buttons, handles to drag, and what is to be said about the model."""
+"""The panel beside the scene: sliders, buttons, handles to drag, and notes on the model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LISTED, LETTERS = 12, 160  # remarks shown before the rest is counted, and how m
 
 
 class Controls:
-    """The panel of a `Viewer`.  What the program moves, it does not take for something that a person did."""
+    """The panel of a `Viewer`.  Changes made by the program do not trigger the handlers of user input."""
 
     def __init__(self, viewer: Any, tip: str | None) -> None:
         self.viewer, self.robot = viewer, viewer.robot
@@ -45,7 +45,7 @@ class Controls:
             self._player()
 
     def follow(self) -> None:
-        """Sliders, handles and texts take over what the viewer shows."""
+        """Set sliders, handles and texts to the configuration shown."""
         q = self.viewer.q
         for i, (slider, angular) in self.sliders.items():
             value = degrees(q[i]) if angular else float(q[i])
@@ -217,7 +217,7 @@ def _led(handle: Any, action: Callable[[], None]) -> None:
 
 
 def shortened(text: str) -> str:
-    """A remark as far as a panel holds it."""
+    """A remark, shortened to fit the panel."""
     return text if len(text) <= LETTERS else text[: LETTERS - 4].rsplit(" ", 1)[0] + " ..."
 
 

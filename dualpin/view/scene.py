@@ -1,4 +1,4 @@
-"""What there is to draw of a robot, as arrays; nothing here knows a viewer."""
+"""The geometry drawn of a robot, as arrays, independent of any viewer."""
 
 from __future__ import annotations
 

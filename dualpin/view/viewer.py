@@ -94,7 +94,7 @@ class Viewer:
 
     @property
     def warnings(self) -> list[str]:
-        """What is to be said about the model: remarks of the loader, and shapes that cannot be drawn."""
+        """Notes on the model: those of the loader, and shapes that cannot be drawn."""
         return [*self.robot.notes, *(f"not drawn: {text}" for text in self.shapes.missing)]
 
     def update(self, q: ArrayLike) -> None:
@@ -146,7 +146,7 @@ class Viewer:
         record(self, path, fps)
 
     def fit(self) -> None:
-        """Let the camera see the whole robot, of those who look now and of those who come."""
+        """Move the camera of present and later clients so that the whole robot is visible."""
         middle, radius = extent(self.robot, self.q)
         away = np.array([1.0, 1.0, 0.7]) / np.linalg.norm([1.0, 1.0, 0.7])
         position = middle + away * 1.1 * radius / np.sin(FIELD / 2)

@@ -149,7 +149,7 @@ def sphere(mass: float, density: float = 1000.0) -> float:
 
 
 @rules(
-    Rule("placeholder-inertia", WARNING, "The tensor is a power of ten times the identity: nobody measured that."),
+    Rule("placeholder-inertia", WARNING, "The tensor is a power of ten times the identity: a placeholder."),
     Rule("denser-than-matter", WARNING, "No body of this mass and tensor is less dense than the densest element."),
     Rule(
         "wider-than-robots", ERROR, "The radius of gyration is beyond ten metres: another unit, kg mm^2 for instance."

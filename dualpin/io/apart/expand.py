@@ -16,12 +16,12 @@ PACKAGE = "package://"
 
 
 def located(name: str, folder: Path, path_of: Any) -> str:
-    """The file a mesh's name means, as an absolute one where it can be told."""
+    """The absolute path of a mesh's file, where it can be resolved; otherwise the name unchanged."""
     if name.startswith(PACKAGE):
         package, _, rest = name.removeprefix(PACKAGE).partition("/")
         try:
             return f"file://{Path(path_of(package), rest)}"
-        except Exception:  # not found, whatever that is called: the name is left as it is
+        except Exception:  # not found, by whatever exception: the name is left as it is
             return name
     if "://" in name or Path(name).is_absolute():
         return name
@@ -55,7 +55,7 @@ def expanded(job: dict[str, Any]) -> str:
 def main() -> None:
     """One job."""
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # what xacro prints is no result
+    os.dup2(2, 1)  # standard output is for the result: what xacro prints goes to standard error
     job = json.load(sys.stdin)
     try:
         answer = {"text": expanded(job)}
