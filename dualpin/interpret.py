@@ -7,7 +7,10 @@ this is the reference the compiled engine is tested against, and the path withou
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +20,31 @@ from .terms import Options, Term, flat
 
 SLICE = 1024  # samples at a time, so that the columns of one slice stay in the cache
 
+_KNOWN: ContextVar[dict[Any, tuple[Robot, np.ndarray]] | None] = ContextVar("known", default=None)
+
+
+@contextmanager
+def remembered() -> Iterator[None]:
+    """Within this, a term of the same robot, options and numbers is computed once (for checks that share terms)."""
+    token = _KNOWN.set({})
+    try:
+        yield
+    finally:
+        _KNOWN.reset(token)
+
 
 def interpret(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
     """Arrays (n, size) in, one array (n, *shape) out."""
+    known = _KNOWN.get()
+    if known is None:
+        return _interpreted(robot, term, options, inputs)
+    key = id(robot), term.name, *options.items(), *(x.tobytes() for x in inputs)
+    if key not in known:
+        known[key] = robot, _interpreted(robot, term, options, inputs)  # with the robot, so that its id stays its own
+    return known[key][1].copy()
+
+
+def _interpreted(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
     n, shape = len(inputs[0]), term.shape(robot, **options)
     out = np.empty((n, math.prod(shape)))
     for start in range(0, n, SLICE):

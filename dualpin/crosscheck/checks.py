@@ -169,7 +169,7 @@ def com_jacobian(d: Definitions, j: int) -> Array:
     return d.total_momentum(d.unit(j))[3:] / d.first_moments()[1]
 
 
-@compared(adds=lambda x: x.heaviest * x.reach * x.mass**0.5, form="six", parts=(1,))
+@compared(adds=lambda x: x.heaviest * x.outreach * x.mass**0.5, form="six", parts=(1,))
 def centroidal_momentum_matrix(d: Definitions, j: int) -> Array:
     moments, mass = d.first_moments()
     P = d.total_momentum(d.unit(j))

@@ -41,11 +41,14 @@ class Extent:
         self.robot, self.positions, self.states = robot, positions, states
         self.distance = np.linalg.norm(positions, axis=-1)
         self.reach = 1.0 + self.distance.max(axis=-1, initial=0.0)
+        self.outreach = self.reach + _farthest_centre(robot)
         self.mass = sum(abs(float(j.inertia.mass)) for j in robot)
         self.gravity = float(np.linalg.norm([float(x) for x in robot.gravity]))
 
     def part(self, rows: slice) -> Extent:
-        """Of some of the states."""
+        """Of some of the states; of all of them itself, with what it knows."""
+        if len(self.positions[rows]) == len(self.positions):
+            return self
         return Extent(self.robot, self.positions[rows], {key: x[rows] for key, x in self.states.items()})
 
     @cached_property
@@ -101,3 +104,9 @@ class Extent:
     def f_ext(self) -> Array:
         wrenches = np.linalg.norm(self.states["f_ext"].reshape(len(self.reach), -1, 6), axis=-1)
         return (wrenches * (1 + self.distance)).sum(axis=-1)
+
+
+def _farthest_centre(robot: Robot) -> float:
+    """The largest distance of a body's centre of mass from its frame."""
+    bodies = [(abs(float(j.inertia.mass)), [float(x) for x in j.inertia.moment]) for j in robot]
+    return max((float(np.linalg.norm(h)) / m for m, h in bodies if m), default=0.0)

@@ -1,6 +1,7 @@
 """Random robots, each identified by a seed and a number.
 
-Sizes are drawn over decades: masses over nine, lengths over five, within a robot or from robot to robot.
+Sizes are drawn over decades: masses over nine, lengths over five, within a robot or from robot to robot; so are
+numbers of joints, since what is wrong shows in small robots, of which more can be examined.
 Axes are often nearly parallel, or off a coordinate axis by what a rounded 1.5708 is off; bodies may be
 slender, or far from their joint.
 """
@@ -20,9 +21,16 @@ KINDS = {
 }  # fmt: skip
 """Weights of the joint types; floating ones are bases."""
 LARGE = 200
-"""One robot in so many has up to 200 joints, the others up to 20."""
+"""One robot in so many is large."""
+JOINTS, MANY = (1, 20), (21, 200)
+"""How many joints ordinary and large robots have: half of either less than the middle, on a scale of decades."""
 SINGLE = ("revolute", "continuous", "prismatic", "helical")
 """Types that may be mimic joints and leaders."""
+
+
+def is_large(number: int) -> bool:
+    """Whether a robot of this number is one of the large ones."""
+    return number % LARGE == LARGE - 1
 
 
 def random_spec(seed: int, number: int) -> Spec:
@@ -36,8 +44,8 @@ def random_spec(seed: int, number: int) -> Spec:
     (True, False)
     """
     rng = np.random.default_rng([seed, number])
-    most = 200 if number % LARGE == LARGE - 1 else 20
-    count = int(rng.integers(1, most + 1))
+    least, most = MANY if is_large(number) else JOINTS
+    count = int(least * ((most + 1) / least) ** rng.random())
     draw = _Sizes(rng)
     shape = rng.choice(["chain", "tree", "star"], p=[0.5, 0.35, 0.15])
     floating = rng.random() < 0.25

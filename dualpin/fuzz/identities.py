@@ -22,9 +22,10 @@ from ..crosscheck.tolerance import MassMatrices, depth, rounding, solution
 from ..errors import DualpinError, DualpinWarning
 from ..forms import to_dh
 from ..functions import aba, bias, coriolis, crba, fk, gravity, jacobian, rnea
+from ..io.axes import TOLERANCE
 from ..io.urdf import loads
 from ..model.robot import Robot
-from .complex_step import along, gradient
+from .complex_step import along
 
 Array = np.ndarray
 SAFETY = 4.0
@@ -90,12 +91,13 @@ def splitting(s: State) -> Sides:
 
 
 def motion(s: State) -> Sides:
-    """The columns of the world's Jacobian are dT/dq T^-1."""
+    """The world's Jacobian times v is dT/dt T^-1."""
     tool = s.robot.frames[-1]
-    T, dT = fk(s.robot, s.q, tool, engine="numpy"), gradient(s.robot, "frame_pose", s.q, frame=tool)
-    moved = np.einsum("ijk,jl->ilk", dT, _inverse(T))
-    twists = np.stack([moved[2, 1], moved[0, 2], moved[1, 0], *moved[:3, 3]])
-    return jacobian(s.robot, s.q, tool, "world", engine="numpy"), twists, s.size("jacobian")
+    T, rate = fk(s.robot, s.q, tool, engine="numpy"), along(s.robot, "frame_pose", s.q, s.v, frame=tool)
+    moved = rate @ _inverse(T)
+    twist = np.array([moved[2, 1], moved[0, 2], moved[1, 0], *moved[:3, 3]])
+    J = jacobian(s.robot, s.q, tool, "world", engine="numpy")
+    return J @ s.v, twist, s.size("frame_velocity")
 
 
 def _inverse(T: Array) -> Array:
@@ -140,7 +142,13 @@ def written(s: State) -> Sides:
     if again.nq != plain.nq:
         raise Skipped("URDF splits a joint of it")
     ours, theirs = (rnea(r, s.q, s.v, s.a, engine="numpy") for r in (plain, again))
-    return theirs, ours, s.size("rnea")
+    return theirs, ours, s.size("rnea") * (1 + _turned(plain, again) / rounding(plain))
+
+
+def _turned(a: Robot, b: Robot) -> float:
+    """How far axes are apart: what is read within 1e-12 of a coordinate axis is that axis (`io.axes`)."""
+    pairs = [(i.model.axis, j.model.axis) for i, j in zip(a, b, strict=True) if hasattr(i.model, "axis")]
+    return max((float(x) for c, d in pairs for x in map(abs, c - d) if abs(float(x)) < 2 * TOLERANCE), default=0.0)
 
 
 IDENTITIES: dict[str, Callable[[State], Sides]] = {

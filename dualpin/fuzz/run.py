@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 from ..crosscheck.campaign.executors import Connect, LostError, run
@@ -20,10 +21,12 @@ from ..crosscheck.units import Result, Unit, sources
 from ..errors import ArgumentError, DualpinWarning
 from ..machine import versions
 from .examine import SAMPLES, examine
-from .generate import random_spec
+from .generate import is_large, random_spec
 from .small import ERROR, SmallCase, small_case
 
 _NAMES = re.compile(r"joint '[^']*'")
+EARLY = 40
+"""After how many others a large robot comes."""
 Kind = tuple[str, str]
 """A term (or identity), and who is nearer where it differs."""
 
@@ -130,7 +133,7 @@ def fuzz(
         done = kept.done(name)
         count = sum(1 for number in range(robots) if str(number) in done)
         try:
-            for unit, result in run([u for u in _units(robots, seed) if u.key not in done], _examined, jobs, executor):
+            for unit, result in run(_in_turn(robots, seed, done), _examined, jobs, executor):
                 kept.add(name, unit, result)
                 count += 1
                 if progress:
@@ -159,6 +162,15 @@ def _identity(seed: int) -> str:
 def _units(robots: int, seed: int) -> Iterator[Unit]:
     for number in range(robots):
         yield Unit(Case(f"random {seed}:{number}"), number, SAMPLES, seed, str(number))
+
+
+def _in_turn(robots: int, seed: int, done: set[str]) -> list[Unit]:
+    """What is left to do, a large robot after every EARLY others, so that a run that is stopped has seen some."""
+    left = [u for u in _units(robots, seed) if u.key not in done]
+    large = iter([u for u in left if is_large(u.first)])
+    others = [u for u in left if not is_large(u.first)]
+    turns = [u for i in range(0, len(others), EARLY) for u in [*others[i : i + EARLY], *islice(large, 1)]]
+    return [*turns, *large]
 
 
 def _examined(unit: Unit) -> Result:

@@ -154,4 +154,6 @@ class Connection:
         return Connection(p, B + diagonal(r.dot(p)) - p.outer(r))
 
 
+ZERO_CONNECTION = Connection(ZERO_VECTOR, ZEROS)
+
 __getattr__ = renamed_names(__name__, NOTHING="ZERO_INERTIA")
