@@ -146,9 +146,10 @@ def written(s: State) -> Sides:
 
 
 def _turned(a: Robot, b: Robot) -> float:
-    """How far axes are apart: what is read within 1e-12 of a coordinate axis is that axis (`io.axes`)."""
-    pairs = [(i.model.axis, j.model.axis) for i, j in zip(a, b, strict=True) if hasattr(i.model, "axis")]
-    return max((float(x) for c, d in pairs for x in map(abs, c - d) if abs(float(x)) < 2 * TOLERANCE), default=0.0)
+    """How far screws are apart that the reader takes for coordinate axes, being within 1e-12 of them (`io.axes`)."""
+    before, after = ({k: (*s.real, *s.dual) for j in r for k, s in j.dofs} for r in (a, b))
+    apart = [abs(float(x) - float(y)) for k in before for x, y in zip(before[k], after[k], strict=True)]
+    return max((x for x in apart if x < 2 * TOLERANCE), default=0.0)
 
 
 IDENTITIES: dict[str, Callable[[State], Sides]] = {
