@@ -134,7 +134,10 @@ class _Comparison:
             ours = evaluate(self.robot, check.term, named, engine=self.engine, **options)
             bound = check.bound(reference, theirs)
             left_out = reference.mass.hopeless if check.solves else None
-            tally.add(ours.reshape(n, -1), theirs.reshape(n, -1), bound.value, batch["sample"], variant, left_out)
+            tally.add(
+                ours.reshape(n, -1), theirs.reshape(n, -1), bound.value, batch["sample"], variant, left_out,
+                bound.rounding,
+            )  # fmt: skip
             tally.reason = bound.reason
 
     def _judged(
@@ -156,10 +159,14 @@ class _Comparison:
         self, result: TermResult, check: Check, tally: Tally, variants: list[dict[str, Any]],
         given: dict[str, np.ndarray],
     ) -> None:  # fmt: skip
-        """Ask the definition of the term at its worst sample, and at some others that are out of tolerance."""
+        """Ask the definition of the term at its worst sample, and at some others that are out of tolerance.
+
+        Where the ceiling was exceeded and both are within the rounding of what cancels, nothing differs.
+        """
         verdicts: list[str] = []
+        rows, explained = tally.rows(result.status), 0
         reason, until = "", time.thread_time() + SECONDS
-        for row in tally.rows(result.status):
+        for row in rows:
             options, state = variants[row["variant"]], {key: given[key][row["sample"]] for key in check.inputs.values()}
             shape = self._shape(check, options)
             index = tuple(int(i) for i in np.unravel_index(row["entry"], shape)) if shape else ()
@@ -174,7 +181,10 @@ class _Comparison:
                 break
             result.worst.setdefault("against_50_digits", found)
             verdicts.append(nearer(found, row["bound"]))
-        if result.status == DIFFERS:
+            explained += row["bound"] < row["rounding"] >= max(found.values())
+        if result.status == DIFFERS and explained == len(rows):
+            result.explain(rows[0]["rounding"])
+        elif result.status == DIFFERS:
             result.settle(DIFFERS, worst_of(verdicts), reason)
 
 

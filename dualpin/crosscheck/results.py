@@ -107,6 +107,12 @@ class TermResult:
         self.nearer = (nearer or UNDECIDED) if status == DIFFERS else ""
         self.passed = status != DIFFERS or nearer == self.judged
 
+    def explain(self, rounding: float) -> None:
+        """Agree although the tolerance is exceeded: 50 digits find both answers within this."""
+        self.settle(AGREES)
+        self.worst["ratio"], self.tolerance = self.worst["ratio"] * self.tolerance / rounding, rounding
+        self.tolerance_reason += "; beyond that, 50 digits find both within the rounding of what cancels"
+
     @property
     def verdict(self) -> str:
         """The status in words: with who is nearer or, of a subject that was diagnosed, with the causes' keys."""
@@ -124,9 +130,8 @@ class TermResult:
     def remark(self) -> str:
         """Why nothing was compared, what could not be, and how far each is from 50 digits where that was asked."""
         exact = self.worst.get("against_50_digits")
-        nearer = (
-            f"off 50 digits by: dualpin {exact['dualpin']:.1e}, {self.oracle} {exact['oracle']:.1e}" if exact else ""
-        )
+        off = "off 50 digits by: dualpin {dualpin:.1e}, {whom} {oracle:.1e}"
+        nearer = off.format(whom=self.oracle, **exact) if exact else ""
         return "; ".join(dict.fromkeys(x for x in (self.reason, self.note, nearer) if x))
 
 

@@ -46,9 +46,12 @@ class Tally:
 
     def add(
         self, x: np.ndarray, reference: np.ndarray, bound: np.ndarray, samples: np.ndarray, variant: int,
-        left_out: np.ndarray | None = None,
+        left_out: np.ndarray | None = None, rounding: np.ndarray | None = None,
     ) -> None:  # fmt: skip
-        """The rows of x and reference are samples; those left out are counted and not compared."""
+        """The rows of x and reference are samples; those left out are counted and not compared.
+
+        rounding: what it explains, where that is more than the bound.
+        """
         error, where = scaled_error(x, reference)
         if left_out is not None:
             error = np.where(left_out, np.nan, error)
@@ -57,6 +60,7 @@ class Tally:
         found = {
             "error": error, "bound": bound, "entry": where, "sample": samples, "dualpin": both[0], "oracle": both[1],
             "variant": np.full(len(error), variant), "scale": np.fmin(size(x), size(reference)),
+            "rounding": bound if rounding is None else rounding,
         }  # fmt: skip
         for key, value in found.items():
             self.columns.setdefault(key, []).append(np.asarray(value))

@@ -19,7 +19,9 @@ from .extent import ORDINARY, Extent
 from .tally import size
 
 EPS = float(np.finfo(float).eps)
-CEILING = 1e-12  # of terms without a linear solve
+CEILING = 1e-12
+"""Of terms without a linear solve: what is beyond it is decided by 50 digits, whatever cancels there.  Then an
+error is one only beyond the rounding of what cancels (`Tolerance.rounding`)."""
 PER_BODY = 64
 """Roundings of one step of a recursion, out and back: each way a 3x3 product of three terms a row
 and a cross product, 8 roundings deep, in both libraries; and twice that, since what cancels may be
@@ -30,10 +32,26 @@ leaves 1.5e-14 (bluevolta, 5000 samples, seed 11)."""
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Bounds on the scaled error, one for each sample, and the reason."""
+    """Bounds on the scaled error, one for each sample, and the reason.
+
+    Attributes
+    ----------
+    unlimited : ndarray, optional
+        The same without the ceiling.
+    """
 
     value: np.ndarray
     reason: str
+    unlimited: np.ndarray | None = None
+
+    @property
+    def rounding(self) -> np.ndarray:
+        """What rounding explains, however large that is."""
+        return self.value if self.unlimited is None else self.unlimited
+
+
+def _limited(value: np.ndarray, reason: str) -> Tolerance:
+    return Tolerance(np.minimum(CEILING, value), f"{reason}, at most {CEILING:g}", value)
 
 
 def depth(robot: Robot) -> int:
@@ -54,9 +72,9 @@ def recursion(robot: Robot, n: int, sizes: np.ndarray | None = None, reference: 
     reason = f"eps x {PER_BODY} roundings a body x {depth(robot)} bodies and the base"
     value = np.full(n, rounding(robot))
     if sizes is not None and reference is not None:
-        value = np.minimum(CEILING, value * np.maximum(1.0, sizes / size(reference.reshape(n, -1))))
+        value = value * np.maximum(1.0, sizes / size(reference.reshape(n, -1)))
         reason += ", x what adds up / the largest entry (m r^2 beside I, r beside 1)"
-    return Tolerance(value, f"{reason}, at most {CEILING:g}")
+    return _limited(value, reason)
 
 
 def logarithm(robot: Robot, turn: np.ndarray) -> Tolerance:
@@ -83,9 +101,8 @@ def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Toleran
     moment = np.array([np.linalg.norm([float(x) for x in b.inertia.moment]) for b in robot])
     weights = g * (np.linalg.norm(positions, axis=-1) @ mass + moment.sum())
     cancelled = np.maximum(1.0, weights / np.maximum(1.0, np.abs(energy)))
-    value = np.minimum(CEILING, rounding(robot) * cancelled)
     reason = "the rounding of a recursion x sum |m g p| / |sum m g p|, since heights of both signs cancel"
-    return Tolerance(value, f"{reason}, at most {CEILING:g}")
+    return _limited(rounding(robot) * cancelled, reason)
 
 
 SINGULAR = 1 / (64 * EPS)
