@@ -29,7 +29,7 @@ def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
     X = joint_poses(robot, q)
     V = body_twists(robot, X, v)
     I: dict[Joint | None, Inertia] = {b: b.inertia for b in robot}
-    B: dict[Joint | None, Connection] = {b: ZERO_CONNECTION for b in robot}
+    B: dict[Joint | None, Connection] = dict.fromkeys(robot, ZERO_CONNECTION)
     C = square(robot)
     for b in reversed(robot):
         P = I[b](V[b])

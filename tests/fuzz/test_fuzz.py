@@ -161,6 +161,59 @@ def test_robots_of_one_joint(kind, armature):
     assert not examine(Spec("one", (JointSpec(kind, axis=(0.6, 0.0, 0.8), armature=armature, **body),))).error
 
 
+def test_what_cannot_change_with_q_has_no_coriolis_term():
+    """C_kk = dM_kk/dt / 2 of a joint that carries one body; far and heavy, rounding would leave 1e-7."""
+    rng = np.random.default_rng(3)
+    for kind in ("revolute", "prismatic", "helical"):
+        far = JointSpec(kind, axis=(0.3, -0.5, 0.8), pitch=0.2, mass=500.0, com=tuple(rng.normal(size=3) * 500))
+        robot = Spec(
+            "far", (far, JointSpec("revolute", 0, axis=(0.6, 0.0, 0.8), mass=300.0, com=(90.0, 5.0, 7.0)))
+        ).robot()
+        q, v, _ = robot.sample(seed=0)
+        assert dp.coriolis(Spec("one", (far,)).robot(), q[:1], v[:1], engine="numpy").tolist() == [[0.0]]
+        assert dp.coriolis(robot, q, v, engine="numpy")[1, 1] == 0.0
+
+
+def test_beyond_the_ceiling_only_errors_beyond_rounding_count(monkeypatch):
+    """Half a tonne 700 m away: 1e-12 is less than what the rounding of either library leaves of it."""
+    from dualpin.crosscheck import compare
+
+    spec = Spec("far", (JointSpec("revolute", axis=(0.31, -0.57, 0.8), mass=511.3, com=(303.7, 517.1, -411.9)),))
+    found = examine(spec).terms["coriolis"]
+    assert (found.status, found.worst["ratio"] < 1) == ("agrees", True)
+    assert found.max_scaled_error > 1e-12
+    assert found.worst["against_50_digits"]["dualpin"] == 0.0
+    assert "50 digits find both" in found.tolerance_reason
+    right = compare.evaluate
+    monkeypatch.setattr(compare, "evaluate", lambda *a, **o: right(*a, **o) + (a[1] == "coriolis"))
+    assert examine(spec).terms["coriolis"].nearer == "oracle"
+
+
+def test_a_term_is_computed_once_while_it_is_remembered(monkeypatch):
+    from dualpin import interpret
+
+    asked = []
+    right = interpret._interpreted
+    monkeypatch.setattr(interpret, "_interpreted", lambda *a: (asked.append(a[1].name), right(*a))[1])
+    robot = random_spec(SEED, 3).robot()
+    q = robot.sample(seed=0)[0]
+    with interpret.remembered():
+        M = dp.crba(robot, q, engine="numpy")
+        M[:] = 0.0
+        again = dp.crba(robot, q, engine="numpy")
+        dp.crba(robot, q + 1.0, engine="numpy")
+    assert asked == ["crba", "crba"]
+    assert (again == dp.crba(robot, q, engine="numpy")).all()
+
+
+def test_every_variant_is_drawn_by_some_robot():
+    from dualpin.fuzz.examine import DRAWN
+
+    check = next(c for c in DRAWN if c.term == "frame_acceleration")
+    seen = {tuple(check.variants(random_spec(SEED, n).robot(), 0)[0].items())[1:] for n in range(60)}
+    assert len(seen) == 6
+
+
 def test_an_inertia_that_pinocchio_refuses_is_not_compared():
     spec = Spec("odd", (JointSpec("revolute", mass=1.0, tensor=(-1.0, 0.0, 0.0, 1.0, 0.0, 1.0)),))
     found = examine(spec)
