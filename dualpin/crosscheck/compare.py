@@ -180,7 +180,7 @@ class _Comparison:
                     verdicts, reason = [UNDECIDED], str(e)
                 break
             result.worst.setdefault("against_50_digits", found)
-            verdicts.append(nearer(found, row["bound"]))
+            verdicts.append(nearer(found, row["rounding"]))
             explained += row["bound"] < row["rounding"] >= max(found.values())
         if result.status == DIFFERS and explained == len(rows):
             result.explain(rows[0]["rounding"])
