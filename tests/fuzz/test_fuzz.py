@@ -196,12 +196,12 @@ def test_a_term_is_computed_once_while_it_is_remembered(monkeypatch):
     right = interpret._interpreted
     monkeypatch.setattr(interpret, "_interpreted", lambda *a: (asked.append(a[1].name), right(*a))[1])
     robot = random_spec(SEED, 3).robot()
-    q = robot.sample(seed=0)[0]
+    q, other = robot.sample(2, seed=0)[0]
     with interpret.remembered():
         M = dp.crba(robot, q, engine="numpy")
         M[:] = 0.0
         again = dp.crba(robot, q, engine="numpy")
-        dp.crba(robot, q + 1.0, engine="numpy")
+        dp.crba(robot, other, engine="numpy")
     assert asked == ["crba", "crba"]
     assert (again == dp.crba(robot, q, engine="numpy")).all()
 
