@@ -183,9 +183,16 @@ class _Comparison:
             verdicts.append(nearer(found, row["rounding"]))
             explained += row["bound"] < row["rounding"] >= max(found.values())
         if result.status == DIFFERS and explained == len(rows):
-            result.explain(rows[0]["rounding"])
+            _explain(result, rows[0]["rounding"])
         elif result.status == DIFFERS:
             result.settle(DIFFERS, worst_of(verdicts), reason)
+
+
+def _explain(result: TermResult, rounding: float) -> None:
+    """Agree although the tolerance is exceeded: 50 digits find both answers within this."""
+    result.settle(AGREES)
+    result.worst["ratio"], result.tolerance = result.worst["ratio"] * result.tolerance / rounding, rounding
+    result.tolerance_reason += "; beyond that, 50 digits find both within the rounding of what cancels"
 
 
 def _hindrance(check: Check, pair: Pair, variants: list[dict[str, Any]]) -> str:

@@ -107,12 +107,6 @@ class TermResult:
         self.nearer = (nearer or UNDECIDED) if status == DIFFERS else ""
         self.passed = status != DIFFERS or nearer == self.judged
 
-    def explain(self, rounding: float) -> None:
-        """Agree although the tolerance is exceeded: 50 digits find both answers within this."""
-        self.settle(AGREES)
-        self.worst["ratio"], self.tolerance = self.worst["ratio"] * self.tolerance / rounding, rounding
-        self.tolerance_reason += "; beyond that, 50 digits find both within the rounding of what cancels"
-
     @property
     def verdict(self) -> str:
         """The status in words: with who is nearer or, of a subject that was diagnosed, with the causes' keys."""
