@@ -132,7 +132,8 @@ def places(cell: Cell, folder: Path) -> tuple[Path, Path]:
 @cache
 def diagnosis() -> bytes:
     """What the causes depend on that are named."""
-    files = sorted((Path(dualpin.__file__).parent / "crosscheck").rglob("*.py"))
+    home = Path(dualpin.__file__).parent / "crosscheck"
+    files = [home / "judging.py", *sorted((home / "diagnosis").rglob("*.py"))]
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).digest()
 
 

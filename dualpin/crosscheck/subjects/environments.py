@@ -190,7 +190,11 @@ def remove(name: str | Path) -> bool:
 def terms(adapter: Path, known: tuple[str, ...]) -> list[str]:
     """The terms that an adapter's classes define; the file is read, not run."""
     tree = ast.parse(adapter.read_text(encoding="utf-8"), str(adapter))
-    defined = {f.name for node in tree.body if isinstance(node, ast.ClassDef) for f in node.body if hasattr(f, "name")}
+    classes = [node for node in tree.body if isinstance(node, ast.ClassDef)]
+    defined = {f.name for node in classes for f in node.body if hasattr(f, "name")}
+    # attributes that are set when the subject is made, such as compiled functions
+    inside = (x for node in classes for x in ast.walk(node) if isinstance(x, ast.Attribute))
+    defined |= {x.attr for x in inside if isinstance(x.ctx, ast.Store)}
     listed = {
         x.value for node in ast.walk(tree) if isinstance(node, ast.Dict) for x in node.keys
         if isinstance(x, ast.Constant) and isinstance(x.value, str)
