@@ -8,7 +8,7 @@ import sys
 import pytest
 
 import dualpin as dp
-from dualpin.crosscheck.subjects import environments
+from dualpin.crosscheck.subjects import QUESTIONS, environments
 
 
 @pytest.fixture(autouse=True)
@@ -78,3 +78,12 @@ def test_a_library_that_is_not_there_is_a_result_that_says_how_to_get_it():
     report = dp.judge("ur5", "drake", samples=2, python=sys.executable)
     assert report.robots[0].reason.startswith("refused") and "subjects install drake" in report.robots[0].reason
     assert all(t.status == "not compared" for t in report.terms.values())
+
+
+def test_terms_of_an_adapter_are_found_without_running_it(tmp_path):
+    path = tmp_path / "odd.py"
+    path.write_text(
+        "import nothing_like_it\n\nclass Subject:\n    def __init__(self):\n        self.rnea, self.x = 1, 2\n"
+        "        self.coriolis(0)\n    def crba(self, q): ...\n\nmore = {'fk': None}\n"
+    )
+    assert environments.terms(path, tuple(QUESTIONS)) == ["fk", "crba", "rnea"]
