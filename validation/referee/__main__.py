@@ -138,7 +138,9 @@ def diagnosis() -> bytes:
 
 
 def kept(cell: Cell, folder: Path) -> dict[str, Any] | None:
-    """A judgement that is there already."""
+    """A judgement that is there already, of all that the library has."""
+    if cell.missing:
+        return None
     for path in places(cell, folder):
         if path.exists():
             return dict(json.loads(path.read_text(encoding="utf-8")))
