@@ -1,6 +1,7 @@
 """Speed as users meet it: plain calls, sizes, single calls and cold starts.
 
     python -m validation.benchmarks.everyday [--against FOLDER] [--only results sizes single cold validate] [--quick]
+    python -m validation.benchmarks.everyday --only terms      every function from 1 kB to 256 MB: plain beside `out`
 
 Each section runs in processes of its own, one thread; with ``--against`` (a checkout of another commit) in turns with
 processes of that, so that before and after come from one run, of some five minutes.  After each process it writes
@@ -29,8 +30,12 @@ import numpy as np
 from dualpin.files import write_text
 
 HERE = Path(__file__).parent
-SECTIONS = {"results": (2, 0.4), "sizes": (2, 0.3), "single": (2, 0.3), "cold": (2, 0.0), "validate": (1, 0.0)}
+SECTIONS = {
+    "results": (2, 0.4), "sizes": (2, 0.3), "single": (2, 0.3), "cold": (2, 0.0), "validate": (1, 0.0),
+    "terms": (1, 0.2),
+}  # fmt: skip
 """Rounds, in which the versions take turns, and the seconds of what is measured within one."""
+USUAL = ("results", "sizes", "single", "cold", "validate")
 
 Rows = dict[str, float]
 """What was measured -> seconds, or microseconds a sample."""
@@ -63,8 +68,10 @@ ARMS = ("ur3", "ur5", "ur10", "panda", "kinova", "xarm7", "z1", "bravo7_no_ee", 
 def arguments(robot: Any, term: str, n: int | None) -> list[Any]:
     q, v, a = robot.sample(n, seed=0)
     frame = max(robot.frames, key=lambda f: len(list(f.joint.chain)) if f.joint else 0)
-    return {"rnea": [q, v, a], "aba": [q, v, a], "crba": [q], "coriolis": [q, v], "fk": [q], "gravity": [q],
-            "jacobian": [q, frame.name]}[term]  # fmt: skip
+    if term == "jacobian":
+        return [q, frame.name]
+    three, two = ("rnea", "aba", "joint_torque_regressor"), ("coriolis", "bias", "kinetic_energy")
+    return [q, v, a][: 3 if term in three else 2 if term in two else 1]
 
 
 def checked(robot: Any, f: Callable[..., np.ndarray], given: list[Any], out: np.ndarray) -> None:
@@ -120,6 +127,34 @@ def sizes(seconds: float) -> Rows:
                 "out": lambda f=f, r=robot, x=given, o=out: f(r, *x, out=o),
             }
             label = f"{name} {term} {out.nbytes / 1e6:.4g} MB"
+            rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
+    return rows
+
+
+TERMS = ("rnea", "aba", "bias", "gravity", "fk", "crba", "coriolis", "minv", "jacobian", "com", "com_jacobian",
+         "kinetic_energy", "centroidal_momentum_matrix", "joint_torque_regressor")  # fmt: skip
+
+MOST = 1 << 19  # samples: their states take more memory than the results of some
+
+
+def terms(seconds: float) -> Rows:
+    """Each function that returns one array, results of 1 kB to 256 MB: plain calls beside calls with `out`."""
+    import dualpin as dp
+
+    rows: Rows = {}
+    robot = dp.load("panda")
+    for term in TERMS:
+        f, given = getattr(dp, term), arguments(robot, term, 2)
+        one = f(robot, *given).nbytes // 2
+        for size in (1 << k for k in range(10, 29, 3)):
+            n = min(max(2, size // one), MOST)
+            given = arguments(robot, term, n)
+            out = np.empty_like(f(robot, *given))
+            calls = {
+                "plain": lambda f=f, x=given: f(robot, *x),
+                "out": lambda f=f, x=given, o=out: f(robot, *x, out=o),
+            }
+            label = f"panda {term} {out.nbytes / 1e6:.4g} MB"
             rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
     return rows
 
@@ -214,7 +249,8 @@ class Record:
 
         about = {"machine": bench.machine(), "commits": {name: commit(root) for name, root in roots.items()}}
         wanted = {"sections": sections, "rounds": rounds}
-        self.path, self.about, self.wanted = HERE / "everyday.json", about | wanted, rounds
+        name = "everyday" if sections == list(USUAL) else f"everyday-{'-'.join(sections)}"
+        self.path, self.about, self.wanted = HERE / f"{name}.json", about | wanted, rounds
         self.rows: dict[str, dict[str, Rows]] = {x: {name: {} for name in roots} for x in sections}
         self.done: list[list[Any]] = []
         with contextlib.suppress(OSError, ValueError, KeyError):
@@ -238,7 +274,7 @@ class Record:
         head = f"# Speed as users meet it\n\n{made}, {processor}. The shortest of all runs.\n\n"
         missing = f"**Not complete: {left} of {self.total} runs are missing.**\n\n" if left else ""
         tables = [table(section, rows) for section, rows in self.rows.items() if all(rows.values())]
-        write_text(HERE / "everyday.md", head + missing + "\n".join(tables))
+        write_text(self.path.with_suffix(".md"), head + missing + "\n".join(tables))
 
 
 def commit(root: Path) -> str:
@@ -267,7 +303,23 @@ def table(section: str, rows: dict[str, Rows]) -> str:
     for label in labels:
         cells = [rows[v].get(f"{label} | {c}") for c in columns for v in rows]
         lines.append(f"| {label} | {' | '.join('' if x is None else f'{x:.4g}' for x in cells)} |")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, "", *remarks(section, rows["now"])]) + "\n"
+
+
+def remarks(section: str, rows: Rows) -> list[str]:
+    """What the table is to show, in a line."""
+    if section in ("sizes", "terms"):
+        big = (k.removesuffix(" | plain") for k in rows if k.endswith(" | plain") and float(k.split()[2]) >= 1e-3)
+        over, where = max((rows[f"{k} | plain"] / rows[f"{k} | out"], k) for k in big)
+        return [f"Plain over `out` from 1 kB on, at worst: {over:.2f} ({where}).", ""]
+    if section == "results":
+        whole = [k.removesuffix(" x 512 | plain") for k in rows if k.endswith(" x 512 | plain")]
+        shown = []
+        for k in whole:
+            ours, fill = (rows[f"{k} x 4096 | {x}"] / rows[f"{k} x 512 | {x}"] for x in ("plain", "fill"))
+            shown.append(f"{k} {ours:.2f} ({fill:.2f})")
+        return [f"A sample of 4096 over one of 512, plain (and of NumPy's fill): {'; '.join(shown)}.", ""]
+    return []
 
 
 def main() -> None:
@@ -283,7 +335,7 @@ def main() -> None:
         print(json.dumps(globals()[given.section](given.seconds)))
         return
     roots = ({"before": given.against.resolve()} if given.against else {}) | {"now": HERE.parents[1]}
-    sections = [x for x in SECTIONS if x in (given.only or SECTIONS)]
+    sections = [x for x in SECTIONS if x in (given.only or USUAL)]
     record = Record(roots, sections, {x: 1 if given.quick else SECTIONS[x][0] for x in sections})
     for section in sections:
         for turn in range(record.wanted[section]):
