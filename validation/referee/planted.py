@@ -78,6 +78,11 @@ def write(results: dict[str, dict[str, Any]]) -> None:
         "wrong; rules for their kinds were written from that list, and of the 33 that show on the probe 30 were named",
         "when they were first run.",
         "",
+        "Rows that begin with *recursive* are of another code (tests/crosscheck/recursive.py: passes in the links' own",
+        "axes, composite bodies). Before its kinds were known to the rules, a blind test of three such codes on the",
+        "probe showed 203 of 212 single mistakes; 114 were named rightly (56 %), 4 falsely, the others located. The",
+        "rules for recursions, merged bodies, sums and terms made of other terms were written from what it missed.",
+        "",
         "| robot | single mistakes | visible | named | pairs named |", "|---|---|---|---|---|",
     ]  # fmt: skip
     for r in robots:

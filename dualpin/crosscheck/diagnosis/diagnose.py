@@ -162,6 +162,7 @@ def _alternatives(
                 others.setdefault(identity(s), s)
     # only what explains all of its terms stands in its place
     whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
+    whole = list({tuple(g.says for g in s): s for s in reversed(whole)}.values())[::-1]  # in one of its variants
     words = [" and ".join(map(str, s)) for s in whole[:4]]
     for s in whole[:4]:
         state = told_apart(case, terms[0], picked[terms[0]], s)

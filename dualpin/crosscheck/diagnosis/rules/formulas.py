@@ -38,6 +38,8 @@ MASSES: dict[str, Mass] = {
     "M is right": lambda model, q: NewtonEuler(model.robot, model.d, "").energy_matrix(q),
 }  # fmt: skip
 """How codes find the mass matrix: from the equations, from the same slip in the kinetic energy, or rightly."""
+UNCHANGED = 1e-10
+"""Relative to C v: a slip that changes it by less has nothing to do with it."""
 MOST_STEPS = 12
 """Degrees of freedom up to which C is predicted from dM/dq."""
 
@@ -60,6 +62,9 @@ def newton_euler(slip: str, merged: bool, how: str) -> Callable[[View, str], np.
             return model.forces(s["q"], s["v"], s["a"], g)
         if term == "coriolis" and (slip not in IN_MASS or how == "M is right"):  # of which nothing is known but C v
             C_v, v = model.forces(s["q"], s["v"], zero, 0 * g), s["v"]
+            right = view.compute("bias") - view.compute("gravity")
+            if np.abs(C_v - right).max() < UNCHANGED * max(1.0, np.abs(right).max()):
+                return None
             return C_v[:, :, None] * v[:, None, :] / (v**2).sum(-1)[:, None, None]
         if term == "coriolis":
             return christoffel(lambda q: mass(model, q), s["q"], s["v"])
