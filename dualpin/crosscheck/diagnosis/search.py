@@ -89,23 +89,23 @@ def explain(
     if found.before.error < SMALL:
         depth = min(depth, 1)
     for size in range(1, depth + 1):
-        told = min(map(cost, search.good.values()), default=np.inf)
-        if search.late or told <= PLAIN or (search.good and size > 2):
+        least = min(map(cost, search.good.values()), default=np.inf)
+        if search.late or least <= PLAIN or (search.good and size > 2):
             break
         tick(f"{term}: {'single causes' if size == 1 else f'{size} causes together'}")
-        level: list[Story] = []
+        level = pairs_of_forces(case, term) if size == 2 and not search.good else []
         for story in beam:
             more = whole if search.good else [*fits(case, term, story), *whole]
             if size == 1 or (size == 2 and len(case.robot) <= LARGE and not search.good):
                 more = [*more, *single]
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
-        if size == 2 and not search.good:
-            level += pairs_of_forces(case, term)
         near = search.consider(level)
         if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))
         beam = _kept(near)
     found.stories = _cheapest(search.good.values())
+    told = {identity(s) for s in found.stories}  # what explains other terms too costs nothing more here
+    found.stories += [s for s in mine if (key := identity(s)) in search.good and key not in told]
     found.after = [case.score(term, s).error for s in found.stories]
     if not found.stories and search.near:
         best = min(search.near)
