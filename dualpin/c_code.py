@@ -231,7 +231,10 @@ def _root(w: _Writer) -> list[str]:
     lines += [f"    {kind} y = {k(0.6)} + ({k(0.4)} * m);"]
     lines += [f"    y = {k(0.5)} * (y + (m / y));"] * steps
     # for 0, negative numbers and nan the product gives 0 or nan
-    lines += [f"    return (x > {k(0.0)}) ? (y * scale) : (x * {k(0.0)});", "}", ""]
+    lines += [
+        f"    if (x > {k(0.0)})", "    {", "        y = y * scale;", "    }", "    else", "    {",
+        f"        y = x * {k(0.0)};", "    }", "    return y;", "}", "",
+    ]  # fmt: skip
     return lines
 
 
@@ -251,10 +254,21 @@ def _turn(w: _Writer) -> list[str]:
     return [
         f"static void {w.name}_turn({kind} x, {kind} *sine, {kind} *cosine)", "{",
         f"    const {kind} turns = x * {k(2 / np.pi)};",
-        f"    const int near = (x >= {k(-number.reach)}) && (x <= {k(number.reach)});",
-        f"    const long n = near ? (long)(turns + ((turns < {k(0.0)}) ? {k(-0.5)} : {k(0.5)})) : 0L;",
-        f"    const {kind} m = ({kind})n;",
-        f"    const {kind} r = near ? {reduced} : ((x - x) / (x - x));",
+        "    long n = 0L;",
+        f"    {kind} r;",
+        f"    if ((x >= {k(-number.reach)}) && (x <= {k(number.reach)}))",
+        "    {",
+        f"        const {kind} half = (turns < {k(0.0)}) ? {k(-0.5)} : {k(0.5)};",
+        f"        const {kind} rounded = turns + half;",
+        f"        {kind} m;",
+        "        n = (long)rounded;",
+        f"        m = ({kind})n;",
+        f"        r = {reduced};",
+        "    }",
+        "    else",
+        "    {",
+        f"        r = ({k(0.0)} * x) / (x - x); /* no number */",
+        "    }",
         f"    const {kind} z = r * r;",
         f"    const {kind} s = r + ((r * z) * {polynomial(number.sin)});",
         f"    const {kind} c = ({k(1.0)} - ({k(0.5)} * z)) + ((z * z) * {polynomial(number.cos)});",

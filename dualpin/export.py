@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,8 +15,8 @@ from .arguments import choice
 from .call.arguments import check_robot
 from .engine.codegen.number import DOUBLE, SINGLE, Number
 from .engine.graph.trace import Trace, trace
-from .errors import ArgumentError
-from .escape import c_comment, c_identifier, is_c_identifier
+from .errors import ArgumentError, DualpinWarning
+from .escape import c_comment, c_identifier, is_c_identifier, line
 from .extras import extra
 from .files import write_text
 from .model import frames
@@ -59,19 +60,33 @@ class CCode:
             raise ArgumentError(f"export_c: {place} cannot be written ({e.strerror or e})") from None
 
     def _write(self, place: Path) -> Path:
+        path, makefile = place / f"{self.name}.c", place / "Makefile"
+        for file, first in ((path, self.source), (path.with_suffix(".h"), self.header)):
+            if file.exists() and _begin(file.read_text(errors="replace")) != _begin(first):
+                raise ArgumentError(
+                    f"export_c: {file} is something else ({_begin(file.read_text(errors='replace'))!r}) and is kept; "
+                    "name= gives this function another name"
+                )
         write_text(place / f"{self.name}.h", self.header)
         write_text(place / f"{self.name}_test.c", self.test)
-        write_text(place / "Makefile", MAKEFILE)
-        path = place / f"{self.name}.c"
+        if makefile.exists() and _begin(makefile.read_text(errors="replace")) != _begin(MAKEFILE):
+            warnings.warn(f"export_c: {makefile} is not ours and is kept as it is", DualpinWarning, stacklevel=4)
+        else:
+            write_text(makefile, MAKEFILE)
         write_text(path, self.source)
         return path
+
+
+def _begin(text: str) -> str:
+    """The first line, which says what a file is of."""
+    return line(text.partition("\n")[0])[:100]
 
 
 MAKEFILE = """# make check                                  build all and run the examples
 # make check CC=arm-linux-gnueabihf-gcc LDFLAGS=-static RUN=qemu-arm
 # make stack                                  what each function takes of the stack (GCC)
 CFLAGS ?= -O2
-WARNINGS = -std=c99 -pedantic -Wall -Wextra -Werror
+WARNINGS = -std=c99 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Werror
 TESTS := $(patsubst %.c,%,$(wildcard *_test.c))
 
 all: $(TESTS)
@@ -131,7 +146,7 @@ def export_c(
     Raises
     ------
     ArgumentError
-        If there is no such term or the name is no C identifier.
+        If there is no such term, the name is no C identifier, or the folder has files of that name of something else.
 
     Examples
     --------
@@ -162,9 +177,9 @@ def export_c(
     about = c_comment(f"{term} of {robot.name}{detail}: result of shape {shape}, row by row. SI units, radians.")
     about = f"/* {about} */\n"
     made = c_code.written(graph, list(chosen.inputs), name, number, own=own)
-    guard = f"{name.upper()}_H"
+    guard = f"DUALPIN_{name}_H"  # in its own case: names may differ by nothing else
     header = f"{about}{_costs(name, made)}#ifndef {guard}\n#define {guard}\n\n{_LINKAGE}\n{signature};\n\n#endif\n"
-    body = "\n".join(f"    {line}" for line in made.body)
+    body = "\n".join(f"    {x}" for x in made.body)
     needs = "" if own else "#include <math.h>\n\n"
     before = "\n".join([c_code.MACRO, *made.before])
     source = f'{about}#include "{name}.h"\n\n{needs}{before}\n{signature}\n{{\n{body}\n}}\n'

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .autodiff.functions import NAMES, Functions, leading
+from .autodiff.functions import NAMES, Functions, absent, leading
 from .autodiff.operation import Library, Operation
 from .autodiff.rules import gradients
 from .errors import ArgumentError
@@ -114,10 +114,15 @@ def _tensor(operation: Operation, name: str, x: Any) -> Tensor:
 
 
 _functions = Functions(_called)
-rnea, aba, bias, gravity, crba = (
-    _functions.rnea, _functions.aba, _functions.bias, _functions.gravity, _functions.crba,
+rnea, aba, bias, gravity, rnea_jvp = (
+    _functions.rnea, _functions.aba, _functions.bias, _functions.gravity, _functions.rnea_jvp,
 )  # fmt: skip
-fk, com = _functions.fk, _functions.com
+crba, minv, fk, jacobian = _functions.crba, _functions.minv, _functions.fk, _functions.jacobian
+com, com_jacobian = _functions.com, _functions.com_jacobian
 kinetic_energy, potential_energy = _functions.kinetic_energy, _functions.potential_energy
 
 __all__ = list(NAMES)
+
+
+def __getattr__(name: str) -> Any:
+    raise absent(__name__, name)

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from random_robots import tree
@@ -27,9 +32,8 @@ ROBOTS = {
 }
 TERMS = {
     "rnea": "qva", "aba": "qva", "bias": "qv", "gravity": "q", "crba": "q", "fk": "q", "com": "q",
-    "kinetic_energy": "qv", "potential_energy": "q",
+    "minv": "q", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
 }  # fmt: skip
-ONCE = ("com",)
 SOME = {("rnea", "fixed"), ("aba", "fixed"), ("bias", "planar"), ("potential_energy", "floating"), ("com", "fixed")}
 DIFFERENCES = 1e-4
 """Relative: steps of 6e-6 leave rounding / step, 4e-11, times the condition of M (1e5 of these robots)."""
@@ -56,7 +60,7 @@ def case(robot, name, *shape, forces=False, seed=0):
             q = q.at[..., at].divide(jnp.linalg.norm(q[..., at], axis=-1, keepdims=True))
         return getattr(dj, name)(robot, q, *rest)
 
-    return f, [jnp.asarray(x) for x in given]
+    return jax.jit(f), [jnp.asarray(x) for x in given]
 
 
 # JAX compiles every case anew, seconds each: PyTorch's tests go through the same rules for all joints
@@ -69,7 +73,7 @@ CASES = [
 @pytest.mark.parametrize(("name", "kind"), CASES)
 def test_gradients_and_gradients_of_gradients(name, kind):
     f, given = case(ROBOTS[kind](), name, 2)
-    check_grads(f, given, order=1 if name in ONCE else 2, modes=["rev"], rtol=DIFFERENCES)
+    check_grads(f, given, order=2, modes=["rev"], rtol=DIFFERENCES)
 
 
 @pytest.mark.campaign
@@ -103,14 +107,82 @@ def test_compiled_and_mapped():
     assert np.allclose(gradient, dp.rnea_vjp(robot, q, v, a, a)[0], rtol=1e-13, atol=1e-12)
 
 
-def test_a_batch_of_vmap_is_one_call(monkeypatch):
-    from dualpin.autodiff.operation import Operation
+def test_a_batch_of_vmap_is_one_call_of_machine_code():
+    robot = dp.load("ur5")
+    states = robot.sample(12, seed=1)
+    program = jax.jit(jax.vmap(lambda *x: dj.rnea(robot, *x))).lower(*states).as_text()
+    assert re.findall(r"custom_call @(\w+?)_[0-9a-f]{32}\(.*?-> (.*)", program) == [
+        ("dualpin_rnea", "tensor<12x6xf64>")
+    ]
+    again = jax.jit(lambda *x: dj.rnea(dp.load("ur5"), *x)).lower(*states).as_text()
+    name = r"dualpin_rnea_\w+"
+    assert re.findall(name, program) == re.findall(name, again)  # equal robots share it
 
-    robot, seen, compute = dp.load("ur5"), [], Operation.compute
-    monkeypatch.setattr(Operation, "compute", lambda self, *x: seen.append(x[0].shape) or compute(self, *x))
-    q, v, a = robot.sample(12, seed=1)
-    jax.block_until_ready(jax.vmap(lambda *x: dj.rnea(robot, *x))(q, v, a))
-    assert seen == [(12, 6)]
+
+@pytest.fixture
+def called_back(monkeypatch):
+    """As where there is no compiler: a robot that no program has seen yet is called back."""
+    monkeypatch.setattr(dj, "_target", lambda *_: None)
+
+
+def test_called_back_it_is_the_same(called_back):
+    robot, same = ROBOTS["floating"](), ROBOTS["floating"]()
+    states = robot.sample(12, seed=1)
+    f = lambda *x: dj.rnea(robot, *x)  # noqa: E731
+    assert "callback" in jax.jit(f).lower(*states).as_text()
+    for g in (jax.jit(f), jax.jit(jax.vmap(f)), jax.vmap(f, (0, 0, 0))):
+        assert np.array_equal(g(*states), dp.rnea(same, *states))
+    by_v = jax.jit(jax.grad(lambda *x: f(*x).sum(), 1))(*states)
+    assert np.array_equal(by_v, dp.rnea_vjp(same, *states, np.ones_like(states[1]))[1])
+
+
+def test_what_machine_code_leaves_to_python():
+    robot, (q, v, a) = ROBOTS["floating"](), ROBOTS["floating"]().sample(70_000, seed=6)
+    f = jax.jit(lambda *x: dj.rnea(robot, *x))
+    expected = dp.rnea(robot, q, v, a)
+    assert np.array_equal(f(q[:0], v[:0], a[:0]), expected[:0])
+    before = dp.get_num_threads()
+    try:
+        for threads in (1, 2):  # many samples are shared among threads, which are Python's
+            dp.set_num_threads(threads)
+            assert np.array_equal(f(q, v, a), expected)
+    finally:
+        dp.set_num_threads(before)
+    q[1, 3:7] *= 1.1
+    for n in (2, len(q)):
+        with pytest.raises(Exception, match=r"rnea: q.3:7. of joint .* unit quaternion .* 1.1 at sample .1,."):
+            jax.block_until_ready(f(q[:n], v[:n], a[:n]))
+    assert np.array_equal(f(q[2:], v[2:], a[2:]), expected[2:])
+
+
+def test_threads_and_loops_of_xla():
+    robot = dp.load("ur5")
+    q, v, _ = (jnp.asarray(x) for x in robot.sample(8, seed=7))
+
+    @jax.jit
+    def end(q, v):
+        def step(state, _):
+            q, v = state
+            v = v + 1e-3 * dj.aba(robot, q, v, 0 * v)
+            return (q + 1e-3 * v, v), None
+
+        return jax.lax.scan(step, (q, v), None, length=20)[0][0]
+
+    def plain(q, v):
+        for _ in range(20):
+            v = v + 1e-3 * dp.aba(robot, q, v, 0 * v)
+            q = q + 1e-3 * v
+        return q
+
+    def one(k):
+        with enable_x64(True):  # a thread's own setting
+            return np.asarray(end(q[k], v[k]))
+
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(one, range(8)))
+    expected = [plain(np.asarray(q[k]), np.asarray(v[k])) for k in range(8)]
+    assert np.allclose(found, expected, rtol=0, atol=1e-12)  # XLA fuses multiplications and additions
+    check_grads(lambda q, v: end(q, v), (q[0], v[0]), order=1, modes=["rev"], rtol=DIFFERENCES)
 
 
 def test_the_hessian_is_the_analytic_one():
@@ -155,3 +227,28 @@ def test_a_robot_goes_when_nobody_has_it():
     jax.clear_caches()
     gc.collect()
     assert gone() is None
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="cc is not installed")
+def test_call_frames_are_those_of_xlas_header(tmp_path):
+    from dualpin.engine.codegen import xla
+
+    fields = {
+        "api": "api", "args_size": "args", "args": "args.args", "rets_size": "rets", "rets": "rets.rets",
+        "extension": "extension_start",
+    }  # fmt: skip
+    asked = [("XLA_FFI_CallFrame", there, list(xla.FRAME).index(here)) for here, there in fields.items()]
+    asked += [("XLA_FFI_Buffer", x, list(xla.BUFFER).index(x)) for x in ("data", "rank", "dims")]
+    asked += [("XLA_FFI_Api", "XLA_FFI_Error_Create", list(xla.API_TABLE).index("error"))]
+    asked += [("XLA_FFI_Metadata_Extension", "metadata", 3), ("XLA_FFI_Error_Create_Args", "message", 2)]
+    tests = [f"8 * {k} == offsetof(struct {kind}, {field})" for kind, field, k in asked]
+    tests += [
+        "4 * 6 == offsetof(struct XLA_FFI_Metadata, api_version.major_version)",
+        "4 * 8 == offsetof(struct XLA_FFI_Metadata, traits)", "8 == offsetof(struct XLA_FFI_Extension_Base, type)",
+        f"{xla.METADATA} == XLA_FFI_Extension_Metadata", f"{xla.INVALID} == XLA_FFI_Error_Code_INVALID_ARGUMENT",
+    ]  # fmt: skip
+    lines = [f'_Static_assert({test}, "{test}");' for test in tests]
+    (tmp_path / "layout.c").write_text('#include <stddef.h>\n#include "xla/ffi/api/c_api.h"\n' + "\n".join(lines))
+    words = ["cc", "-std=c11", "-fsyntax-only", "-I", jax.ffi.include_dir(), "layout.c"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -20,16 +20,16 @@ ROBOTS = {
 }
 TERMS = {
     "rnea": "qva", "aba": "qvt", "bias": "qv", "gravity": "q", "crba": "q", "fk": "q", "com": "q",
-    "kinetic_energy": "qv", "potential_energy": "q",
+    "minv": "q", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
 }  # fmt: skip
-ONCE = ("com",)
+MORE = {"jacobian": "q", "rnea_jvp": "qvavat"}
 
 
-def case(robot, name, *shape, forces=False, seed=0):
+def case(robot, name, *shape, forces=False, seed=0, options=()):
     """The term as a function of tensors that may leave the group, and where to take its derivatives."""
     n = int(np.prod(shape, dtype=int))
     states = [torch.from_numpy(x.reshape(*shape, -1)) for x in robot.sample(n, seed=seed)]
-    given = [dict(zip("qvat", (*states, states[2]), strict=True))[k] for k in TERMS[name]]
+    given = [dict(zip("qvat", (*states, states[2]), strict=True))[k] for k in (TERMS | MORE)[name]]
     if forces:
         given.append(torch.from_numpy(np.random.default_rng(seed).normal(size=(*shape, len(robot), 6))))
     units = [at for j in robot for at in j.quaternions]
@@ -40,7 +40,7 @@ def case(robot, name, *shape, forces=False, seed=0):
             part = q[..., at]
             parts += [q[..., start : at.start], part / part.norm(dim=-1, keepdim=True)]
             start = at.stop
-        return getattr(dt, name)(robot, torch.cat([*parts, q[..., start:]], -1), *rest)
+        return getattr(dt, name)(robot, torch.cat([*parts, q[..., start:]], -1), *rest, *options)
 
     return f, [x.clone().requires_grad_() for x in given]
 
@@ -53,7 +53,7 @@ def test_gradients(name, kind):
 
 
 @pytest.mark.parametrize("kind", ROBOTS)
-@pytest.mark.parametrize("name", [x for x in TERMS if x not in ONCE])
+@pytest.mark.parametrize("name", TERMS)
 def test_gradients_of_gradients(name, kind):
     f, given = case(ROBOTS[kind](), name, 1, seed=1)
     assert torch.autograd.gradgradcheck(f, given)
@@ -74,6 +74,26 @@ def test_a_frame_and_its_gradients():
     assert torch.autograd.gradcheck(lambda q: dt.fk(robot, q, tip), [q])
     assert torch.autograd.gradgradcheck(lambda q: dt.fk(robot, q, tip), [q[:1].detach().requires_grad_()])
     assert torch.autograd.gradcheck(lambda q: dt.fk(robot, q, "universe"), [q])
+
+
+@pytest.mark.parametrize("reference", ["world", "local", "local_world_aligned"])
+@pytest.mark.parametrize("kind", ["fixed", "floating"])
+def test_a_jacobian_and_its_gradients(kind, reference):
+    robot = ROBOTS[kind]()
+    frame = robot.frame_names[-1]
+    f, (q,) = case(robot, "com", 1)
+    assert torch.equal(
+        dt.jacobian(robot, q, frame, reference),
+        torch.from_numpy(dp.jacobian(robot, q.detach().numpy(), frame, reference)),
+    )
+    f, given = case(robot, "jacobian", 1, options=(frame, reference))
+    assert torch.autograd.gradcheck(f, given)
+    assert torch.autograd.gradgradcheck(f, given)
+
+
+def test_a_directional_derivative():
+    f, given = case(ROBOTS["floating"](), "rnea_jvp", 1)
+    assert torch.autograd.gradcheck(f, given)
 
 
 def test_coupled_joints():

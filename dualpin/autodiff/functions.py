@@ -9,8 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from ..errors import ShapeError
+from ..errors import ShapeError, nearest
 from ..model.robot import Frame, Robot
+from ..terms import TERMS
 from .operation import Operation
 
 Call = Callable[..., Any]
@@ -48,6 +49,14 @@ class Functions:
         """The inertia matrix, (..., nv, nv); see `dualpin.crba`.  Differentiable twice, for nv times the cost."""
         return self._term(robot, "crba", q)
 
+    def minv(self, robot: Robot, q: Any) -> Any:
+        """The inverse of the inertia matrix, (..., nv, nv); see `dualpin.minv`.  Differentiable twice, as `crba`."""
+        return self._term(robot, "minv", q)
+
+    def jacobian(self, robot: Robot, q: Any, frame: str | int | Frame, reference: str = "world") -> Any:
+        """Of a frame, (..., 6, nv); see `dualpin.jacobian`.  Differentiable twice, for nv times the cost."""
+        return self._term(robot, "jacobian", q, frame=frame, reference=reference)
+
     def fk(self, robot: Robot, q: Any, frame: str | int | Frame | None = None) -> Any:
         """Poses of all joints, (..., njoints, 4, 4), or of a frame; see `dualpin.fk`.  Differentiable twice."""
         if frame is None:
@@ -55,8 +64,16 @@ class Functions:
         return self._term(robot, "frame_pose", q, frame=frame)
 
     def com(self, robot: Robot, q: Any) -> Any:
-        """The centre of mass, (..., 3); see `dualpin.com`.  Differentiable once."""
+        """The centre of mass, (..., 3); see `dualpin.com`.  Differentiable three times."""
         return self._term(robot, "com", q)
+
+    def com_jacobian(self, robot: Robot, q: Any) -> Any:
+        """Its Jacobian, (..., 3, nv); see `dualpin.com_jacobian`.  Differentiable twice."""
+        return self._term(robot, "com_jacobian", q)
+
+    def rnea_jvp(self, robot: Robot, q: Any, v: Any, a: Any, dq: Any, dv: Any, da: Any, f_ext: Any = None) -> Any:
+        """d rnea along a direction, (..., nv); see `dualpin.rnea_jvp`.  Differentiable once."""
+        return self._term(robot, "rnea_jvp", q, v, a, dq, dv, da, f_ext=f_ext)
 
     def kinetic_energy(self, robot: Robot, q: Any, v: Any) -> Any:
         """v . M v / 2, (...); see `dualpin.kinetic_energy`.  Differentiable twice."""
@@ -65,6 +82,16 @@ class Functions:
     def potential_energy(self, robot: Robot, q: Any) -> Any:
         """U(q), (...); see `dualpin.potential_energy`.  Differentiable three times."""
         return self._term(robot, "potential_energy", q)
+
+
+def absent(module: str, name: str) -> AttributeError:
+    """What to say of a name that the module does not have."""
+    hint = {
+        "coriolis": "; C(q, v) v is bias(robot, q, v) - gravity(robot, q)",
+        "centroidal_momentum_matrix": "; the momentum is robot.mass times the velocity of com",
+    }.get(name, "")
+    why = "has no derivative here" if name in TERMS else "is not known"
+    return AttributeError(f"{module}.{name} {why}{hint}; {nearest(name, NAMES, 'functions', most=99)}", name=name)
 
 
 NAMES = tuple(name for name in vars(Functions) if not name.startswith("_"))

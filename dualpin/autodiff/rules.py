@@ -115,12 +115,21 @@ def aba(use: Use, inputs: list[Any], a: Any, w: Any) -> list[Any]:
 def crba(use: Use, inputs: list[Any], M: Any, G: Any) -> list[Any]:
     """Column j of M is the torque of the unit acceleration e_j, at rest and without gravity."""
     (q,) = inputs
+    many, unit = _each_joint(use, q)
+    by_q, _, _ = _parts(use(use.weightless, "rnea_vjp", many, 0 * unit, unit, G.swapaxes(-1, -2)))
+    return [_by_q(use, q, by_q.sum(-2))]
+
+
+def _each_joint(use: Use, q: Any) -> tuple[Any, Any]:
+    """The configuration (..., nv, nq) as often as there are velocities, and unit velocities (..., nv, nv)."""
     n, library = use.robot.nv, use.library
-    unit = library.broadcast(library.constant(np.eye(n), G), tuple(G.shape))
-    many = library.broadcast(q[..., None, :], (*G.shape[:-1], use.robot.nq))
-    weights = library.stack([G[..., j] for j in range(n)], -2)
-    by_q, _, _ = (x.sum(-2) for x in _parts(use(use.weightless, "rnea_vjp", many, 0 * unit, unit, weights)))
-    return [_by_q(use, q, by_q)]
+    many = library.broadcast(q[..., None, :], (*q.shape[:-1], n, use.robot.nq))
+    return many, library.broadcast(library.constant(np.eye(n), q), (*q.shape[:-1], n, n))
+
+
+def minv(use: Use, inputs: list[Any], inverse: Any, G: Any) -> list[Any]:
+    """d M^-1 = -M^-1 dM M^-1, of symmetric matrices."""
+    return crba(use, inputs, None, -(inverse @ G @ inverse))
 
 
 def kinetic_energy(use: Use, inputs: list[Any], energy: Any, g: Any) -> list[Any]:
@@ -143,6 +152,16 @@ def com(use: Use, inputs: list[Any], at: Any, g: Any) -> list[Any]:
     return [_by_q(use, q, (use(use.robot, "com_jacobian", q) * g[..., None]).sum(-2))]
 
 
+def com_jacobian(use: Use, inputs: list[Any], J: Any, G: Any) -> list[Any]:
+    """Row i is what holds the robot, a kilogram of it, where gravity pulls with 1 m/s^2 against axis i."""
+    (q,) = inputs
+    kept = memory(use.robot)
+    pulled = kept.get("pulled") or kept.setdefault("pulled", [use.robot.with_gravity(x) for x in (-np.eye(3)).tolist()])
+    still = 0 * G[..., 0, :]
+    rows = [_parts(use(robot, "rnea_vjp", q, still, still, G[..., i, :]))[0] for i, robot in enumerate(pulled)]
+    return [_by_q(use, q, sum(rows) / use.robot.mass)]
+
+
 def body_twists(use: Use, inputs: list[Any], U: Any, c: Any) -> list[Any]:
     """With c as wrenches on the bodies, c . J w: by w it is J^T c, and by q the gradient of w . J^T c."""
     q, w = inputs
@@ -159,18 +178,56 @@ def fk(use: Use, inputs: list[Any], T: Any, G: Any) -> list[Any]:
 
 def frame_pose(use: Use, inputs: list[Any], T: Any, G: Any) -> list[Any]:
     """G on the pose is a wrench on the frame, and so on the body that carries it."""
-    (q,), library = inputs, use.library
+    (q,) = inputs
     frame: Any = use.operation.settled["frame"]
-    W = _wrench(use, T, G)
     if frame.joint is None:  # fixed to the ground
         return [0 * q]
+    return [_by_q(use, q, _felt(use, q, _carried(use, frame, _wrench(use, T, G))))]
+
+
+def jacobian(use: Use, inputs: list[Any], J: Any, G: Any) -> list[Any]:
+    """Column k of the local Jacobian is the frame's twist for the unit velocity e_k; other viewpoints turn and move it.
+
+    A turn and a shift xi of the viewpoint change a column X j by X (xi x j), where X does not depend on the shift
+    for "local_world_aligned": with the wrench W = X^T G_k that is a wrench of j x* W on the frame.
+    """
+    (q,), settled = inputs, use.operation.settled
+    frame: Any = settled["frame"]
+    reference = settled["reference"]
+    if frame.joint is None:
+        return [0 * q]
+    n, f = ([G[..., i + at, :] for i in range(3)] for at in (0, 3))
+    moved: Any = 0.0
+    if reference != "local":
+        T = use(use.robot, "frame_pose", q, frame=frame)
+        R, p = ([[T[..., i, j, None] for i in range(3)] for j in range(3)], [T[..., i, 3, None] for i in range(3)])
+        if reference == "world":
+            n = [x - y for x, y in zip(n, _cross(p, f), strict=True)]
+        n, f = ([sum(x * y for x, y in zip(column, z, strict=True)) for column in R] for z in (n, f))
+        local = use(use.robot, "jacobian", q, frame=frame, reference="local")
+        w, v = ([local[..., i + at, :] for i in range(3)] for at in (0, 3))
+        about = [(x + y).sum(-1) for x, y in zip(_cross(w, n), _cross(v, f), strict=True)]
+        along = [(x if reference == "world" else 0 * x).sum(-1) for x in _cross(w, f)]
+        moved = _felt(use, q, _carried(use, frame, use.library.stack([*about, *along], -1)))
+    many, unit = _each_joint(use, q)
+    wrenches = _carried(use, frame, use.library.stack([*n, *f], -1))
+    by_q, _, _ = _parts(use(use.weightless, "rnea_vjp_f_ext", many, 0 * unit, 0 * unit, unit, -wrenches))
+    return [_by_q(use, q, by_q.sum(-2) + moved)]
+
+
+def _cross(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
+def _carried(use: Use, frame: Any, W: Any) -> Any:
+    """A wrench [n; f] on a frame, in its axes and about its origin, as wrenches on all bodies (..., njoints, 6)."""
+    library = use.library
     p, R = (np.array([[float(x) for x in row] for row in m]) for m in _placement(frame))
     n, f = ((library.constant(R, W) * x[..., None, :]).sum(-1) for x in (W[..., :3], W[..., 3:]))
-    n = n + library.stack([p[0, i - 2] * f[..., i - 1] - p[0, i - 1] * f[..., i - 2] for i in range(3)], -1)
+    n = n + library.stack(_cross(p[0], [f[..., i] for i in range(3)]), -1)
     carried = library.concatenate([n, f], -1)
     at = frame.joint.index
-    wrenches = library.stack([carried if i == at else 0 * carried for i in range(len(use.robot))], -2)
-    return [_by_q(use, q, _felt(use, q, wrenches))]
+    return library.stack([carried if i == at else 0 * carried for i in range(len(use.robot))], -2)
 
 
 def _placement(frame: Any) -> tuple[Any, Any]:
@@ -199,8 +256,8 @@ def _felt(use: Use, q: Any, wrenches: Any) -> Any:
 RULES: dict[str, Rule] = {
     "rnea": rnea, "rnea_f_ext": rnea, "rnea_vjp": rnea_vjp, "rnea_vjp_f_ext": rnea_vjp, "rnea_jvp": rnea_jvp,
     "rnea_jvp_f_ext": rnea_jvp, "bias": bias, "gravity": gravity, "aba": aba, "aba_f_ext": aba, "crba": crba,
-    "kinetic_energy": kinetic_energy, "potential_energy": potential_energy, "com": com, "body_twists": body_twists,
-    "fk": fk, "frame_pose": frame_pose,
+    "minv": minv, "kinetic_energy": kinetic_energy, "potential_energy": potential_energy, "com": com,
+    "com_jacobian": com_jacobian, "body_twists": body_twists, "fk": fk, "frame_pose": frame_pose, "jacobian": jacobian,
 }  # fmt: skip
 """The rule of each differentiable term."""
 

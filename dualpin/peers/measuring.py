@@ -18,6 +18,7 @@ from ..model.robot import Robot
 from ..terms import TERMS
 from .adapters import NAMES
 from .apart import ONE
+from .looped import looped
 from .process import AbsentError, Process, named, write_robot
 
 MEASURED = ("rnea", "aba", "crba", "coriolis", "fk", "minv", "rnea_derivatives")
@@ -52,7 +53,8 @@ def run(
     list of dict
         "robot", "term", "peer", "batch" (1: single calls), "version", "how" the peer was called,
         "us" and "peer_us" a sample, medians of alternating runs, "spread" and "peer_spread" (lowest, highest),
-        "ratio"; or "skipped": why there are none.
+        "ratio"; of single calls in a loop of C or C++ also "loop_us", "loop_spread" and "loop_ratio", with our kernel
+        in a loop of machine code; or "skipped": why there are none.
 
     Raises
     ------
@@ -108,6 +110,15 @@ class Ours:
         out = np.empty((len(inputs[0]), *shape))
         return loop(f, [inputs], out), len(inputs[0]), out
 
+    def looped(self, term: str) -> Callable[[int], None]:
+        """The same single calls in a loop of machine code, each result stored."""
+        inputs, out = [x[:ONE] for x in self.inputs(term)], np.empty((ONE, *TERMS[term].shape(self.robot)))
+        run = looped(self.robot, term, inputs, out)
+        run(1)
+        if not np.array_equal(out, self.right(term, True)):
+            raise DualpinError("our loop of machine code gives something else than our calls")
+        return run
+
     def right(self, term: str, one: bool) -> np.ndarray:
         """By the public function on all states at once, or by single calls."""
         f, inputs = self.robot.kernel(term), self.inputs(term)
@@ -142,17 +153,22 @@ def _beside(name: str, folder: Path, ours: Ours, terms: Sequence[str], repetitio
 def _measured(peer: Process, ours: Ours, term: str, one: bool, repetitions: int) -> dict[str, Any]:
     _check(peer, ours, term, one)
     call, samples, _ = ours.call(term, one)
+    how = peer.terms[term]["one" if one else "many"]
+    calls = {"": call}
+    if one and not how.startswith("Python"):  # like for like: single calls without Python on both sides
+        calls["loop_"] = ours.looped(term)
     runs = max(1, round(SECONDS / peer.seconds(term, one)))
-    mine, theirs = [], []
+    times: dict[str, list[float]] = {name: [] for name in (*calls, "peer_")}
     for _ in range(repetitions):
-        mine.append(min(alternating([call], 1, SECONDS)[0]) / samples)
-        theirs.append(peer.time(term, one, runs))
+        for name, f in calls.items():
+            times[name].append(min(alternating([f], 1, SECONDS)[0]) / samples)
+        times["peer_"].append(peer.time(term, one, runs))
     _check(peer, ours, term, one)
-    row: dict[str, Any] = {"how": peer.terms[term]["one" if one else "many"]}
-    for prefix, times in (("", mine), ("peer_", theirs)):
-        row[f"{prefix}us"] = round(1e6 * statistics.median(times), 5)
-        row[f"{prefix}spread"] = [round(1e6 * min(times), 5), round(1e6 * max(times), 5)]
-    return row | {"ratio": round(row["peer_us"] / row["us"], 2)}
+    row: dict[str, Any] = {"how": how}
+    for name, found in times.items():
+        row[f"{name}us"] = round(1e6 * statistics.median(found), 5)
+        row[f"{name}spread"] = [round(1e6 * min(found), 5), round(1e6 * max(found), 5)]
+    return row | {f"{name}ratio": round(row["peer_us"] / row[f"{name}us"], 2) for name in calls}
 
 
 def _check(peer: Process, ours: Ours, term: str, one: bool) -> None:

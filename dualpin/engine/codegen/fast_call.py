@@ -225,26 +225,8 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
                 give_up()
 
     # unit quaternions; otherwise the general call raises the error
-    strides, single, quaternions = spec.strides, spec.single != 0, spec.quaternions
-    with c.if_(quaternions != 0):
-        q, at, size = pointers.item("ptr"), spec.quaternion_at, strides.item("i64")
-        with c.for_(n) as sample, c.for_(quaternions) as k:
-            begin = sample * size + at.item("i64", k)
-
-            def squares(load: Callable[[Value], Value], begin: Value = begin) -> Value:
-                total = c.number(-1.0, "double")
-                for i in range(4):
-                    x = load(begin + i)
-                    total = x * x + total
-                return total
-
-            norm = c.choose(
-                single,
-                lambda: squares(lambda i: q.item("float", i).to("fpext", "double")),
-                lambda: squares(lambda i: q.item("double", i)),
-            )
-            with c.if_((norm > _NORM) | (norm < -_NORM)):
-                give_up()
+    strides = spec.strides
+    not_units(c, spec, n, pointers.item("ptr"), strides.item("i64"), give_up)
 
     def allocated() -> Value:
         axes = row.item("i64")
@@ -265,17 +247,11 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
     with c.if_(has_out == 0):
         c.store(Record(out, ARRAY).data, pointers.at("ptr", inputs))
 
-    # scratch on the stack or, aligned, on the heap
-    small = scratch <= stack
-    block = c.choose(small, lambda: c.null, lambda: c.call("PyMem_RawMalloc", scratch + 64, gives="ptr"))
-    with c.if_((block == c.null) & (scratch > stack)):
+    def no_memory() -> None:
         c.call("Py_DecRef", out)
         give_up()
-    memory = c.choose(
-        small,
-        lambda: c.room("i8", scratch, align=64),
-        lambda: ((block.to("ptrtoint", "i64") + 63) & -64).to("inttoptr", "ptr"),
-    )
+
+    memory, block = working(c, scratch, stack, failed=no_memory)
     with c.if_(many == 0):
         c.call(kernel, c.number(1), memory, pointers, strides)
     with c.if_(many == 1):  # releases the GIL
@@ -286,6 +262,45 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         c.call("PyMem_RawFree", block)
     c.returns(out)
     return c.text
+
+
+def not_units(c: Writer, spec: Record, n: Value, q: Value, size: Value, then: Callable[[], object]) -> None:
+    """`then` if a quaternion in n configurations of so many numbers is not of norm 1; it leaves the function.
+
+    The spec has `quaternions`, how many, `quaternion_at`, where they start, and `single`, whether numbers are floats.
+    """
+    at, single, quaternions = spec.quaternion_at, spec.single != 0, spec.quaternions
+    with c.if_(quaternions != 0), c.for_(n) as sample, c.for_(quaternions) as k:
+        begin = sample * size + at.item("i64", k)
+
+        def squares(load: Callable[[Value], Value], begin: Value = begin) -> Value:
+            total = c.number(-1.0, "double")
+            for i in range(4):
+                x = load(begin + i)
+                total = x * x + total
+            return total
+
+        norm = c.choose(
+            single,
+            lambda: squares(lambda i: q.item("float", i).to("fpext", "double")),
+            lambda: squares(lambda i: q.item("double", i)),
+        )
+        with c.if_((norm > _NORM) | (norm < -_NORM)):
+            then()
+
+
+def working(c: Writer, size: Value, stack: int, failed: Callable[[], object]) -> tuple[Value, Value]:
+    """Memory for a kernel, on the stack or, aligned, on the heap; and what is to be freed then, or null."""
+    small = size <= stack
+    block = c.choose(small, lambda: c.null, lambda: c.call("PyMem_RawMalloc", size + 64, gives="ptr"))
+    with c.if_((block == c.null) & (size > stack)):
+        failed()
+    memory = c.choose(
+        small,
+        lambda: c.room("i8", size, align=64),
+        lambda: ((block.to("ptrtoint", "i64") + 63) & -64).to("inttoptr", "ptr"),
+    )
+    return memory, block
 
 
 def _general() -> str:

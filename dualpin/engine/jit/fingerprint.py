@@ -23,8 +23,11 @@ _SOURCES = (
 )  # fmt: skip
 # sources that only call kernels
 _CALLERS = {
-    f"engine/{name}.py" for name in ("jit/cache", "codegen/c_like", "codegen/fast_call", "jit/fast_call", "jit/threads")
-}
+    f"engine/{name}.py"
+    for name in (
+        "jit/cache", "jit/fast_call", "jit/threads", "jit/xla", "codegen/c_like", "codegen/fast_call", "codegen/xla",
+    )
+}  # fmt: skip
 
 
 @cache
