@@ -18,7 +18,7 @@ from .engine.graph.trace import Trace, trace
 from .errors import ArgumentError, DualpinWarning
 from .escape import c_comment, c_identifier, is_c_identifier, line
 from .extras import extra
-from .files import write_text
+from .files import write_text, writing
 from .model import frames
 from .model.robot import Robot, constants, expect_robot
 from .terms import Term, flat
@@ -53,11 +53,9 @@ class CCode:
     def write(self, folder: str | Path) -> Path:
         """Write the files, and a Makefile for all in the folder; returns the path of the source."""
         place = Path(folder)
-        try:
+        with writing(f"export_c: {place} cannot be written"):
             place.mkdir(parents=True, exist_ok=True)
             return self._write(place)
-        except OSError as e:
-            raise ArgumentError(f"export_c: {place} cannot be written ({e.strerror or e})") from None
 
     def _write(self, place: Path) -> Path:
         path, makefile = place / f"{self.name}.c", place / "Makefile"

@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from .errors import ArgumentError, DualpinError
+
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a text as UTF-8 to a temporary file, which is then renamed, so that the file is never incomplete.
@@ -23,6 +25,15 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     """
     with replacing(path) as beside:
         beside.write_bytes(text.encode("utf-8", "backslashreplace"))
+
+
+@contextmanager
+def writing(failure: str, error: type[DualpinError] = ArgumentError) -> Iterator[None]:
+    """Says what failed, and why, where a file within cannot be written."""
+    try:
+        yield
+    except OSError as e:
+        raise error(f"{failure} ({e.strerror or e})") from None
 
 
 @contextmanager

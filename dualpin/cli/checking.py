@@ -10,7 +10,7 @@ import typer
 
 from ..errors import ArgumentError, DualpinError, nearest
 from ..escape import line, lines
-from ..files import write_text
+from ..files import write_text, writing
 from .app import Json, app, robot_names, show_json
 from .stdin import named
 
@@ -125,11 +125,9 @@ def _fixed(one: Any, folder: Path) -> str:
         return ""
     new = fixed(one)
     path = folder / f"{Path(one.name).stem}.fixed.urdf"
-    try:
+    with writing(f"check: cannot write {path}"):
         folder.mkdir(parents=True, exist_ok=True)
         write_text(path, new)
-    except OSError as e:
-        raise ArgumentError(f"check: cannot write {path} ({e.strerror or e})") from None
     print(f"wrote {line(str(path))}: {len(certain)} corrections", file=sys.stderr)
     return str(diff(one, Path(one.name).name, new))
 
@@ -139,7 +137,7 @@ def _written(out: Path, found: list[Any], data: dict[str, Any]) -> None:
 
     from ..analysis.check.exports import junit, sarif
 
-    try:
+    with writing(f"check: cannot write into {out}"):
         out.mkdir(parents=True, exist_ok=True)
         for name, text in (
             ("check.json", dumps(data, indent=1) + "\n"),
@@ -148,5 +146,3 @@ def _written(out: Path, found: list[Any], data: dict[str, Any]) -> None:
         ):
             write_text(out / name, text)
             print(f"wrote {line(str(out / name))}", file=sys.stderr)
-    except OSError as e:
-        raise ArgumentError(f"check: cannot write into {out} ({e.strerror or e})") from None

@@ -8,9 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import ArgumentError
 from ..escape import line, lines
-from ..files import write_text
+from ..files import write_text, writing
 from .app import Floating, Json, RobotName, app, show_json
 
 LISTED = 30  # changes in a table for people; all of them are in --json and --html
@@ -40,10 +39,8 @@ def diff(
 
     found = compared(a, b, samples, seed, floating=floating)
     if html is not None:
-        try:
+        with writing(f"diff: cannot write {html}"):
             write_text(html, found.to_html())
-        except OSError as e:
-            raise ArgumentError(f"diff: cannot write {html} ({e.strerror or e})") from None
         print(f"wrote {line(str(html))}", file=sys.stderr)
     if json:
         show_json(found.to_dict())

@@ -11,9 +11,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import ArgumentError
 from ..escape import line
-from ..files import write_text
+from ..files import write_text, writing
 
 Out = Annotated[
     Path | None,
@@ -45,13 +44,11 @@ def write_result(folder: Path, name: str, found: Mapping[str, Any], **texts: str
 
 def write_files(folder: Path, contents: Mapping[str, str]) -> None:
     """Texts into a folder."""
-    try:
+    with writing(f"--out: cannot write into {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in contents.items():
             write_text(folder / name, text)
             print(f"wrote {line(str(folder / name))}", file=sys.stderr)
-    except OSError as e:
-        raise ArgumentError(f"--out: cannot write into {folder} ({e.strerror or e})") from None
 
 
 def _plain(x: Any) -> Any:

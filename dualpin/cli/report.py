@@ -12,7 +12,7 @@ import typer
 
 from ..errors import ArgumentError
 from ..escape import line
-from ..files import write_text
+from ..files import write_text, writing
 from .app import Floating, Json, Mimic, app, robot_names, show_json
 from .listing import show_rows
 from .out import write_files
@@ -136,11 +136,9 @@ def _write_badge(path: Path, reports: list[Any]) -> None:
         [r for one in reports for r in one.refused],
         partial=any(one.partial for one in reports),
     )
-    try:
+    with writing(f"report: cannot write {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, together.badge())
-    except OSError as e:
-        raise ArgumentError(f"report: cannot write {path} ({e.strerror or e})") from None
     print(f"wrote {line(str(path))}", file=sys.stderr)
 
 
@@ -149,9 +147,7 @@ def _write(folder: Path, *of: object) -> None:
     from ..report import page
 
     text = page(*of)  # type: ignore[arg-type]
-    try:
+    with writing(f"report: cannot write into {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         write_text(folder / "report.html", text)
-    except OSError as e:
-        raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None
     print(f"wrote {line(str(folder / 'report.html'))}", file=sys.stderr)

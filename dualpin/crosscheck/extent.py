@@ -43,7 +43,7 @@ class Extent:
         self.reach = 1.0 + self.distance.max(axis=-1, initial=0.0)
         self.outreach = self.reach + _farthest_centre(robot)
         self.mass = sum(abs(float(j.inertia.mass)) for j in robot)
-        self.gravity = float(np.linalg.norm([float(x) for x in robot.gravity]))
+        self.gravity = float(np.linalg.norm(robot.gravity.array))
 
     def part(self, rows: slice) -> Extent:
         """Of some of the states; of all of them itself, with what it knows."""
@@ -56,7 +56,7 @@ class Extent:
         """D, shape (n, nv)."""
         n, robot = len(self.distance), self.robot
         m = np.array([abs(float(j.inertia.mass)) for j in robot])
-        h = np.array([np.linalg.norm([float(x) for x in j.inertia.moment]) for j in robot])
+        h = np.array([np.linalg.norm(j.inertia.moment.array) for j in robot])
         J = np.array([max(abs(float(x)) for row in j.inertia.rotational.rows for x in row) for j in robot])
         turning = J + 2 * h * self.distance + m * self.distance**2
         for j in reversed(robot):

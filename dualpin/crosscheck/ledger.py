@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import ArgumentError
-from ..files import write_text
+from ..files import write_text, writing
 
 KEPT = "judged.jsonl"
 
@@ -65,10 +64,8 @@ def _left(path: Path, settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _opened(path: Path, settings: Mapping[str, Any], entries: Mapping[str, Any]) -> Any:
-    try:
+    with writing(f"cannot write into {path.parent}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         lines = [settings, *({"key": key, "data": data} for key, data in entries.items())]
         write_text(path, "".join(json.dumps(x) + "\n" for x in lines))
         return path.open("a", encoding="utf-8")
-    except OSError as e:
-        raise ArgumentError(f"cannot write into {path.parent} ({e.strerror or e})") from None

@@ -74,13 +74,13 @@ def describe(robot: Robot) -> Description:
             Body(
                 j.name,
                 j.parent.name if j.parent else "",
-                np.array([[float(x) for x in row] for row in j.placement.rows]),
-                np.array([float(x) for x in j.inertia.parameters]),
+                j.placement.array,
+                j.inertia.array,
                 np.array(screws).reshape(-1, 6),
                 np.array([float(x) for x in j.armature] or [0.0] * j.model.nv),
             )
         )
-    return Description(tuple(bodies), np.array([float(x) for x in robot.gravity]))
+    return Description(tuple(bodies), robot.gravity.array)
 
 
 def differences(robot: Robot, theirs: Description, whose: str) -> list[Difference]:
@@ -144,7 +144,7 @@ def _body_difference(
     sizes, count = _sizes(robot, joint, ours.parameters)
 
     def explains(link: object) -> bool:
-        part = np.array([float(x) for x in (link.placement @ link.inertia).parameters])  # type: ignore[attr-defined]
+        part = (link.placement @ link.inertia).array  # type: ignore[attr-defined]
         return bool(part.any()) and bool((np.abs(missing - part) <= PER_STEP * (count + 1) * sizes).all())
 
     named = [k.name for k in links if any(f"[{k.name}]" in c for c in complaints)]

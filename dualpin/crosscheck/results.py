@@ -9,7 +9,7 @@ from typing import Any
 
 from ..delegates import home
 from ..errors import ArgumentError, nearest
-from ..files import write_text
+from ..files import write_text, writing
 from .findings import CONVENTIONS, Finding, once
 
 AGREES, DIFFERS, NOT_COMPARED = "agrees", "differs", "not compared"
@@ -376,13 +376,11 @@ class Report:
         for form in formats:
             if form not in writers:
                 raise ArgumentError(f"report format {form!r} is not known; {nearest(form, writers, 'formats')}")
-        try:
+        with writing(f"report: cannot write into {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
             for form in formats:
                 paths.append(folder / {"junit": "junit.xml", "badge": "badge.svg"}.get(form, f"report.{form}"))
                 write_text(paths[-1], writers[form]())
-        except OSError as e:
-            raise ArgumentError(f"report: cannot write into {folder} ({e.strerror or e})") from None
         return paths
 
     def to_html(self) -> str:

@@ -96,9 +96,9 @@ def weighing(robot: Robot, positions: np.ndarray, energy: np.ndarray) -> Toleran
 
     positions: (n, njoints, 3) of the bodies' frames.
     """
-    g = float(np.linalg.norm([float(x) for x in robot.gravity]))
+    g = float(np.linalg.norm(robot.gravity.array))
     mass = np.array([float(b.inertia.mass) for b in robot])
-    moment = np.array([np.linalg.norm([float(x) for x in b.inertia.moment]) for b in robot])
+    moment = np.array([np.linalg.norm(b.inertia.moment.array) for b in robot])
     weights = g * (np.linalg.norm(positions, axis=-1) @ mass + moment.sum())
     cancelled = np.maximum(1.0, weights / np.maximum(1.0, np.abs(energy)))
     reason = "the rounding of a recursion x sum |m g p| / |sum m g p|, since heights of both signs cancel"

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..spatial.inertia import steiner
 from .spec import GROUND, JointSpec, Spec
 
 KINDS = {
@@ -165,7 +166,7 @@ class _Sizes:
         place -= com
         if rng.random() < 0.1:
             com = com + self.unit() * size * 10 ** rng.uniform(0, 2)
-        J = m * sum(s * (p @ p * np.eye(3) - np.outer(p, p)) for s, p in zip(share, place, strict=True))
+        J = sum(steiner(m * s, p) for s, p in zip(share, place, strict=True))
         return m, _triple(com), tuple(np.asarray(J)[np.triu_indices(3)].tolist())
 
     def armature(self, mass: float) -> float:

@@ -18,8 +18,6 @@ from ..spatial.vector import Vector3
 
 Triple = tuple[float, float, float]
 GROUND = -1
-AXIAL = ("revolute", "continuous", "prismatic", "helical", "cylindrical")
-"""Kinds with an axis."""
 
 
 @dataclass(frozen=True)

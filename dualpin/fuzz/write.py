@@ -7,8 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from ..errors import ArgumentError
-from ..files import write_text
+from ..files import write_text, writing
 from .run import Outcome
 from .small import SmallCase
 
@@ -99,10 +98,8 @@ def write(outcome: Outcome, folder: str | Path) -> list[Path]:
         texts[f"cases/{_name(case)}.json"] = case.spec.to_json() + "\n"
         if case.urdf:
             texts[f"cases/{_name(case)}.urdf"] = case.urdf
-    try:
+    with writing(f"fuzz: cannot write into {folder}"):
         for name, text in texts.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             write_text(folder / name, text)
-    except OSError as e:
-        raise ArgumentError(f"fuzz: cannot write into {folder} ({e.strerror or e})") from None
     return [folder / name for name in texts]

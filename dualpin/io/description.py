@@ -38,7 +38,7 @@ def yourdfpy() -> Any:
         if "yourdfpy" not in sys.modules and _TRIMESH not in sys.modules:
             with contextlib.suppress(Exception):  # of another release than was tested: as it comes
                 sys.modules.setdefault("yourdfpy.urdf", _urdf())
-    package = importlib.import_module("yourdfpy")
+    package: Any = importlib.import_module("yourdfpy")
     package.urdf = sys.modules["yourdfpy.urdf"]
     return package
 

@@ -6,7 +6,6 @@ import os
 import re
 import warnings
 from math import atan2, copysign, cos, hypot, inf, isinf, sin
-from pathlib import Path
 from sys import float_info
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from lxml import etree
 
 from ..errors import ArgumentError, DualpinWarning, UrdfError
-from ..files import write_text
+from ..files import write_text, writing
 from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot, expect_numbers
 from ..spatial.inertia import Inertia
@@ -59,15 +58,16 @@ def to_urdf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     """
     expect_numbers("to_urdf", robot)
     writer = _Writer(robot)
-    text = writer.text()
-    if writer.notes:
-        warnings.warn(f"{robot.name}: " + "; ".join(writer.notes), DualpinWarning, stacklevel=3)
+    return delivered(robot, writer.text(), writer.notes, path)
+
+
+def delivered(robot: Robot, text: str, notes: list[str], path: str | os.PathLike[str] | None) -> str:
+    """The text of a description, which is also written where a path is given; notes of what is not in it are said."""
+    if notes:
+        warnings.warn(f"{robot.name}: " + "; ".join(notes), DualpinWarning, stacklevel=4)
     if path is not None:
-        target = Path(path)
-        try:
-            write_text(target, text)
-        except OSError as e:
-            raise UrdfError(f"{target}: cannot be written ({e.strerror or e})") from None
+        with writing(f"{path}: cannot be written", UrdfError):
+            write_text(path, text)
     return text
 
 
@@ -85,7 +85,8 @@ def roll_pitch_yaw(R: np.ndarray) -> tuple[float, float, float]:
     return atan2(R[2, 1], R[1, 1]), pitch, yaw
 
 
-def _numbers(values: Any) -> str:
+def numbers(values: Any) -> str:
+    """As both formats write them: all digits, and no -0."""
     return " ".join(repr(float(x) + 0.0) for x in values)
 
 
@@ -139,7 +140,7 @@ class _Writer:
         self.link_names.add(name)
         if body is None:
             return name
-        ten = np.array([float(x) for x in body.parameters])
+        ten = body.array
         if not ten.any():
             return name
         m, h = ten[0], ten[1:4]
@@ -148,11 +149,11 @@ class _Writer:
         c, J = body.central
         inertia = rounded(J.array, float(np.abs(ten[4:]).max()))
         inertial = etree.SubElement(link, "inertial")
-        etree.SubElement(inertial, "origin", xyz=_numbers(c), rpy="0 0 0")
-        etree.SubElement(inertial, "mass", value=_numbers([m]))
+        etree.SubElement(inertial, "origin", xyz=numbers(c), rpy="0 0 0")
+        etree.SubElement(inertial, "mass", value=numbers([m]))
         keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
         values = inertia[np.triu_indices(3)].tolist()
-        etree.SubElement(inertial, "inertia", **{k: _numbers([x]) for k, x in zip(keys, values, strict=True)})
+        etree.SubElement(inertial, "inertia", **{k: numbers([x]) for k, x in zip(keys, values, strict=True)})
         return name
 
     # joints
@@ -198,7 +199,7 @@ class _Writer:
         joint = etree.Element("joint", name=_checked(name), type=kind)
         xyz = [float(x) for x in origin.position]
         rpy = roll_pitch_yaw(origin.rotation.array)
-        etree.SubElement(joint, "origin", xyz=_numbers(xyz), rpy=_numbers(rpy))
+        etree.SubElement(joint, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
         etree.SubElement(joint, "parent", link=parent)
         etree.SubElement(joint, "child", link=child)
         self.joints.append(joint)
@@ -230,7 +231,7 @@ class _Writer:
         etree.SubElement(e, "type").text = "transmission_interface/SimpleTransmission"
         etree.SubElement(e, "joint", name=_checked(name))
         motor = etree.SubElement(e, "actuator", name=_checked(f"{name}_motor"))
-        etree.SubElement(motor, REDUCTION).text = _numbers([ratio])
+        etree.SubElement(motor, REDUCTION).text = numbers([ratio])
         self.transmissions.append(e)
 
     def _part(self, joint: Joint, name: str, part: Written, parent: str, child: str, origin: Pose) -> None:
@@ -250,27 +251,27 @@ class _Writer:
         lower, upper = (copysign(UNBOUNDED, x) if isinf(x) else x for x in bounds)
         e = self._element(name, kind, parent, child, origin)
         if part.axis is not None:
-            etree.SubElement(e, "axis", xyz=_numbers(part.axis))
+            etree.SubElement(e, "axis", xyz=numbers(part.axis))
         if at is None:
             return
         limits = joint.limits
         if bounded or limits.velocity < inf or limits.effort < inf:
-            span = {"lower": _numbers([lower]), "upper": _numbers([upper])} if bounded else {}
+            span = {"lower": numbers([lower]), "upper": numbers([upper])} if bounded else {}
             etree.SubElement(e, "limit", **span, effort=self._most(name, "effort", limits.effort),
                              velocity=self._most(name, "velocity", limits.velocity))  # fmt: skip
         if limits.damping or limits.friction:
-            etree.SubElement(e, "dynamics", damping=_numbers([limits.damping]), friction=_numbers([limits.friction]))
+            etree.SubElement(e, "dynamics", damping=numbers([limits.damping]), friction=numbers([limits.friction]))
         if joint.mimic is not None:
             m = joint.mimic
             etree.SubElement(
-                e, "mimic", joint=m.joint, multiplier=_numbers([m.multiplier]), offset=_numbers([m.offset])
+                e, "mimic", joint=m.joint, multiplier=numbers([m.multiplier]), offset=numbers([m.offset])
             )  # fmt: skip
 
     def _most(self, joint: str, what: str, value: float) -> str:
         """An effort or velocity limit as readers take it: not infinite, not negative."""
         if value < 0:
             self.notes.append(f"the {what} limit {value:g} of joint {joint!r} is negative: {-value:g} written")
-        return _numbers([min(abs(value), UNBOUNDED)])
+        return numbers([min(abs(value), UNBOUNDED)])
 
     def _check_order(self) -> None:
         """URDF readers walk the tree depth-first, siblings by name: q may come in another order."""

@@ -8,24 +8,21 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Iterator
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from lxml import etree
 
 from ..dual import Dual
-from ..errors import ArgumentError, DualpinWarning, UrdfError
-from ..files import write_text
+from ..errors import ArgumentError
 from ..model.joints import Axial
 from ..model.robot import Frame, Joint, Robot
 from ..scalars import ZERO
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
-from .write import rounded
+from .write import delivered, numbers, rounded
 
 WORLD = "world"  # MuJoCo's name for the ground
 LEAST = 1e-15  # mjMINVAL: a moving body needs more mass, and larger moments, than this
@@ -69,20 +66,7 @@ def to_mjcf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
     True
     """
     writer = _Writer(robot)
-    text = writer.text()
-    if writer.notes:
-        warnings.warn(f"{robot.name}: " + "; ".join(writer.notes), DualpinWarning, stacklevel=3)
-    if path is not None:
-        target = Path(path)
-        try:
-            write_text(target, text)
-        except OSError as e:
-            raise UrdfError(f"{target}: cannot be written ({e.strerror or e})") from None
-    return text
-
-
-def _numbers(values: Any) -> str:
-    return " ".join(repr(float(x) + 0.0) for x in values)
+    return delivered(robot, writer.text(), writer.notes, path)
 
 
 class _Writer:
@@ -97,7 +81,7 @@ class _Writer:
             self.root, "compiler", angle="radian", autolimits="true", fusestatic="false", balanceinertia="false",
             boundmass="0", boundinertia="0", inertiafromgeom="false",
         )  # fmt: skip
-        etree.SubElement(self.root, "option", gravity=_numbers(robot.gravity))
+        etree.SubElement(self.root, "option", gravity=numbers(robot.gravity))
         self.world = etree.SubElement(self.root, "worldbody")
         self.equalities: list[Any] = []
         self.bodies = {k.name: k.inertia for k in robot.links}
@@ -188,7 +172,7 @@ class _Writer:
         return body
 
     def _inertial(self, body: Any, name: str, inertia: Inertia) -> None:
-        ten = np.array([float(x) for x in inertia.parameters])
+        ten = inertia.array
         if not ten.any():
             return
         com, J = inertia.central
@@ -209,8 +193,8 @@ class _Writer:
         X = np.eye(4)
         X[:3, :3] = axes
         body.insert(0, etree.Element(
-            "inertial", pos=_numbers(com), quat=_quaternion(Pose.from_matrix(X)), mass=_numbers([ten[0]]),
-            diaginertia=_numbers(np.maximum(moments, 0.0)),
+            "inertial", pos=numbers(com), quat=_quaternion(Pose.from_matrix(X)), mass=numbers([ten[0]]),
+            diaginertia=numbers(np.maximum(moments, 0.0)),
         ))  # fmt: skip
 
     def _free(self, name: str) -> str:
@@ -246,17 +230,17 @@ class _Writer:
             name = joint.name if k == 0 else f"{joint.name}_slide"
             e = etree.Element(
                 "joint", name=_checked(name), type="slide" if slide else "hinge",
-                axis=_numbers([sign * x for x in axis]), **self._passive(joint),
+                axis=numbers([sign * x for x in axis]), **self._passive(joint),
             )  # fmt: skip
             if joint.armature and float(joint.armature[k]):
-                e.set("armature", _numbers([joint.armature[k]]))
+                e.set("armature", numbers([joint.armature[k]]))
             bounds = (limits.lower or (-inf,) * model.nq)[k], (limits.upper or (inf,) * model.nq)[k]
             if bounds[0] < bounds[1] and bounds != (-inf, inf):
-                e.set("range", _numbers(np.clip(bounds, -1e9, 1e9)))
+                e.set("range", numbers(np.clip(bounds, -1e9, 1e9)))
             elif bounds[0] >= bounds[1]:
                 self.notes.append(f"the limits of joint {joint.name!r} leave no range, none is written")
             if 0 < limits.effort < inf:
-                e.set("actuatorfrcrange", _numbers([-limits.effort, limits.effort]))
+                e.set("actuatorfrcrange", numbers([-limits.effort, limits.effort]))
             yield e
         if joint.mimic is not None:
             self._coupled(joint)
@@ -266,7 +250,7 @@ class _Writer:
         self.notes.append(f"joint {joint.name!r} follows {leader!r} by an equality, which MuJoCo holds softly")
         self.equalities.append(
             etree.Element("joint", name=_checked(f"{joint.name}_follows"), joint1=joint.name, joint2=leader,
-                          polycoef=_numbers([offset, multiplier, 0, 0, 0]))
+                          polycoef=numbers([offset, multiplier, 0, 0, 0]))
         )  # fmt: skip
 
     def _one(self, joint: Joint) -> dict[str, str]:
@@ -275,11 +259,11 @@ class _Writer:
         if len(values) > 1:
             raise ArgumentError(f"to_mjcf: joint {joint.name!r} has {len(values)} armatures; MuJoCo has one for all")
         (value,) = values
-        return {"armature": _numbers([value])} if value else {}
+        return {"armature": numbers([value])} if value else {}
 
     def _passive(self, joint: Joint) -> dict[str, str]:
         found = {"damping": joint.damping, "frictionloss": joint.friction}
-        return {key: _numbers([x]) for key, x in found.items() if x}
+        return {key: numbers([x]) for key, x in found.items() if x}
 
     def _refuse_the_weightless(self) -> None:
         """MuJoCo takes a moving body only if it, or what is fixed to it, has mass and inertia."""
@@ -322,7 +306,7 @@ def _pose(X: Pose) -> dict[str, str]:
     """Without the entries that are zero."""
     found = {}
     if any(float(x) for x in X.position):
-        found["pos"] = _numbers(X.position)
+        found["pos"] = numbers(X.position)
     if not (X.rotation.array == np.eye(3)).all():
         found["quat"] = _quaternion(X)
     return found
@@ -330,7 +314,7 @@ def _pose(X: Pose) -> dict[str, str]:
 
 def _quaternion(X: Pose) -> str:
     r = X.quaternion.real
-    return _numbers([r.w, *r.v])
+    return numbers([r.w, *r.v])
 
 
 def _checked(name: str) -> str:

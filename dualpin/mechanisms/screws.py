@@ -134,7 +134,7 @@ def principal_screws(body: Inertia | Robot, link: str | None = None) -> Principa
     if not m > 0:
         raise ArgumentError(f"principal_screws: a body with mass is needed, got {m} kg")
     com, central = body.central
-    c = np.array([float(x) for x in com])
+    c = com.array
     moments, axes = np.linalg.eigh(central.array)
     if moments[0] < -1e-12 * moments[-1]:
         raise ArgumentError(f"principal_screws: the inertia about the centre of mass is not positive: {moments}")

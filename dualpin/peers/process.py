@@ -90,7 +90,7 @@ def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) ->
         numbers[i, 19:28] = [float(x) for row in about.rows for x in row]
         numbers[i, 28] = float(b.armature[0])
     parents = np.array([-1 if b.parent is None else b.parent.index for b in robot], np.int32)
-    gravity = np.array([float(x) for x in robot.gravity])
+    gravity = robot.gravity.array
     np.savez(
         folder / "model.npz", kinds=kinds, parents=parents, numbers=numbers, gravity=gravity, names=robot.joint_names
     )

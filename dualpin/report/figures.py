@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import ArgumentError
 from ..extras import extra
+from ..files import writing
 
 if TYPE_CHECKING:
     from ..crosscheck.results import Report
@@ -180,11 +181,9 @@ def save(of: Any, path: str | PathLike[str]) -> None:
     if path.suffix.lower() not in ENDINGS:
         raise ArgumentError(f"plot: {path} ends in {path.suffix!r}; {', '.join(ENDINGS)} expected")
     figure = drawn(of)
-    try:
+    with writing(f"plot: cannot write {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=150)
-    except OSError as e:
-        raise ArgumentError(f"plot: cannot write {path} ({e.strerror or e})") from None
 
 
 def drawn(of: Any, size: tuple[float, float] = (9.0, 3.6)) -> Any:

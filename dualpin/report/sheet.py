@@ -163,7 +163,7 @@ def _masses(robot: Robot) -> Section:
         if link.inertia.massless:
             continue
         centre, J = link.inertia.central
-        moments = np.linalg.eigvalsh(np.array([[float(x) for x in row] for row in J.rows]))
+        moments = np.linalg.eigvalsh(J.array)
         c = ", ".join(f"{float(x):.4g}" for x in centre)
         rows.append([link.name, f"{float(link.inertia.mass):.5g}", c, *(f"{x:.4g}" for x in moments)])
     head = ["link", "mass [kg]", "centre in the link's frame [m]", "I1 [kg m^2]", "I2", "I3"]

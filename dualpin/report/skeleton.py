@@ -71,8 +71,8 @@ def skeleton(robot: Robot, q: np.ndarray) -> Skeleton:
     axes = []
     for j in robot:
         for screw in j.model.free.drawn:
-            u = np.array([float(x) for x in screw.real])
-            u = u if u.any() else np.array([float(x) for x in screw.dual])
+            u = screw.real.array
+            u = u if u.any() else screw.dual.array
             half = AXIS * size * u / np.linalg.norm(u)
             axes.append((j, -half, half, "hinge", j.name))
     centre, scale = (low + high) / 2, 0.8 * SIZE / size

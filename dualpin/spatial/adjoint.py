@@ -44,7 +44,7 @@ def adjoint(T: ArrayLike) -> np.ndarray:
     True
     """
     R, p = _parts(T)
-    return _blocks(R, _crossed(p) @ R, lower=True)
+    return _blocks(R, cross_matrix(p) @ R, lower=True)
 
 
 def coadjoint(T: ArrayLike) -> np.ndarray:
@@ -79,7 +79,7 @@ def coadjoint(T: ArrayLike) -> np.ndarray:
     True
     """
     R, p = _parts(T)
-    return _blocks(R, _crossed(p) @ R, lower=False)
+    return _blocks(R, cross_matrix(p) @ R, lower=False)
 
 
 def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
@@ -88,8 +88,8 @@ def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     return X[..., :3, :3], X[..., :3, 3]
 
 
-def _crossed(p: np.ndarray) -> np.ndarray:
-    """[p] with [p] b = p x b."""
+def cross_matrix(p: np.ndarray) -> np.ndarray:
+    """[p] (..., 3, 3) with  [p] b = p x b."""
     return np.moveaxis(np.cross(p[..., None, :], np.eye(3)), -1, -2)
 
 

@@ -9,11 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
+
 from ..renamed import renamed_names
 from ..scalars import ONE, ZERO, Scalar, exact
 from .pose import Pose
 from .rotation import ZEROS, diagonal, skew
 from .vector import AXES, ZERO_VECTOR, Matrix3, Momentum, Twist, Vector3, Wrench, motor
+
+
+def steiner(m: float, c: np.ndarray) -> np.ndarray:
+    """m (c.c 1 - c c^T): what the parallel axis theorem adds, in floats (3, 3)."""
+    return np.asarray(m * (c @ c * np.eye(3) - np.outer(c, c)))
 
 
 class Inertia:
@@ -65,6 +72,11 @@ class Inertia:
         """m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz about the origin, the parameters of the regressor."""
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.rotational.rows
         return [self.mass, *self.moment, xx, xy, yy, xz, yz, zz]
+
+    @property
+    def array(self) -> np.ndarray:
+        """The parameters in floats, (10,)."""
+        return np.array([float(x) for x in self.parameters])
 
     @classmethod
     def basis(cls) -> list[Inertia]:

@@ -78,6 +78,11 @@ class Vector3(Compound):
         return Matrix3(b * self.x, b * self.y, b * self.z)
 
     @property
+    def array(self) -> np.ndarray:
+        """In floats, (3,)."""
+        return np.array([float(x) for x in self])
+
+    @property
     def real(self) -> Vector3:
         return Vector3(self.x.real, self.y.real, self.z.real)
 
@@ -138,7 +143,7 @@ class Matrix3(Compound):
     @property
     def array(self) -> np.ndarray:
         """In floats, (3, 3)."""
-        return np.array([[float(x) for x in row] for row in self.rows])
+        return np.array([row.array for row in self.rows])
 
     def skewed(self, p: Vector3) -> Matrix3:
         """A [p], row by row: r^T [p] = (r x p)^T."""

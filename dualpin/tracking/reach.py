@@ -111,7 +111,7 @@ def _reach(robot: Robot, frame: Frame, rows: Rows) -> Reach | None:
         if not isinstance(joint.model, Axial):
             return None
         T = T @ joint.placement.array
-        axis = np.array([float(x) for x in joint.model.axis])
+        axis = joint.model.axis.array
         low, high = _travel(robot, joint)
         if not isfinite(high - low):
             return None

@@ -97,7 +97,7 @@ def chain_length(robot: Robot, frame: Frame) -> float:
 
 
 def _length(X: Pose) -> float:
-    return float(np.linalg.norm([float(x) for x in X.position]))
+    return float(np.linalg.norm(X.position.array))
 
 
 # --- over any scalar -----------------------------------------------------------------------------

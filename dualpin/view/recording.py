@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ArgumentError
-from ..files import write_text
+from ..files import write_text, writing
 
 
 def record(viewer: Any, path: str | PathLike[str], fps: float = 30.0) -> None:
@@ -36,8 +36,6 @@ def record(viewer: Any, path: str | PathLike[str], fps: float = 30.0) -> None:
             serializer.insert_sleep(1.0 / fps)
     text = serializer.as_html(dark_mode=viewer.dark)
     viewer.update(before)
-    try:
+    with writing(f"view: record: cannot write {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_text(path, text)
-    except OSError as e:
-        raise ArgumentError(f"view: record: cannot write {path} ({e.strerror or e})") from None

@@ -61,7 +61,7 @@ def axes(robot: Robot) -> list[Axis]:
     found = []
     for joint in robot:
         for screw in joint.model.free.drawn:
-            w, v = (np.array([float(x) for x in part]) for part in (screw.real, screw.dual))
+            w, v = (screw.real.array, screw.dual.array)
             size = float(w @ w)
             if size == 0.0:
                 found.append(Axis(joint, np.zeros(3), v / np.linalg.norm(v), inf))
@@ -190,12 +190,10 @@ def bodies(robot: Robot) -> list[Body]:
         if not mass > 0.0:
             continue
         com, J = link.inertia.central
-        moments, turn = np.linalg.eigh(np.array([[float(x) for x in row] for row in J.rows]))
+        moments, turn = np.linalg.eigh(J.array)
         squares = 5 * (moments.sum() / 2 - moments) / mass
         radii = np.sqrt(squares) if np.all(squares >= -1e-12) else np.zeros(3)
-        found.append(
-            Body(link, np.array([float(x) for x in com]), turn * np.sign(np.linalg.det(turn)), np.nan_to_num(radii))
-        )
+        found.append(Body(link, com.array, turn * np.sign(np.linalg.det(turn)), np.nan_to_num(radii)))
     return found
 
 

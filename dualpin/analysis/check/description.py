@@ -198,7 +198,7 @@ def _bodies(robot: Robot, document: Document | None) -> Iterator[Body]:
     for link in robot.links:
         ten = [float(x) for x in link.inertia.parameters]
         com, J = link.inertia.central
-        tensor = np.array([[float(x) for x in row] for row in J.rows])
+        tensor = J.array
         checked = None if document is None else document.links.get(link.name)
         inertial = None if checked is None else checked.find("inertial")
         written, R, printed = tensor, np.eye(3), 0.0
@@ -210,7 +210,7 @@ def _bodies(robot: Robot, document: Document | None) -> Iterator[Body]:
         yield Body(
             link.name,
             ten[0],
-            np.array([float(x) for x in com]),
+            com.array,
             tensor,
             written,
             R,
@@ -234,7 +234,7 @@ def _hinges(robot: Robot, document: Document | None) -> Iterator[Hinge]:
                 j.kind,
                 "",
                 next((k.name for k in robot.links if k.joint is j), ""),
-                np.array([float(x) for x in j.placement.position]),
+                j.placement.position.array,
                 np.zeros(3),
                 lower,
                 upper,

@@ -73,7 +73,7 @@ class Effects:
         if not self.robot.nv:
             return Effect("", 0.0, "", "no joint moves, so no term changes")
         X = placed(body.placement)
-        new, old = (_parameters(X @ Inertia.of(*x)) for x in ((mass, com, tensor), (body.mass, body.com, body.tensor)))
+        new, old = ((X @ Inertia.of(*x)).array for x in ((mass, com, tensor), (body.mass, body.com, body.tensor)))
         change = new - old
         block = slice(10 * j.index, 10 * j.index + 10)
         for term, Y, words in (("gravity", self.at_rest, "gravity torque"), ("rnea", self.moving, "torque in motion")):
@@ -113,12 +113,8 @@ class Effects:
         return best
 
 
-def _parameters(inertia: Inertia) -> np.ndarray:
-    return np.array([float(x) for x in inertia.parameters])
-
-
 def _length(X: Pose) -> float:
-    return float(np.linalg.norm([float(x) for x in X.position]))
+    return float(np.linalg.norm(X.position.array))
 
 
 def _slides(screw: Twist) -> bool:

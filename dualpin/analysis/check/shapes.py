@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ...io.meshes import Shape, find
+from ...spatial.inertia import steiner
 from .description import Body
 from .findings import ERROR, NOTE, WARNING, Finding
 from .rules import Case, Rule, finding, rules
@@ -206,8 +207,7 @@ def wrong_frame(case: Case) -> Iterator[Finding]:
         solid = uniform(shapes, b.mass)
         if solid is None or _off(b.tensor, solid) < APART:
             continue
-        c = b.com
-        moved = b.tensor - b.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        moved = b.tensor - steiner(b.mass, b.com)
         if _off(moved, solid) < CLOSE:
             effect = case.effects.of_body(b, b.mass, b.com, moved)
             yield finding(
@@ -245,9 +245,8 @@ def uniform(shapes: list[Shape], mass: float) -> np.ndarray | None:
         v, c = float(s.mesh.volume), R @ np.asarray(s.mesh.center_mass) + p
         J = R @ (np.asarray(s.mesh.moment_inertia) / s.mesh.density) @ R.T
         total, moment = total + v, moment + v * c
-        about = about + J + v * (c @ c * np.eye(3) - np.outer(c, c))
-    c = moment / total
-    return np.asarray((about - total * (c @ c * np.eye(3) - np.outer(c, c))) * mass / total)
+        about = about + J + steiner(v, c)
+    return np.asarray((about - steiner(total, moment / total)) * mass / total)
 
 
 def _off(J: np.ndarray, solid: np.ndarray) -> float:

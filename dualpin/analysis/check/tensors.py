@@ -17,6 +17,7 @@ from math import pi, sqrt
 
 import numpy as np
 
+from ...spatial.inertia import steiner
 from .description import TENSOR, Body
 from .findings import ERROR, NOTE, WARNING, Finding
 from .rules import Case, Rule, finding, rules
@@ -85,8 +86,8 @@ def _remedy(b: Body, repaired: np.ndarray) -> str:
     """A correction that makes it physical: other signs of the products, Steiner's terms, or the nearest tensor."""
     flipped = np.where(np.eye(3, dtype=bool), b.written, -b.written)
     c = b.com
-    steiner = b.mass * (c @ c * np.eye(3) - np.outer(c, c))
-    if c.any() and physical(b.tensor - steiner):
+    added = steiner(b.mass, c)
+    if c.any() and physical(b.tensor - added):
         return (
             "it becomes a body's if it is about the link's origin, not the centre of mass: subtract m (c c 1 - c "
             "c^T), or "

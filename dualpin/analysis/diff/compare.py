@@ -8,6 +8,7 @@ from math import inf
 
 import numpy as np
 
+from ...spatial.inertia import steiner
 from .home import Home, carried
 from .matching import Match, Matching
 from .results import Change
@@ -65,7 +66,7 @@ def _base(pair: Pair) -> Iterator[Change]:
 
 
 def _gravity(pair: Pair) -> Iterator[Change]:
-    g, h = (np.array([float(x) for x in home.robot.gravity]) for home in (pair.a, pair.b))
+    g, h = (home.robot.gravity.array for home in (pair.a, pair.b))
     if np.abs(g - h).max() > SMALL:
         yield Change(
             "gravity",
@@ -234,7 +235,7 @@ def _central(ten: np.ndarray) -> np.ndarray:
     m, h = ten[0], ten[1:4]
     xx, xy, yy, xz, yz, zz = ten[4:]
     J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return J if not m else J - (h @ h * np.eye(3) - np.outer(h, h)) / m
+    return J if not m else J - steiner(1 / m, h)
 
 
 def _links(pair: Pair) -> Iterator[Change]:

@@ -87,7 +87,7 @@ class Home:
 
 def parameters(inertia: Inertia, X: np.ndarray) -> np.ndarray:
     """The ten parameters of a body in the frame in which its own has the pose X."""
-    return np.array([float(x) for x in (Pose.from_matrix(X) @ inertia).parameters])
+    return (Pose.from_matrix(X) @ inertia).array
 
 
 def body(ten: np.ndarray) -> Inertia:

@@ -71,9 +71,6 @@ class Matching:
     base: np.ndarray
     rerooted: str = ""
 
-    def in_b(self, name: str) -> Match | None:
-        return next((m for m in self.joints if m.a.joint.name == name), None)
-
 
 def matched(a: Home, b: Home) -> Matching:
     """The matching with the smallest difference, over the possible placements of b's base."""

@@ -34,7 +34,7 @@ def pseudo_inertias() -> np.ndarray:
     """
     E = np.zeros((10, 4, 4))
     for i, body in enumerate(Inertia.basis()):
-        J = np.array([[float(x) for x in row] for row in body.rotational.rows])
+        J = body.rotational.array
         E[i, :3, :3] = np.trace(J) / 2 * np.eye(3) - J
         E[i, :3, 3] = E[i, 3, :3] = [float(x) for x in body.moment]
         E[i, 3, 3] = float(body.mass)

@@ -57,7 +57,7 @@ class Payload:
     def inertia(self) -> np.ndarray:
         """About the centre of mass, in the frame's axes [kg m^2], (3, 3)."""
         _, J = self.body.central
-        return np.array([[float(x) for x in row] for row in J.rows])
+        return J.array
 
     @property
     def deviation(self) -> np.ndarray:

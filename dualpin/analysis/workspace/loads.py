@@ -63,7 +63,7 @@ def static_load(
     """
     check_robot(robot, "static_load")
     if isinstance(payload, Inertia):
-        mass, centre = float(payload.mass), np.array([float(x) for x in payload.central[0]])
+        mass, centre = float(payload.mass), payload.central[0].array
     else:
         mass, centre = real("static_load: payload", payload, "kg", least=0), _point("static_load", com)
     return (gravity(robot, q) + mass * _unit(robot, q, frame, centre)) / _limits(robot, effort)
@@ -127,7 +127,7 @@ def _unit(robot: Robot, q: ArrayLike, frame: str | int | Frame, centre: np.ndarr
     arm = np.einsum("...ij,j->...i", fk(robot, q, at)[..., :3, :3], centre)
     # the point moves with v + w x arm
     moving = J[..., 3:, :] + np.cross(J[..., :3, :], arm[..., :, None], axisa=-2, axisb=-2, axisc=-2)
-    return -np.einsum("...ij,i->...j", moving, np.array([float(x) for x in robot.gravity]))
+    return -np.einsum("...ij,i->...j", moving, robot.gravity.array)
 
 
 def _point(what: str, com: ArrayLike) -> np.ndarray:

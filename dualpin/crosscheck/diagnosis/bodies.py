@@ -8,10 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...call import evaluate as call
+from ...spatial.inertia import steiner
 from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
 from .case import Case, View
-from .description import Body, Description, steiner
+from .description import Body, Description
 from .hypothesis import Hypothesis, Story
 from .rules.register import INERTIAL, WEIGHED
 

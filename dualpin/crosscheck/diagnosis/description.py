@@ -19,7 +19,7 @@ from ...model.builder import Builder
 from ...model.joints import Axial, Floating, Planar
 from ...model.robot import Mimic, Robot
 from ...scalars import Scalar, exact
-from ...spatial.inertia import Inertia
+from ...spatial.inertia import Inertia, steiner
 from ...spatial.pose import Pose
 from ...spatial.rotation import Rotation
 from ...spatial.vector import ZERO_VECTOR, Matrix3, Vector3
@@ -133,10 +133,6 @@ class Description:
     def part_of_link(self, link: str) -> Part | None:
         return next((p for p in self.parts if p.link == link), None)
 
-    def carriers(self) -> dict[str, str]:
-        """For every link: the link that it is fixed to and that a joint moves (or the root)."""
-        return {link: carrier for link, (carrier, _) in self.carried().items()}
-
     def carried(self) -> dict[str, tuple[str, np.ndarray]]:
         """For every link: the link that it is fixed to and that a joint moves (or the root), and its pose there."""
         found = {self.root: (self.root, np.eye(4))}
@@ -204,11 +200,6 @@ def fixed_axes(rpy: Sequence[float] | np.ndarray) -> np.ndarray:
     R = turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
     near = np.round(R)
     return np.where(np.abs(R - near) <= 1e-15, near, R)
-
-
-def steiner(m: float, c: np.ndarray) -> np.ndarray:
-    """m (c.c 1 - c c^T): what the parallel axis theorem adds."""
-    return np.asarray(m * (c @ c * np.eye(3) - np.outer(c, c)))
 
 
 # --- reading -------------------------------------------------------------------------------------

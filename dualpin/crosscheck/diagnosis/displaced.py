@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..subjects.layout import cross_matrix, product
+from ...spatial.adjoint import cross_matrix
+from ..subjects.layout import product
 from .case import View
 
 

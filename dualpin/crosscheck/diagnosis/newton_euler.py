@@ -19,8 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...model.robot import Joint, Robot
+from ...spatial.adjoint import cross_matrix
 from ..subjects.convention import base_of
-from ..subjects.layout import cross_matrix, product, rotations, transposed
+from ..subjects.layout import product, rotations, transposed
 from .description import Description, Part
 from .description import merged as merged_bodies
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...model.joints import Axial
 from ...model.robot import Joint, Robot
+from ...spatial.inertia import steiner
 from ...spatial.pose import Pose
 from ..reading import Body, Description
 from .oracle import OracleError
@@ -83,7 +84,7 @@ def assembled(robot: Robot) -> Any:
         armature = np.array([float(x) for x in j.armature] or [0.0] * j.model.nv)
         rotors = np.concatenate([rotors, armature[ANGULAR_FIRST] if len(armature) == 6 else armature])
     model.armature = rotors
-    model.gravity.linear = np.array([float(x) for x in robot.gravity])
+    model.gravity.linear = robot.gravity.array
     kinds = {"joint": pin.JOINT, "fixed_joint": pin.FIXED_JOINT, "link": pin.BODY}
     for f in robot.frames[1:]:
         kind = kinds.get(f.role, pin.OP_FRAME)
@@ -92,16 +93,16 @@ def assembled(robot: Robot) -> Any:
 
 
 def _placement(pin: Any, X: Pose) -> Any:
-    return pin.SE3(np.array([[float(x) for x in row] for row in X.rows]))
+    return pin.SE3(X.array)
 
 
 def _inertia(pin: Any, joint: Joint) -> Any:
     """About the centre of mass; a body without mass keeps its tensor about the joint's frame."""
-    mass, h = float(joint.inertia.mass), np.array([float(x) for x in joint.inertia.moment])
-    J = np.array([[float(x) for x in row] for row in joint.inertia.rotational.rows])
+    mass, h = float(joint.inertia.mass), joint.inertia.moment.array
+    J = joint.inertia.rotational.array
     c = h / mass if mass else 0 * h
     try:
-        return pin.Inertia(mass, c, J - mass * (c @ c * np.eye(3) - np.outer(c, c)))
+        return pin.Inertia(mass, c, J - steiner(mass, c))
     except RuntimeError as e:  # of a tensor or mass that no body has
         raise OracleError(f"Pinocchio refuses the inertia of {joint.name}: {e}") from None
 
@@ -110,7 +111,7 @@ def _joint(pin: Any, joint: Joint) -> Any:
     """Of the same motions; coordinates may differ."""
     model = joint.model.free
     if isinstance(model, Axial):
-        axis = np.array([float(x) for x in model.axis])
+        axis = model.axis.array
         axis /= np.linalg.norm(axis)
         parts = [_axial(pin, axis, float(u.real), float(u.dual)) for u in model.units]
         if len(parts) == 1:
@@ -149,7 +150,7 @@ def described(model: Any, complaints: tuple[str, ...]) -> Description:
     for i in range(1, model.njoints):
         joint, Y, X = model.joints[i], model.inertias[i], model.jointPlacements[i]
         m, c = Y.mass, Y.lever
-        J = Y.inertia + m * (c @ c * np.eye(3) - np.outer(c, c))
+        J = Y.inertia + steiner(m, c)
         tensor = [J[0, 0], J[0, 1], J[1, 1], J[0, 2], J[1, 2], J[2, 2]]
         data = joint.createData()
         joint.calc(data, neutral)

@@ -144,7 +144,7 @@ def parameter_names(robot: Robot) -> tuple[str, ...]:
 
 def is_ground(f: Frame) -> bool:
     """Whether a frame is that of its joint."""
-    return bool((np.array([[float(x) for x in row] for row in f.placement.rows]) == np.eye(4)).all())
+    return bool((f.placement.array == np.eye(4)).all())
 
 
 def base_of(robot: Robot) -> Joint | None:

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ArgumentError, nearest
-from ...files import write_text
+from ...files import write_text, writing
 from ...model.robot import Robot
 from .answers import Answers, poses
 from .asking import Asking
@@ -80,7 +80,7 @@ def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> N
         "q": list(q), "v": list(v),
         "answers": {t: ",".join(header(t, Convention(q, v), asking.robot)) for t in terms},
     }  # fmt: skip
-    try:
+    with writing(f"ask: cannot write into {folder}"):
         (folder / "answers").mkdir(parents=True, exist_ok=True)
         write_text(folder / "robot.urdf", asking.text)
         write_text(folder / "ask.json", json.dumps(ask, indent=1) + "\n")
@@ -90,12 +90,6 @@ def write(asking: Asking, folder: Path, terms: Iterable[str] | None = None) -> N
             out.writerow(["sample", *(f"{k}.{n}" for k, names in named.items() for n in names)])
             for i in range(asking.samples):
                 out.writerow([i, *(f"{x:.17g}" for k in named for x in asking.states[k][i])])
-    except OSError as e:
-        raise ArgumentError(f"ask: cannot write into {folder} ({e.strerror or e})") from None
-
-
-def is_folder(path: Path) -> bool:
-    return (path / "ask.json").is_file()
 
 
 def asked(folder: Path) -> dict[str, Any]:

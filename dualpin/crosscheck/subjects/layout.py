@@ -19,6 +19,7 @@ import numpy as np
 
 from ...errors import ArgumentError, nearest
 from ...model.robot import Joint, Robot
+from ...spatial.adjoint import cross_matrix
 from ...spatial.inertia import Inertia
 from .algebra import REWRITINGS, SIX, Change, product, transposed
 from .convention import BASE_V, PARAMETERS, Convention, base_of, columns, floats_of, parameter_names
@@ -48,13 +49,6 @@ def quaternions(R: np.ndarray) -> np.ndarray:
     rows = np.stack([np.stack(r, -1) for r in ((w, a, b, c), (a, x, d, e), (b, d, y, f), (c, e, f, z))], -2)
     best = np.take_along_axis(rows, squares.argmax(-1)[..., None, None], axis=-2)[..., 0, :]
     return np.asarray(best / np.linalg.norm(best, axis=-1, keepdims=True))
-
-
-def cross_matrix(p: np.ndarray) -> np.ndarray:
-    """[p] (..., 3, 3) with [p] u = p x u."""
-    x, y, z = np.moveaxis(p, -1, 0)
-    o = np.zeros_like(x)
-    return np.stack([np.stack([o, -z, y], -1), np.stack([z, o, -x], -1), np.stack([-y, x, o], -1)], -2)
 
 
 class Layout:

@@ -6,7 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 from ...errors import ArgumentError, nearest
-from ...files import write_text
+from ...files import write_text, writing
 from .asking import Asking
 from .convention import columns
 
@@ -26,10 +26,8 @@ def write_starter(asking: Asking, folder: Path, language: str) -> Path:
     path = folder / LANGUAGES[language]
     if path.exists():
         raise ArgumentError(f"ask: {path} is there already; it is left as it is (move it away for a new one)")
-    try:
+    with writing(f"ask: cannot write {path}"):
         write_text(path, starter(asking, language))
-    except OSError as e:
-        raise ArgumentError(f"ask: cannot write {path} ({e.strerror or e})") from None
     return path
 
 

@@ -18,8 +18,7 @@ from typing import Any
 from ...errors import DeviceError
 
 _ATTRIBUTES = {
-    "multiprocessors": 16, "shared_per_multiprocessor": 81, "shared_per_block": 97, "registers": 82,
-    "threads_per_multiprocessor": 39, "major": 75, "minor": 76, "pools": 115,
+    "multiprocessors": 16, "registers": 82, "major": 75, "minor": 76, "pools": 115,
 }  # fmt: skip
 _FUNCTION = {"shared": 1, "local": 3, "registers": 4}
 _DYNAMIC_SHARED = 8
@@ -91,15 +90,12 @@ class Device:
     name : str
     capability : int
         90 is 9.0.
-    multiprocessors, shared_per_multiprocessor, shared_per_block, registers, threads_per_multiprocessor : int
-        The device's resources; sizes in bytes, registers of a multiprocessor.
+    multiprocessors, registers : int
+        The device's resources; registers of a multiprocessor.
     """
 
     multiprocessors: int
-    shared_per_multiprocessor: int
-    shared_per_block: int
     registers: int
-    threads_per_multiprocessor: int
 
     def __init__(self, ordinal: int) -> None:
         self.ordinal, handle = ordinal, c_int()

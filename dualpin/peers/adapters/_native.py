@@ -13,8 +13,6 @@ from typing import Any
 
 import numpy as np
 
-VARIABLES = ("CXX", "CC")
-
 
 def compiled(source: str, words: list[str], suffix: str) -> ctypes.CDLL:
     """The library made of a source, with ``-march=native``; a minute or more the first time."""

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...subjects.layout import cross_matrix, product, quaternions, rotations, transposed
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product, quaternions, rotations, transposed
 from ...subjects.questions import QUESTIONS
 from ..case import Case, View, evaluate
 from ..description import Description, homogeneous, merged

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...subjects.layout import cross_matrix, product
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from .register import proposer

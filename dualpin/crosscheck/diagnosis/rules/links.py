@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....spatial.inertia import steiner
 from ..case import Case
-from ..description import Body, Description, Part, fixed_axes, merged, steiner, turn
+from ..description import Body, Description, Part, fixed_axes, merged, turn
 from ..hypothesis import Hypothesis
 from .register import ALL, INERTIAL, MASSIVE, link_rule, proposer
 

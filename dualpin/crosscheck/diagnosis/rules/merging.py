@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....spatial.inertia import steiner
 from ..case import Case
-from ..description import Body, Description, Part, homogeneous, steiner
+from ..description import Body, Description, Part, homogeneous
 from ..hypothesis import Hypothesis
 from .register import INERTIAL, MASSIVE, joint_rule, proposer
 

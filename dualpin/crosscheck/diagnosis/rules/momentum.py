@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...subjects.layout import cross_matrix
+from ....spatial.adjoint import cross_matrix
 from ..case import Case, View
 from ..description import Description
 from ..hypothesis import Hypothesis
