@@ -11,17 +11,16 @@ from pathlib import Path
 import pytest
 
 from dualpin.crosscheck.campaign import Store
+from tests.program import run
 
 pytest.importorskip("pinocchio")
 
 
-def run(*arguments, **options):
-    command = [sys.executable, "-m", "dualpin", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, **options)
-
-
 def test_list_prints_names_and_aliases():
     done = run("list")
+    command = [sys.executable, "-m", "dualpin", "list"]
+    process = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (process.returncode, process.stdout, process.stderr)
     assert done.returncode == 0
     assert "panda\n" in done.stdout
     assert "ur5_robot  (also ur5)" in done.stdout

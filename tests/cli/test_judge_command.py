@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from tests.program import run as dualpin
+
 EXAMPLES = Path(__file__).parents[1] / "crosscheck" / "subject_examples.py"
-
-
-def dualpin(*words, cwd=None):
-    command = [sys.executable, "-m", "dualpin", *map(str, words)]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=300, check=False)
 
 
 def test_a_difference_is_named_and_fails(tmp_path):

@@ -8,12 +8,8 @@ import sys
 import pytest
 
 from dualpin.io.catalogue import catalogue
+from tests.program import run
 from tests.report import samples
-
-
-def run(*arguments, **options):
-    command = [sys.executable, "-m", "dualpin", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
 
 
 @pytest.fixture
@@ -30,7 +26,8 @@ def files(tmp_path):
 
 def test_a_failed_robot_says_where():
     one = samples.report(samples.robot("ur5", rnea=1e-3))
-    done = run("report", "/dev/stdin", input=one.to_json())
+    command = [sys.executable, "-m", "dualpin", "report", "/dev/stdin"]
+    done = subprocess.run(command, input=one.to_json(), capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 1
     assert "row elbow" in done.stdout
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -17,6 +15,7 @@ from dualpin.model import Builder, Floating, Planar, cylindrical, prismatic, rev
 from dualpin.report import page, robot_page
 from dualpin.report.skeleton import skeleton
 from dualpin.report.voxels import workspace_section
+from tests.program import run
 from tests.random_robots import tree
 
 pytest.importorskip("jinja2")
@@ -127,31 +126,25 @@ def test_symbols_and_other_things_have_none(ur5):
         robot_page("ur5")
 
 
-def command(*words, cwd):
-    return subprocess.run(
-        [sys.executable, "-m", "dualpin", *words], capture_output=True, text=True, cwd=cwd, check=False
-    )  # fmt: skip
-
-
 def test_report_writes_the_page_of_what_is_no_result(tmp_path):
-    done = command("report", "double_pendulum", "--samples", "0", cwd=tmp_path)
+    done = run("report", "double_pendulum", "--samples", "0", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     (written,) = tmp_path.glob("*.html")
     assert "data sheet" in written.read_text(encoding="utf-8")
-    both = command("report", "double_pendulum", "x.json", cwd=tmp_path)
+    both = run("report", "double_pendulum", "x.json", cwd=tmp_path)
     assert both.returncode == 2 and "one robot, or result files" in both.stderr
-    missing = command("report", "no_such_robot", cwd=tmp_path)
+    missing = run("report", "no_such_robot", cwd=tmp_path)
     assert missing.returncode == 2 and "Traceback" not in missing.stderr
 
 
 def test_workspace_writes_maps_pictures_and_a_page(tmp_path):
     words = ("workspace", "ur5", "--frame", "tool0", "--samples", "50000", "--survey", "2000", "--out", "out", "--json")
-    done = command(*words, cwd=tmp_path)
+    done = run(*words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     summary = json.loads(done.stdout)
     assert summary["samples"] == 50_000 and summary["volume"] > 2 and "capacity [kg], least" in summary["surveys"]
     names = {p.name for p in (tmp_path / "out").iterdir()}
     assert {"workspace.json", "reach.npz", "report.html"} <= names
     assert json.loads((tmp_path / "out" / "workspace.json").read_text())["summary"]["frame"] == "tool0"
-    bad = command("workspace", "ur5", "--frame", "tool1", cwd=tmp_path)
+    bad = run("workspace", "ur5", "--frame", "tool1", cwd=tmp_path)
     assert bad.returncode == 2 and "tool0" in bad.stderr
