@@ -133,6 +133,10 @@ class Description:
     def part_of_link(self, link: str) -> Part | None:
         return next((p for p in self.parts if p.link == link), None)
 
+    def carriers(self) -> dict[str, str]:
+        """For every link: the link that it is fixed to and that a joint moves (or the root)."""
+        return {link: carrier for link, (carrier, _) in self.carried().items()}
+
     def carried(self) -> dict[str, tuple[str, np.ndarray]]:
         """For every link: the link that it is fixed to and that a joint moves (or the root), and its pose there."""
         found = {self.root: (self.root, np.eye(4))}
