@@ -1,4 +1,4 @@
-"""Who is right at one state: a subject, Pinocchio or dualpin; 50 digits decide."""
+"""Errors of a subject, of Pinocchio and of dualpin at one state, against the term's definition in 50 digits."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .subjects.layout import Layout
 from .subjects.questions import QUESTIONS, Question, pushed
 
 SECONDS = 5.0
-"""Of the processor, for one state: an arm's terms take 0.1 to 1 s, C of a humanoid more than it is worth."""
+"""Of the processor, for one state: an arm's terms take 0.1 to 1 s, C of a humanoid much longer."""
 _LONG: dict[tuple[str, bool, str], str] = {}
 """Terms of robots that could not be evaluated in time: other subjects are not made to wait for them again."""
 FORMS_WITH_MASS = ("bias", "coriolis")
 
 
 class Court:
-    """One subject's answers before the 50 digits; Pinocchio is heard where it is installed and reads the robot."""
+    """One subject's answers before the 50 digits; Pinocchio's too where it is installed and reads the robot."""
 
     def __init__(self, answers: Answers, layout: Layout) -> None:
         self.answers, self.layout, self.robot = answers, layout, answers.asking.robot
@@ -121,7 +121,7 @@ class Court:
 
 
 def nearer(errors: dict[str, float], tolerance: float) -> str:
-    """Who is near the truth: the subject ("oracle"), dualpin, or neither."""
+    """Which is within tolerance of 50 digits: the subject ("oracle"), dualpin, or neither."""
     if min(errors["dualpin"], errors["oracle"]) > tolerance:
         return NEITHER
     return DUALPIN if errors["dualpin"] <= errors["oracle"] else ORACLE

@@ -1,4 +1,4 @@
-"""Who is right where two libraries differ: each is compared with the term's definition in 50 digits and more."""
+"""Arbitration where two libraries differ: each is compared with the term's definition in 50 digits and more."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .definitions import WORKING_DIGITS, Definitions, UndecidedError
 from .results import DUALPIN, NEITHER, ORACLE, UNDECIDED
 
 SECONDS = 20.0
-"""What the judgement of a term may cost: entries of tiago_dual, 107 degrees of freedom, take 0.2 to 4 s."""
+"""Processor seconds for one term; entries of tiago_dual, 107 degrees of freedom, take 0.2 to 4 s."""
 
 
 def arbitrate(
@@ -99,7 +99,7 @@ def defined(
 
 
 def nearer(errors: Mapping[str, float], tolerance: float) -> str:
-    """Who is nearer the truth: one within the tolerance; the closer one if both are, neither if none is."""
+    """Which is nearer to 50 digits: the one within the tolerance, the closer one if both are, neither if none is."""
     ours, theirs = errors["dualpin"], errors["oracle"]
     if min(ours, theirs) > tolerance:
         return NEITHER
@@ -107,5 +107,5 @@ def nearer(errors: Mapping[str, float], tolerance: float) -> str:
 
 
 def worst_of(verdicts: list[str]) -> str:
-    """Of what several samples say."""
+    """The common verdict of several samples."""
     return min(verdicts, key=[ORACLE, NEITHER, UNDECIDED, DUALPIN].index, default=UNDECIDED)

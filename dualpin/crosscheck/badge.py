@@ -8,7 +8,7 @@ from .results import AGREES, DIFFERS, NOT_COMPARED, Report
 GREEN, AMBER, RED, GREY = "#2e7d32", "#a15c00", "#b3261e", "#616161"
 """Each at least 4.5 : 1 against white (WCAG 2.1, 1.4.3)."""
 CONVENTION = "agrees under another convention"
-_LETTER, _MARGIN = 6.6, 12  # an average letter of 11 px, and what is left at both sides of a text
+_LETTER, _MARGIN = 6.6, 12  # px: width of an average letter at 11 px, and the margin at both sides of a text
 
 
 def said(report: Report) -> tuple[str, str]:
@@ -27,14 +27,14 @@ def said(report: Report) -> tuple[str, str]:
     having, compared = {name for name, _ in terms}, {name for name, t in terms if t.compared}
     count = f"{len(compared)} {'of ' + str(len(having)) + ' ' if having != compared else ''}terms"
     robots = f", {len(report.robots)} robots" if len(report.robots) > 1 else ""
-    if report.status == DIFFERS:  # and passed: what is judged is nearer to 50 digits
+    if report.status == DIFFERS:  # and passed: the side that is judged is nearer to 50 digits
         verdicts = dict.fromkeys(t.verdict for _, t in terms if t.status == DIFFERS)
         return f"{' / '.join(verdicts)} | {count}{robots}", AMBER
     return f"{AGREES} | {count}{robots}", GREEN if having == compared else AMBER
 
 
 def _failed(report: Report) -> tuple[str, str]:
-    """The gravest of what went wrong."""
+    """The gravest failure."""
     if any(r.error for r in report.robots):
         return "failed", RED
     off = [t for r in report.robots for t in r.terms.values() if t.status == DIFFERS or t.findings]

@@ -1,4 +1,4 @@
-"""What is compared: a robot, and what one term of it needs for that."""
+"""The data of a comparison: a robot, and how one of its terms is compared."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Check:
     solves : bool
         Whether a linear system with M is solved in it.
     enters : set of str
-        What else than motion enters it: INERTIA, GRAVITY.
+        What enters it besides motion: INERTIA, GRAVITY.
     form : str
         What kind of quantity it is: how `subjects.Layout` rewrites it in other coordinates.
     """
@@ -55,7 +55,7 @@ class Check:
     enters: Set[str] = FORCES
     form: str = "plain"
 
-    # --- what it is asked ---------------------------------------------------------------------------
+    # --- inputs and options ---------------------------------------------------------------------------
 
     @property
     def inputs(self) -> dict[str, str]:
@@ -122,7 +122,7 @@ class Case:
     title : str
         What to call it, where that is not the name or path.
     oracle : str
-        Who it is compared with.
+        The library it is compared with.
     """
 
     robot: str | Robot

@@ -1,7 +1,7 @@
 """The terms that are compared: each by its definition, with what decides how far apart two answers may be.
 
-A definition is the judge where two libraries differ; `definitions` says what it is made of.  The sizes say how
-many digits cancellation may cost; `extent` says what they are made of.  The function of a term has its name.
+Where two libraries differ, the definition decides; `definitions` has its building blocks.  The sizes say how
+many digits cancellation may cost; `extent` derives them.  The function of a term has its name.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from .sampling import planar_angles
 __all__ = ["CHECKS", "Case", "Check", "chosen"]
 
 MOTION = frozenset[str]()
-"""What enters a term that is about motion alone."""
+"""Inputs of a term that depends on motion only."""
 
 
 def _reach(x: Extent) -> Array:

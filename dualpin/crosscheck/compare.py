@@ -29,7 +29,7 @@ from .tolerance import Reference
 from .where import locate
 
 LAST_DIGITS = 1e-13
-"""A scaled error from which it is worth knowing who is right."""
+"""A scaled error from which agreeing terms are arbitrated too, if asked for."""
 
 WEIGHTLESS = "no moving body has mass"
 
@@ -62,7 +62,7 @@ def compare(
 
 
 def used_engine(asked: str) -> str:
-    """What computes where this engine is asked for."""
+    """The engine that computes where this one is requested."""
     if asked != "auto":
         return asked
     from ..engine.jit.host import CompilerError, this_host
@@ -143,7 +143,7 @@ class _Comparison:
     def _judged(
         self, check: Check, tally: Tally, variants: list[dict[str, Any]], given: dict[str, np.ndarray], arbitrate: bool
     ) -> TermResult:
-        """The verdict on a term; 50 digits of one robot say nothing about two robots."""
+        """The verdict on a term; 50 digits of one robot cannot decide between two robots."""
         result = tally.result(self.oracle.source(check.term), given)
         if not result.worst:
             return result

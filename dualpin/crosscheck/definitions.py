@@ -1,10 +1,10 @@
-"""What terms are defined by, in as many digits as asked: the judge where two libraries differ.
+"""Definitions of the terms in any number of digits, which decide where two libraries differ.
 
 Nothing here is an algorithm of `dualpin.algorithms` or of the oracle.  There are only the poses of the
-bodies, as products of matrices, and what the terms mean: momentum is what inertia makes of a
-velocity, force is the rate of momentum, and derivatives are differences over a step of 1e-30, taken
-with 130 digits.  So a mistake in a recursion, of either library, cannot hide here, and
-the price is paid at one entry of one sample only.  The terms themselves stand in `checks`.
+bodies, as products of matrices, and the terms' meanings: momentum is inertia times velocity, force is
+the rate of momentum, and derivatives are differences over a step of 1e-30, taken with 130 digits.  So
+the definitions share no recursion, and no mistake of one, with either library.  They are slow, and
+evaluated for one entry of one sample at a time.  The definitions of the terms are in `checks`.
 
 A body moves along the curve  T(t) = T_parent P X(q) exp(S (v t + a t^2 / 2)),  whose velocity in the
 joint's own coordinates is v + a t: this holds for every joint, whatever its coordinates are.
@@ -71,7 +71,7 @@ class Definitions:
         import mpmath
 
         self.mp, self.given, self.robot = mpmath, robot, robot.lift(mpmath.mpf)
-        # of this thread: what else the machine does is no reason to give up
+        # of this thread, so that the load of the machine does not count
         self.deadline = time.thread_time() + seconds
         self.h = mpmath.mpf(STEP)
         self.state = {key: exact(mpmath, x) for key, x in state.items()}
@@ -157,7 +157,7 @@ class Definitions:
         return T, forces
 
     def torques(self, v: Array, a: Array, *, rotors: bool = True, **more: Any) -> Array:
-        """What the joints' wrenches do on their screws; `more` as in `transmitted`."""
+        """Joint forces: the joints' wrenches on their screws; `more` as in `transmitted`."""
         T, forces = self.transmitted(v, a, **more)
         tau = self.zeros()
         for i, columns in enumerate(self.columns(T)):

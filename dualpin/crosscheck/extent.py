@@ -1,4 +1,4 @@
-"""How large the numbers are that add up in a term, beside the term itself.
+"""Sizes of the summands of a term, relative to the term itself (cancellation).
 
 A recursion carries inertias, momenta and forces about points far from the body: the joints before it, or
 the world's origin.  There a body of inertia I has m r^2 + I, and what is left of I after the way
@@ -89,7 +89,7 @@ class Extent:
 
     @property
     def swing(self) -> Array:
-        """Accelerations that come of velocities, as D weighs them."""
+        """Velocity-dependent accelerations, as D weighs them."""
         return self.speed * np.linalg.norm(self.weights * self.states["v"], axis=-1)
 
     def push(self, a: Array) -> Array:

@@ -1,4 +1,4 @@
-"""What a diagnosis found, in plain words and as data."""
+"""Findings of a diagnosis, in words and as data."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Finding:
     key : str
         Of the table of keys: "gravity", "rows", "inertial_rpy", ...; "partly" for one that explains part.
     says : str
-        What is the case, in plain words.
+        The cause, in words.
     terms : list of str
         The terms it explains.
     before, after : float
@@ -40,7 +40,7 @@ class Finding:
         What would explain the same answers as well.
     apart : dict
         A state at which the first alternative that differs would give something else: q, v, a, tau in the
-        subject's columns, and what to look at.  Empty where nothing would tell them apart.
+        subject's columns, and what to look at.  Empty where no state distinguishes them.
     fix : str
         What to change in the subject's call or in the file.
     evidence : dict

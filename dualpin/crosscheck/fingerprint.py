@@ -1,4 +1,4 @@
-"""What a model is: its bodies, joints and limits as plain values, so that a later result can say what changed."""
+"""The bodies, joints and limits of a model as plain values, to find later what changed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..spatial.pose import Pose
 
 Model = dict[str, dict[str, dict[str, Any]]]
 DIGITS = 9
-"""Significant digits that are kept: fewer than roundings of another reader change, more than anybody measures."""
+"""Significant digits kept: few enough to hide the rounding of another reader, more than measured values have."""
 SAME = 1e-6
 """Relative difference below which two values are one: what rounding and the order of sums leave."""
 

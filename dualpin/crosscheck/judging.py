@@ -1,4 +1,4 @@
-"""Judge any dynamics code: ask it, compare every term, and say why what differs differs."""
+"""Judge any dynamics code: query it, compare every term, and diagnose the differences."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ LINE = 1e-9
 """Where agreement ends: other algorithms, about other points, round up to 1e-12 or so apart; constants in single
 precision are 1e-8 off, and every mistake is more."""
 LAST_DIGITS = 1e-13
-"""A scaled error from which 50 digits are asked."""
+"""A scaled error from which the definition in 50 digits is evaluated."""
 Tick = Callable[[str], None]
 
 

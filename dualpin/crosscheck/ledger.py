@@ -1,4 +1,4 @@
-"""What a judgement has so far, line by line on disk, so that an interrupted one goes on where it was."""
+"""Intermediate results of a judgement, line by line on disk, so that an interrupted one can be resumed."""
 
 from __future__ import annotations
 

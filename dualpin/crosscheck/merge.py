@@ -1,4 +1,4 @@
-"""Slices of one robot put together: what `compare` would say of all samples, whatever the order they came in."""
+"""Slices of one robot put together: the result of `compare` for all samples, whatever the order of the slices."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What a library made of a robot: bodies, joints, gravity; and where two of them differ.
+"""A robot as a library read it: bodies, joints, gravity; and where two readings differ.
 
-Before any term is compared it is known whether both libraries speak of the same robot.
+Before any term is compared it is known whether both libraries have the same robot.
 """
 
 from __future__ import annotations

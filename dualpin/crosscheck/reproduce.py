@@ -1,4 +1,4 @@
-"""A few lines that show a difference again, at its worst state."""
+"""A few lines that reproduce a difference at its worst state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a comparison found, and how it is written down."""
+"""Results of a comparison, and how they are written."""
 
 from __future__ import annotations
 

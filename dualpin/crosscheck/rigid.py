@@ -1,7 +1,7 @@
-"""Poses, twists and momenta as matrices of mpmath numbers: what `definitions` is made of.
+"""Poses, twists and momenta as matrices of mpmath numbers, used by `definitions`.
 
-Arrays stand on the left of numbers: mpmath, asked first, tries to read an array as a number, which takes longer than
-the product.
+Arrays are on the left of numbers in products: otherwise mpmath first tries to convert the array to a number, which
+takes longer than the product.
 """
 
 from __future__ import annotations

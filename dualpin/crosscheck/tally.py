@@ -1,4 +1,4 @@
-"""Errors of one term, gathered batch by batch, and what they come to."""
+"""Errors of one term, collected batch by batch, and their summary."""
 
 from __future__ import annotations
 

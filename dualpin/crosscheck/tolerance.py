@@ -1,4 +1,4 @@
-"""How large an error may be, and why.
+"""Tolerances and their reasons.
 
 Both libraries evaluate the same sums of products in different order.  A scaled error has four
 causes: the constants (placements differ by some eps, since trigonometry of rpy is rounded), the
@@ -24,8 +24,8 @@ CEILING = 1e-12
 error is one only beyond the rounding of what cancels (`Tolerance.rounding`)."""
 PER_BODY = 64
 """Roundings of one step of a recursion, out and back: each way a 3x3 product of three terms a row
-and a cross product, 8 roundings deep, in both libraries; and twice that, since what cancels may be
-larger than what is left (velocities reach 2 pi, positions the length of the robot).  So it is for
+and a cross product, 8 roundings deep, in both libraries; and twice that, since summands may be
+larger than their sum (velocities reach 2 pi, positions the length of the robot).  An example is
 the local Jacobian of a floating body, whose rate is zero: 50 digits and dualpin say 0, Pinocchio
 leaves 1.5e-14 (bluevolta, 5000 samples, seed 11)."""
 
@@ -111,7 +111,7 @@ SINGULAR = 1 / (64 * EPS)
 
 @dataclass(frozen=True)
 class Reference:
-    """What bounds depend on in a batch of states: on one side alone, since a wrong M would widen its own bound.
+    """Quantities that bounds depend on, of the reference only: a wrong M of the other side would widen its own bound.
 
     Attributes
     ----------

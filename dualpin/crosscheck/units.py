@@ -1,4 +1,4 @@
-"""Units of work: a robot, a slice of its samples, and what decides the result."""
+"""Units of work: a robot, a slice of its samples, and everything that the result depends on."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Unit:
     first : int
         The number of its first sample among those of the case.
     key : str
-        What tells it from all others: the robot itself, not only its name.
+        Its identity: of the robot itself, not only of its name.
     """
 
     case: Case

@@ -18,7 +18,7 @@ PARAMETERS = ("mass", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "I
 
 
 def locate(robot: Robot, term: str, entry: int, options: Mapping[str, Any] | None = None) -> str:
-    """Say in words where an entry of a term sits.
+    """The place of an entry of a term, in words.
 
     Parameters
     ----------

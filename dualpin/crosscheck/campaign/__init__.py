@@ -2,7 +2,7 @@
 
     cases -> units -> executor -> store -> merge -> Report
 
-A unit is a robot, a slice of its samples and an engine, with a seed of its own.  What it finds depends on
+A unit is a robot, a slice of its samples and an engine, with a seed of its own.  Its result depends on
 nothing else, so one process and a thousand write the same report.
 """
 

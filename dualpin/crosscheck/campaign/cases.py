@@ -1,4 +1,4 @@
-"""Which robots there are to validate."""
+"""The robots of a campaign."""
 
 from __future__ import annotations
 

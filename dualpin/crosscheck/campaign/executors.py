@@ -22,9 +22,9 @@ Work = Callable[[Unit], Result]
 Found = Iterator[tuple[Unit, Result]]
 
 WINDOW = 4096
-"""Units given to a foreign executor ahead of their turn: enough for a thousand processes, and soon cancelled."""
+"""Units submitted to a foreign executor at a time: enough for a thousand processes, and quickly cancelled."""
 TRIES = 3
-"""How often an executor may be lost with nothing found in between."""
+"""How often an executor may be lost without a result in between."""
 
 
 class LostError(DualpinError):
@@ -87,7 +87,7 @@ def _processes(jobs: int) -> ProcessPoolExecutor:
 
 
 def _one_of(jobs: int) -> None:
-    """What a process among so many begins with."""
+    """Initialise a worker process, one of so many."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
     set_num_threads(max(1, available() // jobs))
 
@@ -106,7 +106,7 @@ def _alone(unit: Unit, work: Work) -> Result:
 
 
 def _elsewhere(units: Sequence[Unit], work: Work, executor: Executor | Connect) -> Found:
-    """On somebody's executor; where a function makes it, a lost one is made again."""
+    """On a given executor; where a function makes it, a lost one is made again."""
     connect = (lambda: nullcontext(executor)) if isinstance(executor, Executor) else executor
     left, tries = {u.key: u for u in units}, 0
     while left:
@@ -162,7 +162,7 @@ def _through(pool: Executor, units: Iterable[Unit], work: Work, window: int, los
             except CancelledError:
                 raise LostError("campaign: the executor was lost") from None
             except Exception as e:
-                if type(e).__name__ != "KilledWorker":  # Dask's word for what ended several processes
+                if type(e).__name__ != "KilledWorker":  # Dask raises this for a task that ended several processes
                     raise _failed(unit, e) from e
                 lost.append(unit)
             else:

@@ -1,4 +1,4 @@
-"""Where results are kept as they come: one SQLite file, to which rows are only added.
+"""A store of results: one SQLite file, to which rows are only added.
 
 A row is written whole or not at all, also when the process is killed.  A unit that is done twice
 counts once.  Several campaigns, also running ones, may share a file.

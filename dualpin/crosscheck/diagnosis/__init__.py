@@ -1,4 +1,4 @@
-"""Say why a subject's answers differ: hypotheses that predict them, and a search for the cheapest story."""
+"""Find why a subject's answers differ: hypotheses that predict them, and a search for the cheapest set (a story)."""
 
 from ..findings import Finding
 from .case import Case

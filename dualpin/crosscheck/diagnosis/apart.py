@@ -1,4 +1,4 @@
-"""A state at which two stories that explain the same answers would differ."""
+"""A state that distinguishes two stories (sets of hypotheses) that explain the same answers."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ LEFT = 1e-9
 
 
 def residual(case: Case, term: str, story: Story) -> tuple[View, np.ndarray] | None:
-    """What a joint must do besides, in dualpin's columns: tau observed minus tau predicted."""
+    """Residual joint forces in dualpin's columns: tau observed minus tau predicted."""
     view, x, p = case.view(story), case.observed[term], case.predict(term, story)
     if view is None or p is None or not np.isfinite(x).all():
         return None
@@ -120,7 +120,7 @@ def _solved(case: Case, small: Small) -> list[tuple[str, np.ndarray]]:
         delta, *_ = np.linalg.lstsq(R, y, rcond=1e-11)
         if lost < LEFT and np.abs(R @ delta - y).max(initial=0.0) < LEFT and np.abs(delta).max() > 1e-12:
             out.append((joint, delta))
-    return out[-3:]  # the outermost first: what an inner body could do as well says less
+    return out[-3:]  # the outermost first: a change of an inner body can often explain the same
 
 
 # --- one link: fewer numbers, which say more -----------------------------------------------------

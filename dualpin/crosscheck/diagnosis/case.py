@@ -1,4 +1,4 @@
-"""One subject on one robot: what it was sent, what it answered, and what any story predicts."""
+"""One subject on one robot: the states sent, its answers, and the predictions of any story (set of hypotheses)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What a URDF may hold that some readers cannot read, and how to write it otherwise.
+"""Constructs of URDF that some readers do not read, and how to rewrite them.
 
 Each construct is an edit of the XML that leaves a file which every reader should read.  Some edits change what
-the file says: they are made to find out what a reader stumbles over, never to compare numbers.
+the file says: they serve to find out what a reader refuses, never to compare numbers.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
     nothing = answers[0]
     A = np.stack([y - nothing for y in answers[1:]], -1)[train].reshape(-1, 3)
     g, *_ = np.linalg.lstsq(A, (case.observed[term] - nothing)[train].ravel(), rcond=None)
-    blind = np.abs(A).max(axis=0) < 1e-12 * max(1.0, np.abs(A).max())  # no weight along this axis can be felt
+    blind = np.abs(A).max(axis=0) < 1e-12 * max(1.0, np.abs(A).max())  # gravity along this axis has no effect
     g = np.where(blind, np.array(case.asking.gravity), g)
     snapped, _ = _snapped(g)
     return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
@@ -144,7 +144,7 @@ def pairs_of_forces(case: Case, term: str) -> list[Story]:
 
 
 def _felt(case: Case, term: str, story: Story) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
-    """What the joints must do besides, and the shapes that it may have."""
+    """Residual joint forces, and the shapes fitted to them."""
     found = residual(case, term, story) if term in (*FORCED, "gravity") else None
     if found is None:
         return None
@@ -254,7 +254,7 @@ def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray
     if term not in (*WEIGHED,) or keys & {"joint_scale", "scale", "sign"} or p is None:
         return []
     squares = (p[train] ** 2).sum(0)
-    felt = np.abs(p[train]).max(0) > 1e-12 * max(1.0, np.abs(p[train]).max())  # what is only rounding has no factor
+    felt = np.abs(p[train]).max(0) > 1e-12 * max(1.0, np.abs(p[train]).max())  # not from rounding
     with np.errstate(all="ignore"):
         k = np.where(felt, (x[train] * p[train]).sum(0) / squares, 1.0)
     near = np.round(k)

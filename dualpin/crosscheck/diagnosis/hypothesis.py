@@ -1,4 +1,4 @@
-"""What could turn dualpin's answer into the subject's, as data.
+"""Hypotheses about what turns dualpin's answer into the subject's, as data.
 
 A hypothesis predicts what the subject would answer if it were true.  Each acts at one place of the way
 
@@ -20,7 +20,7 @@ PLACES = ("word", "edit", "state", "formula", "force", "change", "answer", "rela
 
 @dataclass(frozen=True)
 class Wording:
-    """A convention, and what conventions have no word for."""
+    """A convention, with further changes that a `Convention` cannot express."""
 
     how: Convention
     turned: tuple[str, ...] = ()
@@ -29,7 +29,7 @@ class Wording:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """One thing a subject may do otherwise.
+    """One possible cause of a difference.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Hypothesis:
 
 
 Story = tuple[Hypothesis, ...]
-"""Hypotheses that are true together, in the order in which they act."""
+"""A set of hypotheses that hold together, in the order in which they act."""
 
 
 def ordered(story: Iterable[Hypothesis]) -> Story:

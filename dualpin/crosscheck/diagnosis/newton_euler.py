@@ -68,7 +68,7 @@ SLIPS = {
     "gravity_in_base": "gravity turns with the base",
     "gravity_each_link": "gravity is added at every link, not at the base alone",
 }
-"""What may be forgotten, by key."""
+"""Terms that may be missing, by key."""
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -226,7 +226,7 @@ class NewtonEuler:
         self, out: np.ndarray, links: list[_Link], i: int, push: np.ndarray, n: np.ndarray, at: np.ndarray,
         weight: np.ndarray, low: np.ndarray,
     ) -> None:  # fmt: skip
-        """What the joints below a link feel of its forces and moment."""
+        """The forces at the joints below a link that its force and moment cause."""
         own, whole, handed = links[i].p, self.share("force_moment"), self.share("force_moment_link")
         first, below = i, own
 

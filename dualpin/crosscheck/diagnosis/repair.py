@@ -26,7 +26,7 @@ SECONDS = 60.0
 UNRELATED = re.compile(
     r"\b(NotImplementedError|ModuleNotFoundError|ImportError|SyntaxError|IndentationError)\b|no answer within"
 )
-"""Of a message: what no file can be blamed for."""
+"""Messages whose cause is not the file."""
 Refusal = Callable[[Asking, float], str]
 """Why a subject does not read this robot, known within so many seconds; empty if it does."""
 SAYS = "the subject does not read the file: what it holds that keeps it from reading"

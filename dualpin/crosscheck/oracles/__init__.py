@@ -1,4 +1,4 @@
-"""Other libraries, asked the same questions.  Each adapter alone knows its library's conventions."""
+"""Other libraries, evaluated on the same states.  Only the adapter of a library knows its conventions."""
 
 from .oracle import Oracle, OracleError
 from .pinocchio import Pinocchio

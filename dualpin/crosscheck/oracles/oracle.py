@@ -1,4 +1,4 @@
-"""What an oracle is: a library that answers for a robot, in dualpin's conventions."""
+"""Interface of an oracle: a library that computes a robot's terms, in dualpin's conventions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pinocchio as oracle: the only place that knows its conventions.
+"""Pinocchio as oracle; this module converts its conventions.
 
 Pinocchio's six-vectors are linear first, its free flyer's velocity is [v; w] and quaternion
 (x, y, z, w), continuous joints and the angle of planar ones are (cos, sin), `crba` fills one

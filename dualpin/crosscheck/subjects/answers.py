@@ -1,4 +1,4 @@
-"""What a subject said: its answers as arrays, and what it did not answer and why."""
+"""Answers of a subject as arrays, and the reasons for missing ones."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Answers:
             self.history[term] = float(note["history"])
 
     def later(self, apart: Mapping[str, float]) -> None:
-        """What was answered otherwise once all other terms had been asked."""
+        """Terms whose answer changed once all other terms had been evaluated."""
         self.history |= {t: float(x) for t, x in apart.items() if t in self.terms and t not in self.history}
 
 

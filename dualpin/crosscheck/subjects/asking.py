@@ -1,4 +1,4 @@
-"""What is asked: a robot as every subject is given it, the states, and dualpin's own answers."""
+"""The queries: a robot as every subject is given it, the states, and dualpin's own answers."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ def _text_of_model(robot: Robot) -> str:
 def _states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
     given = sampled(robot, n, seed)
     base = base_of(robot)
-    if base is not None:  # nobody pushes the base: some libraries cannot even be told
+    if base is not None:  # no force on the base: some libraries cannot take one
         given["tau"][:, base.v] = 0
     wrenches = np.random.default_rng([seed, 4]).uniform(-10, 10, (n, 6))  # [n; f], on one link after the other
     return {k: given[k] for k in ("q", "v", "a", "tau")} | {"f_ext": wrenches}

@@ -105,7 +105,7 @@ class Convention:
 
 
 class Subject(Protocol):
-    """What is judged: it says who it is and how it writes; whatever terms it has are methods.
+    """The code that is judged: it gives its name and its conventions; its terms are methods.
 
     Any of the names of `dualpin.crosscheck.subjects.QUESTIONS` may be a method: ``fk(q, frame)``,
     ``jacobian(q, frame)``, ``rnea(q, v, a)``, ``crba(q)``, ...; ``rnea_f_ext(q, v, a, f_ext, frame)`` is under the

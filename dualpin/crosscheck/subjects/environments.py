@@ -1,4 +1,4 @@
-"""Environments of subjects: a library lives in one of its own, so that its needs meet nobody else's.
+"""Environments of subjects: each library is installed in a separate one, so that dependencies cannot conflict.
 
 An adapter is a file with a tuple ``REQUIRES`` of what pip installs for it, versions named.  Its environment
 is a folder of the user's data, made with `venv`; `ready` is written last, so half an installation is none.

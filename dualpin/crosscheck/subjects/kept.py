@@ -1,4 +1,4 @@
-"""Answers as plain data: what an interrupted judgement left behind, or what is to be judged again later."""
+"""Answers as plain data, kept from an interrupted judgement, or to be judged again later."""
 
 from __future__ import annotations
 

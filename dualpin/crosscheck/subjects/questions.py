@@ -1,4 +1,4 @@
-"""What a subject may be asked, and how each answer changes when it is written otherwise."""
+"""The terms that a subject may offer, and how each is converted between conventions."""
 
 from __future__ import annotations
 

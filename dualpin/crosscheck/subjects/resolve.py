@@ -1,4 +1,4 @@
-"""Who is meant by a subject: a shipped name, module:attribute, an object, a mapping, a folder, a command."""
+"""Find a subject by a shipped name, module:attribute, an object, a mapping, a folder, a command."""
 
 from __future__ import annotations
 

@@ -174,7 +174,7 @@ class _Child:
         (self.folder / "now.json").unlink(missing_ok=True)
         python = str(Path(self.python).absolute()) if os.sep in self.python else self.python
         words = [python, serve.__file__, str(self.folder), self.spec]
-        # what a library leaves behind, a log say, is nobody's; a user's own module is found where the user is
+        # files that a library writes, a log say, go to a temporary folder; a user's own module needs the user's folder
         where = self.folder if self.spec.startswith(str(ADAPTERS)) else None
         with self.log.open("ab") as log:
             try:

@@ -11,7 +11,7 @@ What passes through FOLDER:
     ask.json       what is asked (see `dualpin.crosscheck.subjects.exchange`)
     subject.json   written first: name, version, and how the subject writes
     states.npz     its q, v, a, tau, in its own columns; they are there when a line arrives on stdin
-    now.json       the term being asked: what a crash is blamed on
+    now.json       the term being asked, to which a crash is attributed
     answers/T.npy  the answers of a term, on disk before the next begins
     later.json     terms that answer their first state otherwise once all terms were asked, and how far off
     notes.json     of each term: seconds, what was not answered and why, whether it depends on its history
@@ -222,7 +222,7 @@ def main(folder: Path, spec: str) -> None:
     name = kind(subject) if spec.endswith(".pkl") else spec
     write(folder / "subject.json", introduction(subject, name) | {"load_s": round(time.perf_counter() - start, 3)})
     if not sys.stdin.readline():
-        return  # nobody waits for answers
+        return  # the parent has closed the pipe
     ask = json.loads((folder / "ask.json").read_text(encoding="utf-8"))  # some terms may be known from before
     inputs, frames = ask["inputs"], ask["frames"]
     given = dict(np.load(folder / "states.npz"))
@@ -244,5 +244,5 @@ def main(folder: Path, spec: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.path.pop(0)  # this file's folder is nobody's package
+    sys.path.pop(0)  # this file's folder must not be searched for modules
     main(Path(sys.argv[1]), sys.argv[2])
