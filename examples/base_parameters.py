@@ -1,4 +1,4 @@
-"""Which dynamic parameters can torques tell apart at all, and which only together?"""
+"""Base parameters: which dynamic parameters can be identified from torques, and which only in combinations."""
 
 import collections
 

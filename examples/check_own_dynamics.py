@@ -1,4 +1,4 @@
-"""Is my own dynamics code right?  A two-link arm by hand, with a mistake that its author does not see."""
+"""Check one's own dynamics code: a two-link arm written by hand, with a mistake that the check finds."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Computed torque control of a UR5 whose payload the controller does not know: what error does 1 kg leave?"""
+"""Computed torque control of a UR5 with an unmodelled payload of 1 kg: the tracking error."""
 
 import numpy as np
 

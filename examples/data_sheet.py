@@ -1,4 +1,4 @@
-"""Everything about a robot on one page: what an engineer prints."""
+"""The data sheet of a robot, on one page."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What does a payload of 3 kg cost?  Torques of a UR5 with and without it, beside its limits."""
+"""Torques of a UR5 with and without a payload of 3 kg, and its limits."""
 
 import numpy as np
 

@@ -81,7 +81,7 @@ def readings(files: list[tuple[str, str]], log: Path, jobs: int) -> Iterator[Rea
             try:
                 reading = Reading(**json.loads(entry))
             except (ValueError, TypeError):
-                break  # the line was cut off
+                break  # an incomplete last line
             done[reading.file] = reading
     write_text(log, "".join(json.dumps(asdict(r)) + "\n" for r in done.values()))
     readers: SimpleQueue[ProcessPoolExecutor] = SimpleQueue()

@@ -1,6 +1,6 @@
 """Mistakes in the recursive code, each a function in the place of another, and the keys that name them rightly.
 
-The kinds were listed before the hypotheses were read; `validation/referee/planted.md` says what came of them.
+The kinds were listed before the hypotheses were read; the results are in `validation/referee/planted.md`.
 """
 
 from __future__ import annotations

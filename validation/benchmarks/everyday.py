@@ -278,7 +278,7 @@ class Record:
 
 
 def commit(root: Path) -> str:
-    """What is checked out there."""
+    """The commit checked out in that folder."""
     git = ["git", "-C", str(root), "rev-parse", "--short", "HEAD"]
     done = subprocess.run(git, check=False, capture_output=True, text=True)
     return done.stdout.strip() if done.returncode == 0 else "unknown"

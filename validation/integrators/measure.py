@@ -52,7 +52,7 @@ def everything(quick: bool, report: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _finite(x: Any) -> Any:
-    """Numbers that JSON has no word for become null."""
+    """Numbers that JSON cannot hold become null."""
     if isinstance(x, dict):
         return {k: _finite(v) for k, v in x.items()}
     if isinstance(x, list):
