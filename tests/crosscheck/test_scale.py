@@ -262,6 +262,26 @@ def test_progress_has_a_rate(tmp_path):
     assert progress.settings["samples"] == 7
 
 
+@pytest.mark.campaign
+@pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
+def test_memory_is_flat_over_a_million_samples(tmp_path):
+    """In one process; the first tenth fills caches and the pool of results."""
+    page = os.sysconf("SC_PAGE_SIZE")
+    curve = []
+
+    def remember(result, done, of):
+        curve.append((done, int(Path("/proc/self/statm").read_text().split()[1]) * page))
+
+    report = campaign(
+        [Case("ur5")], 1_000_000, 0, ["rnea", "crba", "aba"], store=tmp_path / "s.sqlite", progress=remember
+    )
+    assert report.robots[0].samples == 1_000_000
+    assert len(curve) == 100
+    settled = [size for done, size in curve if done > 10]
+    print("resident MB:", {done: size >> 20 for done, size in curve if done % 10 == 0})
+    assert max(settled) - settled[0] < 32 << 20
+
+
 # --- Dask ----------------------------------------------------------------------------------------
 
 
