@@ -142,7 +142,7 @@ def written(s: State) -> Sides:
     if again.nq != plain.nq:
         raise Skipped("URDF splits a joint of it")
     ours, theirs = (rnea(r, s.q, s.v, s.a, engine="numpy") for r in (plain, again))
-    return theirs, ours, s.size("rnea") * (1 + _turned(plain, again) / rounding(plain))
+    return theirs, ours, s.size("rnea") * (1 + ORDINARY * _turned(plain, again) / rounding(plain))
 
 
 def _turned(a: Robot, b: Robot) -> float:
