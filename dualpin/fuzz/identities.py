@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from operator import itemgetter
 
 import numpy as np
 
@@ -147,8 +148,10 @@ def written(s: State) -> Sides:
 
 def _turned(a: Robot, b: Robot) -> float:
     """How far screws are apart that the reader takes for coordinate axes, being within 1e-12 of them (`io.axes`)."""
-    before, after = ({k: (*s.real, *s.dual) for j in r for k, s in j.dofs} for r in (a, b))
-    apart = [abs(float(x) - float(y)) for k in before for x, y in zip(before[k], after[k], strict=True)]
+    screws = [
+        sorted(((k, *map(float, (*s.real, *s.dual))) for j in r for k, s in j.dofs), key=itemgetter(0)) for r in (a, b)
+    ]
+    apart = [abs(x - y) for before, after in zip(*screws, strict=True) for x, y in zip(before, after, strict=True)]
     return max((x for x in apart if x < 2 * TOLERANCE), default=0.0)
 
 
