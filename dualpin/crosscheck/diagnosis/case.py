@@ -17,7 +17,7 @@ from ..subjects.answers import Answers
 from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question, pushed
 from .description import Description, Part, built, describe, merged
-from .hypothesis import Story, Wording, identity
+from .hypothesis import Hypothesis, Story, Wording, identity
 
 States = dict[str, np.ndarray]
 COLUMNS = 100_000
@@ -83,6 +83,7 @@ class Case:
         self.tried = 0
         self._predictions: dict[tuple[str, frozenset[Any]], np.ndarray | None] = {}
         self._layouts: dict[Wording, tuple[Layout, States] | None] = {}
+        self._spared: dict[tuple[Any, ...], list[str]] = {}
         self._robots: dict[int, tuple[Description, Robot]] = {}
 
     # what rules look at
@@ -197,7 +198,7 @@ class Case:
         """Forward dynamics under additional forces: they are taken from tau."""
         if QUESTIONS[term].source != "aba":
             return view
-        forces = _forces(story, view)
+        forces = _forces(story, view, term)
         if forces is None:
             return view
         return View(self, view.description, view.layout, {**view.states, "tau": view.states["tau"] - forces})
@@ -218,7 +219,7 @@ class Case:
 
     def _finished(self, term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None) -> np.ndarray:
         """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
-        forces = _forces(story, view) if QUESTIONS[term].source in ("bias", "rnea") else None
+        forces = _forces(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
         if forces is not None:
             x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)
         if term == "rnea_derivatives":
@@ -233,6 +234,17 @@ class Case:
             elif h.place == "relation" and term in h.terms:
                 x = h.act(view, term, x, self.observed[term])
         return x
+
+    def spared(self, h: Hypothesis) -> list[str]:
+        """Terms that a hypothesis would have changed, and that are right without it."""
+        if h.identity not in self._spared:
+            found = []
+            for term in (t for t in h.terms if t in self.observed and self.score(t).right):
+                x, p = self.predict(term, (h,)), self.predict(term)
+                if x is not None and p is not None and x.shape == p.shape and scaled(x, p) > self.tolerance:
+                    found.append(term)
+            self._spared[h.identity] = found
+        return self._spared[h.identity]
 
     # how near they come
 
@@ -281,8 +293,8 @@ def _tried(f: Callable[..., Any], *args: Any) -> Any:
         return None
 
 
-def _forces(story: Story, view: View) -> np.ndarray | None:
-    forces = [h.act(view) for h in story if h.place == "force"]
+def _forces(story: Story, view: View, term: str) -> np.ndarray | None:
+    forces = [h.act(view) for h in story if h.place == "force" and term in h.terms]
     return sum(forces[1:], forces[0]) if forces else None
 
 

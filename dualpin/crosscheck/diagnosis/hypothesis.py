@@ -9,6 +9,7 @@ so that several compose in one way only, and every one can be tried on every sub
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +17,9 @@ from typing import Any
 from ..subjects.convention import Convention
 
 PLACES = ("word", "edit", "state", "formula", "force", "change", "answer", "relation")
+
+ESTIMATED = frozenset({"joint_scale", "column_scale", "scale", "constant_entries", "one_link"})
+"""Keys of numbers that are estimated for many entries: where they do not explain all, they mean nothing."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +60,8 @@ class Hypothesis:
         How much it claims: the cheapest common story is preferred.
     single : bool
         Whether it is about one link or joint of several.
+    most : float
+        The largest scaled error that it makes: it is not tried on larger ones.
     """
 
     key: str
@@ -68,6 +74,7 @@ class Hypothesis:
     values: str = ""
     cost: float = 1.0
     single: bool = False
+    most: float = math.inf
 
     @property
     def identity(self) -> tuple[Any, ...]:

@@ -8,14 +8,13 @@ from ..findings import Finding
 from ..subjects.layout import product
 from ..subjects.questions import QUESTIONS
 from .case import Case, evaluate
+from .hypothesis import ESTIMATED
 from .search import Explanation
 
 NEARLY = 1e-2
 """A story that leaves less than this share of the error explains it nearly."""
-BETTER = 0.1
-"""A story that puts this share of the entries right besides explains part of it, if what is left is less than half."""
-ESTIMATED = ("joint_scale", "column_scale", "scale", "constant_entries", "one_link")
-"""Numbers estimated for many entries: where they do not explain all, they fit without meaning anything."""
+MOST = 0.5
+"""A story that puts this share of the wrong entries right, and leaves at most this of the rest, explains part."""
 SINGLE = (1e-9, 1e-5)
 """Where errors of single precision lie."""
 
@@ -37,10 +36,9 @@ def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
     if not e.nearest or e.left is None:
         return None
     nearly = e.left.error < NEARLY * e.before.error
-    better = e.left.share >= e.before.share + BETTER and e.left.error <= e.before.error
-    if not nearly and not (better and e.left.rms < e.before.rms / 2):
-        return None
-    if any(h.key in ESTIMATED for h in e.nearest):
+    righted = (e.left.share - e.before.share) / max(1e-300, 1 - e.before.share)
+    mostly = righted >= MOST and e.left.rms <= MOST * e.before.rms and e.left.error <= e.before.error
+    if not (nearly or mostly) or any(h.key in ESTIMATED for h in e.nearest):
         return None
     story = " and ".join(map(str, e.nearest))
     left = (

@@ -15,7 +15,7 @@ import numpy as np
 
 from .case import Case, Score
 from .fits import fits, pairs_of_forces
-from .hypothesis import Hypothesis, Story, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 
 DEPTH = 3
@@ -60,8 +60,8 @@ class Catalogue:
     def __init__(self, case: Case) -> None:
         self.all: list[Hypothesis] = [h for rule in RULES for h in rule.propose(case)]
 
-    def of(self, term: str, single: bool) -> list[Hypothesis]:
-        return [h for h in self.all if term in h.terms and h.single == single]
+    def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
+        return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
 
 
 @dataclass(order=True)
@@ -82,7 +82,7 @@ def explain(
     found = Explanation(term, case.score(term))
     mine = [t for s in first if (t := tuple(h for h in s if term in h.terms))]
     search.consider(mine)
-    whole, single = catalogue.of(term, single=False), catalogue.of(term, single=True)
+    whole, single = (catalogue.of(term, one, found.before.error) for one in (False, True))
     alike = [h for h in whole if h.key in SAME]
     search.consider([ordered((*s, h)) for s in mine for h in alike])
     beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
@@ -90,15 +90,17 @@ def explain(
         depth = min(depth, 1)
     for size in range(1, depth + 1):
         least = min(map(cost, search.good.values()), default=np.inf)
-        if search.late or least <= PLAIN or (search.good and size > 2):
+        if search.late or least <= PLAIN or (search.good and size != 2):
             break
+        if search.good:  # by numbers of one body: what they may imitate is two mistakes in reading the file
+            beam, whole = [s for s in beam if _reads(s)], [h for h in whole if _reads([h])]
         tick(f"{term}: {'single causes' if size == 1 else f'{size} causes together'}")
         level = pairs_of_forces(case, term) if size == 2 and not search.good else []
         for story in beam:
             more = whole if search.good else [*fits(case, term, story), *whole]
-            if size == 1 or (size == 2 and len(case.robot) <= LARGE and not search.good):
-                more = [*more, *single]
             level += [ordered((*story, h)) for h in more if _joins(h, story)]
+        if size == 1 or (size == 2 and len(case.robot) <= LARGE and not search.good):
+            level += [ordered((*story, h)) for story in beam for h in single if _joins(h, story)]
         near = search.consider(level)
         if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))
@@ -111,6 +113,11 @@ def explain(
         best = min(search.near)
         found.nearest, found.left = best.story, best.score
     return found
+
+
+def _reads(story: Iterable[Hypothesis]) -> bool:
+    """Whether it is about reading the file, and estimates nothing."""
+    return all(h.place == "edit" and h.key not in ESTIMATED for h in story)
 
 
 def _joins(h: Hypothesis, story: Story) -> bool:
@@ -145,7 +152,7 @@ class _Search:
                 break
             block = todo[start : start + 200]
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right:
+                if score.right and not any(self.case.spared(h) for h in story if h.key in ESTIMATED):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     claim = 0.02 * cost(story)

@@ -1,7 +1,9 @@
 """iDynTree 15.1.0: `generalizedGravityForces` of a floating base depends on what was asked before.
 
 Two bodies of 3 kg in all, turned about x: the force that holds them is (0, 0, 29.43) N in world axes, which the mixed
-representation means, whatever the orientation.  The function answers so only after `generalizedBiasForces` was called.
+representation means, whatever the orientation.  The function does not bring the forward kinematics up to date after
+`setRobotState`: the wrench of the base is turned by the pose for which kinematics was computed last.  So it is right
+only after another question at the same state, such as `generalizedBiasForces` or `getWorldTransform`.
 """
 
 import sys

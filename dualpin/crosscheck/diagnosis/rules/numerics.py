@@ -51,7 +51,7 @@ def finite_differences(h: Hypothesis, case: Case) -> list[Hypothesis]:
             return DIFFERENCES[term](view, step, central)
 
         words = f"step {step:g}, {'central' if central else 'forward'}"
-        return replace(h, place="formula", act=act, terms=tuple(DIFFERENCES), values=words, cost=1.3)
+        return replace(h, place="formula", act=act, terms=tuple(DIFFERENCES), values=words, cost=1.3, most=0.3)
 
     return [one(step, central) for step in STEPS for central in (False, True)]
 
