@@ -79,8 +79,8 @@ def test_the_same_array_twice_is_no_form_of_its_own(robot, state):
     assert np.array_equal(dp.rnea(robot, q, v, a), evaluate(robot, "rnea", {"q": q, "v": v, "a": a}))
 
 
-def test_options_that_change_are_seen(robot, state):
-    q = state[0]
+def test_options_that_change_are_seen(state):
+    robot, q = dp.load("ur5"), state[0]  # a robot of its own: its many forms fill a bucket, and go with it
     frames = [*robot.frame_names, *range(len(robot.frames)), *robot.frames]
     for _ in range(2):
         for frame in frames:
