@@ -9,7 +9,8 @@
 Tensors of the host, float32 or float64; none is copied on the way in or out (DLPack), if it is
 contiguous.  Gradients are products with the analytic derivatives in O(n), and can be differentiated
 again: `create_graph=True`, `torch.autograd.functional.hessian`, `gradgradcheck`.  Higher derivatives that are not
-implemented raise an error.  `torch.func.grad`, `vjp`, `vmap` work too.
+implemented raise an error.  `torch.func.grad`, `vjp`, `vmap` work too; `torch.compile` compiles what is
+around these functions.
 
 Quaternions in configurations must be unit quaternions; the gradient by a quaternion has no component along it.
 """
@@ -17,6 +18,7 @@ Quaternions in configurations must be unit quaternions; the gradient by a quater
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -113,7 +115,17 @@ def _tensor(operation: Operation, name: str, x: Any) -> Tensor:
     return x
 
 
-_functions = Functions(_called)
+def _eager(f: Callable[..., Any]) -> Callable[..., Any]:
+    """What `torch.compile` does not look into: it breaks its graph there."""
+    try:
+        import torch
+    except ImportError:
+        _torch()  # which says what to install
+        raise
+    return torch.compiler.disable(f)
+
+
+_functions = Functions(_called, _eager)
 rnea, aba, bias, gravity, rnea_jvp = (
     _functions.rnea, _functions.aba, _functions.bias, _functions.gravity, _functions.rnea_jvp,
 )  # fmt: skip

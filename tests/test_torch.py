@@ -164,6 +164,54 @@ def test_transforms_of_functions():
     assert torch.equal(inner[1, 2], dt.bias(robot, q[2], v[1]))
 
 
+class Torques(torch.utils.data.Dataset):
+    robot = dp.load("ur5")
+    states = [torch.from_numpy(x) for x in robot.sample(8, seed=6)]
+
+    def __len__(self):
+        return 8
+
+    def __getitem__(self, i):
+        return dt.rnea(self.robot, *(x[i] for x in self.states))
+
+
+def test_in_the_processes_of_a_loader():
+    expected = dt.rnea(Torques.robot, *Torques.states)
+    loaded = torch.cat(list(torch.utils.data.DataLoader(Torques(), batch_size=2, num_workers=2)))
+    assert torch.equal(loaded, expected)
+
+
+@pytest.mark.filterwarnings("ignore:The .grad attribute of a Tensor:UserWarning")  # PyTorch's own look at it
+def test_a_compiled_function_leaves_kernels_as_they_are():
+    robot = dp.load("ur5")
+    q, v, a = (torch.from_numpy(x) for x in robot.sample(4, seed=7))
+    loss = lambda q: (2 * dt.rnea(robot, q, v, a)).square().sum()  # noqa: E731
+    compiled = torch.compile(loss, backend="eager")
+    q.requires_grad_()
+    assert torch.equal(*(torch.autograd.grad(f(q), q)[0] for f in (loss, compiled)))
+
+
+def test_tensors_of_any_stride_and_any_need_of_gradients():
+    robot = dp.load("ur5")
+    q, v, a = (torch.from_numpy(x) for x in robot.sample(4, seed=8))
+    expected = dt.rnea(robot, q, v, a)
+    across = torch.from_numpy(np.asfortranarray(q.numpy()))
+    assert torch.equal(dt.rnea(robot, across, v, a), expected)
+    assert torch.equal(dt.rnea(robot, q.flip(0), v.flip(0), a.flip(0)), expected.flip(0))
+    single = v.float().requires_grad_()
+    dt.rnea(robot, q, single, a).sum().backward()
+    assert single.grad.dtype == torch.float32 and q.grad is None
+    with torch.no_grad():
+        assert not dt.rnea(robot, q, single, a).requires_grad
+
+
+def test_what_is_not_offered_is_named_with_what_is():
+    with pytest.raises(AttributeError, match=r"coriolis has no derivative here; C\(q, v\) v is bias.*functions: rnea"):
+        _ = dt.coriolis
+    with pytest.raises(AttributeError, match="did you mean 'jacobian'"):
+        _ = dt.jacobain
+
+
 def test_what_does_not_fit_is_named():
     robot = dp.load("ur5")
     q, v, a = (torch.from_numpy(x) for x in robot.sample(2, seed=5))

@@ -19,14 +19,17 @@ Call = Callable[..., Any]
 
 
 class Functions:
-    """The differentiable terms, by one library's way of calling an operation."""
+    """The differentiable terms, by one library's way of calling an operation, and of entering a function."""
 
-    def __init__(self, call: Call) -> None:
-        self._call = call
+    def __init__(self, call: Call, enter: Callable[[Callable[..., Any]], Callable[..., Any]] = lambda f: f) -> None:
+        self._call, self._enter = call, enter
 
     def _term(self, robot: Robot, name: str, *arrays: Any, f_ext: Any = None, **options: Any) -> Any:
         if f_ext is not None:
             name, arrays = f"{name}_f_ext", (*arrays, f_ext)
+        return self._enter(self._of)(robot, name, arrays, options)
+
+    def _of(self, robot: Robot, name: str, arrays: tuple[Any, ...], options: dict[str, Any]) -> Any:
         return self._call(Operation.of(robot, name, **options), *arrays)
 
     def rnea(self, robot: Robot, q: Any, v: Any, a: Any, f_ext: Any = None) -> Any:
