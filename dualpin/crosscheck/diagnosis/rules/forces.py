@@ -135,7 +135,7 @@ def _allowed(
     view: View, term: str, x: np.ndarray, observed: np.ndarray, f: Callable[[np.ndarray], np.ndarray]
 ) -> np.ndarray:
     """The prediction, and what of the rest is an allowed force; accelerations are turned into forces first."""
-    r = observed - x
+    r = np.where(np.isnan(observed), 0.0, observed - x)  # of some frames there may be no answer
     if QUESTIONS[term].source != "aba":
         return x + f(r)
     M = view.layout.answer("matrix", view.compute("crba"), view.states)
@@ -174,7 +174,7 @@ def friction_bound(view: View, term: str, x: np.ndarray, observed: np.ndarray) -
     f = view.case.per_velocity(lambda p: p.friction)[view.layout.to_v] * (1 + 1e-9)
 
     def within(r: np.ndarray) -> np.ndarray:
-        at_bound = (np.abs(np.abs(r) - f) < 1e-6 * f)[..., f > 0]
+        at_bound = (np.abs(np.abs(r) - f) < 1e-6 * f)[~np.isnan(observed).any(axis=-1)][..., f > 0]
         return np.clip(r, -f, f) if at_bound.mean() > SATURATED else 0 * r
 
     return _allowed(view, term, x, observed, within)
