@@ -104,7 +104,7 @@ MISTAKES: dict[str, Mistake] = {
         "force_moment_link_sign", {"handed": lambda s, R, p, n, f: (R @ n - cross(p, R @ f), R @ f)}
     ),
     "moment_kept": ("moment_not_handed_on", {"handed": lambda s, R, p, n, f: (cross(p, R @ f), R @ f)}),
-    "wrench_kept": ("not_handed_on", {"handed": lambda s, R, p, n, f: (0 * n, 0 * f)}),
+    "wrench_kept": ("not_handed_on diagonal", {"handed": lambda s, R, p, n, f: (0 * n, 0 * f)}),
     "slide_feels_moment": ("slide_moment", {"felt": lambda s, j, n, f: float(j.axis @ n)}),
     # what follows
     "lever_backwards": ("jacobian_linear_sign column_scale tangential_sign", {"lever": lambda s, z, r: cross(r, z)}),
