@@ -12,8 +12,8 @@ from typing import Any
 
 from ..crosscheck.judging import judged
 from ..crosscheck.results import AGREES, DIFFERS, RobotResult
-from ..crosscheck.sampling import states
 from ..crosscheck.subjects import QUESTIONS, Asking, resolve
+from ..crosscheck.subjects.asking import random_states
 from ..crosscheck.subjects.convention import columns
 from ..errors import ArgumentError, DualpinWarning
 from ..io.mjcf import is_mjcf
@@ -164,12 +164,9 @@ def _judge(done: Conversion, robot: Robot, path: Path, samples: int, seed: int) 
         done.notes.append(
             "joints of the file have other names: the library is compared with what dualpin reads from it"
         )
-    given = states(asked, samples, seed)
     mjcf = str(path.resolve()) if is_mjcf(path) else ""
     text = "" if mjcf else path.read_text(encoding="utf-8")
-    asking = Asking(
-        done.source, asked, text, {k: given[k] for k in ("q", "v", "a", "tau")}, tuple(QUESTIONS), seed, mjcf
-    )
+    asking = Asking(done.source, asked, text, random_states(asked, samples, seed), tuple(QUESTIONS), seed, mjcf)
     answers = resolve(subject, python=sys.executable)(asking, lambda what: None)
     result: RobotResult = judged(answers, asking, diagnosing=False)
     done.library, done.reason = f"{answers.name} {answers.version}".strip(), result.reason

@@ -45,17 +45,15 @@ class Kernels:
         found = self._found[single]
         if found is None:
             found = self._built(single)
-            if not (required or isinstance(found, DualpinError)):
-                return found
-            from ..engine.jit.host import CompilerError
+        if not isinstance(found, DualpinError):
+            return found
+        if required:
+            raise found
+        from ..engine.jit.host import CompilerError
 
-            if isinstance(found, CompilerError) and not required:
-                _announce(str(found))
-        if isinstance(found, DualpinError):
-            if required:
-                raise found
-            return None
-        return found
+        if isinstance(found, CompilerError):
+            _announce(str(found))
+        return None
 
     def known(self, *, single: bool) -> Kernel | None:
         """The kernel, if it has been compiled."""

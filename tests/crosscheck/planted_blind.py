@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .recursive import Recursive, about, cross, far
+from tests.crosscheck.recursive import Recursive, about, cross, far
 
 E = np.eye(3)
 Mistake = tuple[str, dict[str, Any]]

@@ -85,7 +85,7 @@ class Asking:
     def of_text(self, text: str) -> Asking:
         """The same asked of another URDF."""
         robot = _read(text, self.name, self.floating, self.mimic).with_gravity(self.gravity)
-        return replace(self, robot=robot, text=text, states=_states(robot, self.samples, self.seed))
+        return replace(self, robot=robot, text=text, states=random_states(robot, self.samples, self.seed))
 
 
 def asking(
@@ -111,7 +111,7 @@ def asking(
         robot = _read(text, path.stem, floating, mimic)
     if not robot.nv:
         raise ArgumentError(f"judge: {name} has no joint that moves, so there is nothing to ask")
-    return Asking(name, robot, text, _states(robot, samples, seed), terms, seed, mjcf)
+    return Asking(name, robot, text, random_states(robot, samples, seed), terms, seed, mjcf)
 
 
 def _mjcf_of(robot: Robot) -> str:
@@ -135,7 +135,8 @@ def _text_of_model(robot: Robot) -> str:
         return ""
 
 
-def _states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
+def random_states(robot: Robot, n: int, seed: int) -> dict[str, np.ndarray]:
+    """n random states of a robot, and a wrench [n; f] in each: what every subject is given."""
     given = sampled(robot, n, seed)
     base = base_of(robot)
     if base is not None:  # no force on the base: some libraries cannot take one
