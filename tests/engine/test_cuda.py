@@ -5,6 +5,7 @@ Those that need a device skip without one; `python -m validation.benchmarks.gpu`
 
 from __future__ import annotations
 
+import ctypes
 import gc
 import weakref
 
@@ -274,7 +275,8 @@ class Lender:
         return dlpack.capsule(self, 0x1000, self.shape, self.dtype, 2)
 
 
-def test_arrays_are_lent_by_dlpack_and_come_back():
+def test_arrays_are_lent_by_dlpack_and_come_back(monkeypatch):
+    monkeypatch.setattr(ctypes.pythonapi.PyCapsule_New, "argtypes", ())  # other packages set it, JAX among them
     lender = Lender()
     got = dlpack.received(lender, 7)
     assert got[:5] == (0x1000, (3, 5), (20, 4), np.dtype(np.float32), 2)

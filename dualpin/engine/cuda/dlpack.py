@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..jit.fast_call import python_function
+
 CUDA = 2
 _FLOAT = 2
 
@@ -26,15 +28,11 @@ class _Managed(Structure):
 
 
 _Deleter = ctypes.CFUNCTYPE(None, c_void_p)
-_api = ctypes.pythonapi
-_new = _api.PyCapsule_New
-_new.restype, _new.argtypes = ctypes.py_object, [c_void_p, c_char_p, c_void_p]
-_pointer = _api.PyCapsule_GetPointer
-_pointer.restype, _pointer.argtypes = c_void_p, [ctypes.py_object, c_char_p]
-_valid = _api.PyCapsule_IsValid
-_valid.restype, _valid.argtypes = ctypes.c_int, [ctypes.py_object, c_char_p]
-_raw_valid = ctypes.PYFUNCTYPE(ctypes.c_int, c_void_p, c_char_p)(("PyCapsule_IsValid", _api))
-_raw_pointer = ctypes.PYFUNCTYPE(c_void_p, c_void_p, c_char_p)(("PyCapsule_GetPointer", _api))
+_new = python_function("PyCapsule_New", ctypes.py_object, c_void_p, c_char_p, c_void_p)
+_pointer = python_function("PyCapsule_GetPointer", c_void_p, ctypes.py_object, c_char_p)
+_valid = python_function("PyCapsule_IsValid", ctypes.c_int, ctypes.py_object, c_char_p)
+_raw_valid = python_function("PyCapsule_IsValid", ctypes.c_int, c_void_p, c_char_p)
+_raw_pointer = python_function("PyCapsule_GetPointer", c_void_p, c_void_p, c_char_p)
 
 
 class Lent(NamedTuple):

@@ -160,19 +160,19 @@ def _self_with(name: str, make: Callable[..., Any], arguments: tuple[Any, ...]) 
     return SimpleNamespace(**{name: make(*arguments)})
 
 
-def _api(name: str, result: Any, *arguments: Any) -> Any:
+def python_function(name: str, result: Any, *arguments: Any) -> Any:
     """A function of the C API with its own types, since other packages may change those of `ctypes.pythonapi`."""
     return ctypes.PYFUNCTYPE(result, *arguments)((name, ctypes.pythonapi))
 
 
 _object, _address = ctypes.py_object, ctypes.c_void_p
-_new_capsule = _api("PyCapsule_New", _object, _address, ctypes.c_char_p, _address)
-_set_context = _api("PyCapsule_SetContext", ctypes.c_int, _object, _address)
-_context = _api("PyCapsule_GetContext", _address, _object)
-_pointer = _api("PyCapsule_GetPointer", _address, _object, ctypes.c_char_p)
-_destructor = _api("PyCapsule_GetDestructor", _address, _object)
-_new_function = _api("PyCFunction_NewEx", _object, _address, _object, _address)
-_keep = _api("Py_IncRef", None, _object)
+_new_capsule = python_function("PyCapsule_New", _object, _address, ctypes.c_char_p, _address)
+_set_context = python_function("PyCapsule_SetContext", ctypes.c_int, _object, _address)
+_context = python_function("PyCapsule_GetContext", _address, _object)
+_pointer = python_function("PyCapsule_GetPointer", _address, _object, ctypes.c_char_p)
+_destructor = python_function("PyCapsule_GetDestructor", _address, _object)
+_new_function = python_function("PyCFunction_NewEx", _object, _address, _object, _address)
+_keep = python_function("Py_IncRef", None, _object)
 
 
 @Once
