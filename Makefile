@@ -23,8 +23,8 @@ validate: $(STAMP)   ## validate panda against Pinocchio; the report is in out/
 	$(BIN)/dualpin validate panda --samples 1000 --out out
 
 # what says within a minute whether a change broke something
-QUICK  := tests/call tests/model tests/spatial tests/algorithms/test_identities.py tests/cli/test_cli.py \
-          tests/engine/test_entry.py tests/test_dual.py tests/test_layering.py tests/test_scalars.py tests/test_shapes.py
+QUICK  := tests/call tests/model tests/algorithms/test_identities.py tests/cli/test_cli.py \
+          tests/test_dual.py tests/test_layering.py tests/test_scalars.py tests/test_shapes.py
 .PHONY: quick
 quick: $(STAMP) lint ## style, types and the unit tests: under a minute
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile $(QUICK)
