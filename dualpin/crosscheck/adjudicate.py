@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +19,13 @@ from .subjects.answers import Answers
 from .subjects.asking import expected
 from .subjects.layout import Layout
 from .subjects.questions import QUESTIONS, Question, pushed
+
+if TYPE_CHECKING:
+    from .oracles.pinocchio import Pinocchio
+
+States = Mapping[str, np.ndarray]
+Source = Callable[[Question, States, tuple[str, ...]], np.ndarray]
+"""A term's value at states, on frames: by definition or by Pinocchio."""
 
 SECONDS = 5.0
 """Of the processor, for one state: an arm's terms take 0.1 to 1 s, C of a humanoid much longer."""
@@ -33,7 +41,7 @@ class Court:
         self.answers, self.layout, self.robot = answers, layout, answers.asking.robot
         self.pinocchio = self._witness()
 
-    def _witness(self) -> object | None:
+    def _witness(self) -> Pinocchio | None:
         from .oracles.pinocchio import Pinocchio
 
         asking = self.answers.asking
@@ -87,17 +95,17 @@ class Court:
         x = self.answers.terms[term][sample : sample + 1]
         return x[:, frame : frame + 1] if QUESTIONS[term].framed else x
 
-    def _written(self, question: Question, states: dict, frames: tuple[str, ...], source: object) -> np.ndarray:
+    def _written(self, question: Question, states: States, frames: tuple[str, ...], source: Source) -> np.ndarray:
         """A source's value in the subject's form."""
 
         def answer(of: Question, at: Mapping[str, np.ndarray]) -> np.ndarray:
-            return np.asarray(source(of, at, frames))  # type: ignore[operator]
+            return source(of, at, frames)
 
         x, other = pushed(question, states, answer) if question.pushes else answer(question, states), None
         if self.layout.turns and question.form in FORMS_WITH_MASS:
-            other = source(QUESTIONS["crba"], states, ())  # type: ignore[operator]
+            other = source(QUESTIONS["crba"], states, ())
         elif self.layout.turns and question.form == "six_rate":
-            other = source(QUESTIONS["jacobian"], states, frames)  # type: ignore[operator]
+            other = source(QUESTIONS["jacobian"], states, frames)
         return self.layout.answer(question.form, x, states, other)
 
     def _options(self, question: Question, frames: tuple[str, ...]) -> list[dict]:
@@ -106,7 +114,7 @@ class Court:
         options = question.options(self.layout.how.reference)
         return [{"frame": self.robot.frame(f), **options} for f in frames]
 
-    def _truth(self, question: Question, states: dict, frames: tuple[str, ...]) -> np.ndarray:
+    def _truth(self, question: Question, states: States, frames: tuple[str, ...]) -> np.ndarray:
         state = {k: states[k][0] for k in question.inputs}
         found = [
             defined(self.robot, question.source, state, TERMS[question.source].shape(self.robot, **o), SECONDS, **o)
@@ -114,9 +122,10 @@ class Court:
         ]
         return np.stack(found)[None] if question.framed else found[0][None]
 
-    def _heard(self, question: Question, states: dict, frames: tuple[str, ...]) -> np.ndarray:
+    def _heard(self, question: Question, states: States, frames: tuple[str, ...]) -> np.ndarray:
         state = {k: states[k] for k in question.inputs}
-        found = self.pinocchio.compute(question.source, state, self._options(question, frames))  # type: ignore[attr-defined]
+        assert self.pinocchio is not None  # asked only where there is one
+        found = self.pinocchio.compute(question.source, state, self._options(question, frames))
         return np.stack(found, axis=1) if question.framed else np.asarray(found[0])
 
 

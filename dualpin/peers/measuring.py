@@ -171,16 +171,20 @@ def _measured(peer: Process, ours: Ours, term: str, one: bool, repetitions: int)
     return row | {f"{name}ratio": round(row["peer_us"] / row[f"{name}us"], 2) for name in calls}
 
 
+class DifferenceError(DualpinError):
+    """A peer's result is another than dualpin's: it is no cell to time, and no refusal."""
+
+
 def _check(peer: Process, ours: Ours, term: str, one: bool) -> None:
-    """Raise if the two results differ."""
+    """Raise DifferenceError if the two results differ."""
     theirs, right = peer.check(term, one), ours.right(term, one)
     right = right[: len(theirs)]
     if theirs.shape != right.shape:
-        raise DualpinError(f"it gives {theirs.shape} where {right.shape} was expected")
+        raise DifferenceError(f"it gives {theirs.shape} where {right.shape} was expected")
     bound = AGREEMENT
     if term in ("aba", "minv"):
         M = ours.right("crba", True)
         bound *= max(1.0, float(np.linalg.cond(M).max()) / 1e5)
     error = float(np.abs(theirs - right).max() / max(1.0, np.abs(right).max()))
     if not error <= bound:
-        raise DualpinError(f"it differs by {error:.2g} (scaled)")
+        raise DifferenceError(f"it differs by {error:.2g} (scaled)")

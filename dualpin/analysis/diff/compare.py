@@ -123,15 +123,15 @@ def _motion(m: Match) -> Iterator[Change]:
             yield Change("joint", "moved", j.name, f"its motions differ by {off:.3g}", amount=off)
         return
     s, t = m.a.screws[0], m.screws[0]
-    turn = lambda x: x[:3].any()  # noqa: E731
-    if turn(s) != turn(t):
+    turns, turned = s[:3].any(), t[:3].any()
+    if turns != turned:
         yield Change("joint", "other kind", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, 1.0)
         return
-    u, w = (s[:3], t[:3]) if turn(s) else (s[3:], t[3:])
+    u, w = (s[:3], t[:3]) if turns else (s[3:], t[3:])
     angle = float(np.arctan2(np.linalg.norm(np.cross(u, w)), u @ w))
     if angle > SMALL:
         yield Change("joint", "turned", j.name, f"its axis points {angle:.6g} rad elsewhere in b", amount=angle)
-    if turn(s):
+    if turns:
         distance = _between(s, t)
         if distance > SMALL:
             yield Change(

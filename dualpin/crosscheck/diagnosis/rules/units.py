@@ -48,7 +48,7 @@ def _orders() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
     for order in permutations(range(3)):
         if order not in ((2, 1, 0), (0, 1, 2)):
             words = " ".join(f"R{'xyz'[k]}" for k in order)
-            found[words] = lambda rpy, order=order: _product(order, rpy)  # type: ignore[misc]
+            found[words] = partial(_product, order)
     found["yaw pitch roll in the place of roll pitch yaw"] = lambda rpy: _product((2, 1, 0), rpy[::-1])
     return found
 
