@@ -180,9 +180,9 @@ class Case:
         others: list[Any] = [None] * len(together)
         plain = []
         for k, (story, view) in enumerate(together):
-            for h in story:
-                if h.place == "formula":
-                    xs[k] = _tried(h.act, view, term)
+            act = together_in_one([h.act for h in story if h.place == "formula"])
+            if act is not None:
+                xs[k] = _tried(act, view, term)
             if xs[k] is None:
                 plain.append(k)
         forced = [self._with_forces(term, *together[k]) for k in plain]
@@ -291,6 +291,15 @@ def _tried(f: Callable[..., Any], *args: Any) -> Any:
         return f(*args)
     except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
         return None
+
+
+def together_in_one(acts: Sequence[Callable[..., Any]]) -> Callable[..., Any] | None:
+    """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
+    found: Callable[..., Any] | None = None
+    for act in acts:
+        both = found.joined(act) if hasattr(found, "joined") else None
+        found = both or act
+    return found
 
 
 def _forces(story: Story, view: View, term: str) -> np.ndarray | None:

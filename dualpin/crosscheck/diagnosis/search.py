@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -55,13 +56,22 @@ class Explanation:
 
 
 class Catalogue:
-    """All hypotheses of a case, proposed once."""
+    """All hypotheses of a case, proposed once; those of late rules when they are first needed."""
 
     def __init__(self, case: Case) -> None:
-        self.all: list[Hypothesis] = [h for rule in RULES for h in rule.propose(case)]
+        self.case = case
+        self.all: list[Hypothesis] = [h for rule in RULES if not rule.late for h in rule.propose(case)]
+
+    @cached_property
+    def late(self) -> list[Hypothesis]:
+        return [h for rule in RULES if rule.late for h in rule.propose(self.case)]
 
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
+
+    def slips(self, term: str) -> list[Hypothesis]:
+        """Single slips of textbook algorithms."""
+        return [h for h in self.late if term in h.terms]
 
 
 @dataclass(order=True)
@@ -104,6 +114,11 @@ def explain(
         near = search.consider(level)
         if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))
+        if size == 1 and not search.good:
+            tick(f"{term}: slips of textbook algorithms")
+            slipped = search.consider([(h,) for h in catalogue.slips(term)])
+            near += slipped
+            whole = [*whole, *(s[0] for s in _kept(slipped))]
         beam = _kept(near)
     found.stories = _cheapest(search.good.values())
     told = {identity(s) for s in found.stories}  # what explains other terms too costs nothing more here

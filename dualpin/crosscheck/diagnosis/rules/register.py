@@ -43,6 +43,8 @@ class Rule:
     propose: Callable[[Case], Iterable[Hypothesis]]
     rows: Mapping[str, str] = field(default_factory=dict)
     """Where it proposes several keys: what each says."""
+    late: bool = False
+    """Whether its hypotheses are tried only where no single cause of the other rules explains a term."""
 
 
 RULES: list[Rule] = []

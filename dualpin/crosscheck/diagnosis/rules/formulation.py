@@ -1,0 +1,104 @@
+"""A textbook formulation as a rule: every single slip that its steps allow becomes a hypothesis.
+
+These hypotheses are many, so they are tried on a term only where no single cause of the other rules explains it.
+The algorithms stand in the folder `textbook`; this registers them:
+
+    def run(view, term, steps):
+        ...                                     # the term, (samples, ...), or None where it cannot say
+
+    formulation("Jacobians by cross products", ("jacobian", "jacobian_dot"))(run)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..case import Case, View
+from ..hypothesis import Hypothesis
+from ..textbook.steps import Slip, Steps, rows
+from .register import RULES, Rule
+
+Run = Callable[[View, str, Steps], "np.ndarray | None"]
+COST = 1.15
+"""More than that of a cause of the other rules: what these explain as well, they explain first."""
+
+
+@dataclass(frozen=True)
+class Slipped:
+    """The prediction of a formulation with slips; two slips in one formulation are made in one run."""
+
+    run: Run
+    slips: tuple[Slip, ...]
+
+    def __call__(self, view: View, term: str) -> np.ndarray | None:
+        return self.run(view, term, Steps(*self.slips))
+
+    def joined(self, other: object) -> Slipped | None:
+        """Both at once; None where the other is of another formulation."""
+        if not isinstance(other, Slipped) or other.run is not self.run:
+            return None
+        return replace(self, slips=(*self.slips, *other.slips))
+
+
+def formulation(
+    name: str, terms: Sequence[str], known: Mapping[tuple[str, str, str], str] | None = None, values: str = "",
+    when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
+) -> Callable[[Run], Run]:  # fmt: skip
+    """Register an algorithm whose single slips are hypotheses.
+
+    Parameters
+    ----------
+    name : str
+        As it is called in the field: "Newton-Euler in link axes".
+    terms : sequence of str
+        What it predicts, of `QUESTIONS`.
+    known : mapping
+        Keys of slips (site, what, kind) that have one of their own in the table of keys.
+    values : str
+        What tells this variant of the formulation from others ("of bodies merged from fixed links").
+    when : callable
+        Whether it covers the robot of a case.
+    cost : float
+        Of its hypotheses.
+    says : mapping
+        Lines in the table of keys for those of `known` that no other rule has.
+    """
+
+    def decorate(run: Run) -> Run:
+        def propose(case: Case) -> list[Hypothesis]:
+            if not when(case):
+                return []
+            touched: dict[Slip, list[str]] = {}
+            for term in (t for t in terms if t in case.observed):
+                for slip in possible(run, case, term):
+                    touched.setdefault(slip, []).append(term)
+            return [
+                Hypothesis(
+                    (known or {}).get(slip, slip.kind), f"{name}: {slip.says}", tuple(shown), "formula",
+                    Slipped(run, (slip,)), slip.fix, values=values, cost=cost,
+                )
+                for slip, shown in touched.items()
+            ]  # fmt: skip
+
+        lines = {**(says or {}), **rows()}
+        RULES.append(Rule(name, name, "compare the step with the equation of the book", propose, lines, late=True))
+        return run
+
+    return decorate
+
+
+def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:
+    """Every slip that a run without one meets, on one sample."""
+    view, steps = case.view(()), Steps()
+    if view is None:
+        return []
+    states = {k: x[:1] for k, x in view.states.items()}
+    try:
+        run(View(case, view.description, view.layout, states), term, steps)
+    except (ValueError, ArithmeticError, LookupError, np.linalg.LinAlgError):
+        return []  # a robot that the formulation does not cover
+    return list(steps.found)
