@@ -297,8 +297,8 @@ def together_in_one(acts: Sequence[Callable[..., Any]]) -> Callable[..., Any] | 
     """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
     found: Callable[..., Any] | None = None
     for act in acts:
-        both = found.joined(act) if hasattr(found, "joined") else None
-        found = both or act
+        join: Callable[..., Any] | None = getattr(found, "joined", None)
+        found = (join(act) if join else None) or act
     return found
 
 
