@@ -33,7 +33,7 @@ def test_every_slip_changes_the_answer_in_a_way_of_its_own():
     steps = Steps()
     right = algorithm(steps)
     answers = [algorithm(Steps(slip)) for slip in steps.found]
-    assert len(answers) == 21 and {s.kind for s in steps.found} == set(KINDS) == set(rows())
+    assert len(answers) == 21 and {s.how for s in steps.found} == set(KINDS) == set(rows())
     for k, x in enumerate(answers):
         assert np.abs(x - right).max() > 1e-3
         assert all(np.abs(x - y).max() > 1e-3 for y in answers[:k])

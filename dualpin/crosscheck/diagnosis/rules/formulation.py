@@ -57,7 +57,7 @@ def formulation(
     terms : sequence of str
         What it predicts, of `QUESTIONS`.
     known : mapping
-        Keys of slips (site, what, kind) that have one of their own in the table of keys.
+        Keys of slips (site, what, how) that have one of their own in the table of keys.
     values : str
         What tells this variant of the formulation from others ("of bodies merged from fixed links").
     when : callable
@@ -78,7 +78,7 @@ def formulation(
                     touched.setdefault(slip, []).append(term)
             return [
                 Hypothesis(
-                    (known or {}).get(slip, slip.kind), f"{name}: {slip.says}", tuple(shown), "formula",
+                    (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
                     Slipped(run, (slip,)), slip.fix, values=values, cost=cost,
                 )
                 for slip, shown in touched.items()

@@ -27,15 +27,15 @@ class Slip(NamedTuple):
 
     site: str
     what: str
-    kind: str
+    how: str
 
     @property
     def says(self) -> str:
-        return KINDS[self.kind].says.format(site=self.site, what=self.what)
+        return KINDS[self.how].says.format(site=self.site, what=self.what)
 
     @property
     def fix(self) -> str:
-        return KINDS[self.kind].fix.format(site=self.site, what=self.what)
+        return KINDS[self.how].fix.format(site=self.site, what=self.what)
 
 
 class Kind(NamedTuple):
@@ -112,7 +112,7 @@ class Steps:
         for name, x in terms.items():
             for slip in mine:
                 if slip.what == name:
-                    x = _WEIGHTS[slip.kind] * x
+                    x = _WEIGHTS[slip.how] * x
             total = x if total is None else total + x
         return total
 
@@ -125,20 +125,20 @@ class Steps:
         """R x, of vectors or six-vectors; `others` are other matrices, by what they do ("by the inverse")."""
         possible = [("", kind) for kind in _TURNS]
         for slip in self._here(site, lambda: possible + [(name, "step_other_turn") for name in others]):
-            if slip.kind == "step_unturned":
+            if slip.how == "step_unturned":
                 return x
-            R = others[slip.what]() if slip.kind == "step_other_turn" else transposed(R)
+            R = others[slip.what]() if slip.how == "step_other_turn" else transposed(R)
         return product(R, x)
 
     def congruent(self, site: str, R: np.ndarray, I: np.ndarray) -> np.ndarray:
         """R I R^T."""
         kinds = (*_TURNS, "step_from_left", "step_from_right")
         for slip in self._here(site, lambda: [("", kind) for kind in kinds]):
-            if slip.kind == "step_unturned":
+            if slip.how == "step_unturned":
                 return I + np.zeros_like(R)
-            if slip.kind == "step_turned_back":
+            if slip.how == "step_turned_back":
                 return transposed(R) @ I @ R
-            return R @ I if slip.kind == "step_from_left" else I @ transposed(R)
+            return R @ I if slip.how == "step_from_left" else I @ transposed(R)
         return R @ I @ transposed(R)
 
     def transpose(self, site: str, A: np.ndarray) -> np.ndarray:
@@ -158,7 +158,7 @@ class Steps:
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
         """All items; slips leave out the first or the last."""
         for slip in self._here(site, lambda: [("", "step_first"), ("", "step_last")]):
-            items = items[1:] if slip.kind == "step_first" else items[:-1]
+            items = items[1:] if slip.how == "step_first" else items[:-1]
         return items
 
     def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]]) -> Sequence[Slip]:
