@@ -29,7 +29,8 @@ def arbitrate(
     index : tuple of int
         The entry's place in the term's array.
     scale : float
-        What errors are divided by.
+        What errors are divided by, or by the entry's true size where that is more: where one answer is far too
+        small, nothing else says how large a right one is.
 
     Raises
     ------
@@ -54,6 +55,7 @@ def arbitrate(
             truth = check.entry(Definitions(robot, state, seconds), index, options)
         except ZeroDivisionError:
             raise UndecidedError("it has no value: M is singular") from None
+        scale = max(scale, float(abs(truth)))
 
         def error(x: float) -> float:
             off = float(abs(mpmath.mpf(x) - truth) / scale) if np.isfinite(x) else float("inf")

@@ -133,7 +133,7 @@ class _Comparison:
         for variant, (options, theirs) in enumerate(zip(variants, answers, strict=True)):
             ours = evaluate(self.robot, check.term, named, engine=self.engine, **options)
             bound = check.bound(reference, theirs)
-            left_out = reference.mass.hopeless if check.solves else None
+            left_out = bound.empty | (reference.mass.hopeless if check.solves else False)
             tally.add(
                 ours.reshape(n, -1), theirs.reshape(n, -1), bound.value, batch["sample"], variant, left_out,
                 bound.rounding,

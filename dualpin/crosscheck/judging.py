@@ -232,7 +232,7 @@ def _compared(term: str, answers: Answers, layout: Layout, court: Court, bounds:
     reference = ours.reshape(asked.samples * variants, -1)
     silent = np.isnan(rows).all(axis=1)
     error, entry = scaled_error(np.where(np.isnan(rows), reference, rows), reference)
-    error[silent | np.repeat(bounds.hopeless(term), variants)] = np.nan
+    error[silent | np.repeat(bound.empty | bounds.hopeless(term), variants)] = np.nan
     result = TermResult(
         oracle=answers.name, status=NOT_COMPARED, judged="oracle", note=note, tolerance_reason=bound.reason
     )

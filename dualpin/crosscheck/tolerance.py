@@ -49,6 +49,11 @@ class Tolerance:
         """What rounding explains, however large that is."""
         return self.value if self.unlimited is None else self.unlimited
 
+    @property
+    def empty(self) -> np.ndarray:
+        """Where rounding may change an answer by as much as its size, or nobody knows: nothing can be compared."""
+        return np.asarray(~(self.value < 1.0))
+
 
 def _limited(value: np.ndarray, reason: str) -> Tolerance:
     return Tolerance(np.minimum(CEILING, value), f"{reason}, at most {CEILING:g}", value)

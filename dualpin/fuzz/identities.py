@@ -113,9 +113,11 @@ def forward(s: State) -> Sides:
     if mass.hopeless[0]:
         raise Skipped("M is singular to working precision")
     forces = np.abs(s.tau) + np.abs(bias(s.robot, s.q, s.v, engine="numpy"))
-    bound = solution(s.robot, mass, forces[None], s.a[None], s.extent).value[0]
+    bound = solution(s.robot, mass, forces[None], s.a[None], s.extent)
+    if bound.empty[0]:
+        raise Skipped("M is singular within its rounding")
     scale = float(max(1.0, np.abs(s.a).max(initial=0.0)))
-    return aba(s.robot, s.q, s.v, s.tau, engine="numpy"), s.a, float(bound / rounding(s.robot)) * scale
+    return aba(s.robot, s.q, s.v, s.tau, engine="numpy"), s.a, float(bound.value[0] / rounding(s.robot)) * scale
 
 
 def table(s: State) -> Sides:

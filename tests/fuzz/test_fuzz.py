@@ -221,6 +221,38 @@ def test_an_inertia_that_pinocchio_refuses_is_not_compared():
     assert "refuses the inertia of j000" in found.reason
 
 
+TENSOR = (1.66294e-05, 2.9e-11, -3.8e-09, 1.66294e-05, 7.5e-09, 9.8e-11)
+BALL = JointSpec("spherical", 1, (0.0, 0.0, 0.16), (0.0, 0.0, 0.0), mass=35.0, com=(0.0, 0.0, 4.8e-4), tensor=TENSOR)
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [  # a link without inertia between two balls can spin; a base without mass is weightless
+        (JointSpec("revolute", mass=7e-4, tensor=(3e-5, 0.0, 0.0, 3e-5, 0.0, 3e-5), armature=7e-5),
+         JointSpec("spherical", 0, (-0.4, -0.2, 0.2)), BALL),
+        (JointSpec("floating", axis=(0.0, 0.0, -1.0)),
+         JointSpec("revolute", 0, (0.0, 0.0, 0.0), (0.0, np.pi / 2, 0.0), (0.0, 0.0, -1.0), mass=1.8630191760902436e-06,
+                   com=(0.000137346377842692, 1.8520383243359037e-05, -0.06123493293221544),
+                   tensor=(9.938411836283087e-08, 4.351060092005295e-14, -2.90339435751949e-11,
+                           9.938405926455232e-08, 7.803147763916278e-11, 1.2324175664274342e-13))),
+    ],
+)  # fmt: skip
+def test_where_rounding_decides_accelerations_nothing_is_compared(joints):
+    found = examine(Spec("singular", joints))
+    assert not found.error
+    for name in "aba", "minv", "forward":
+        assert found.terms[name].status == "not compared", name
+
+
+def test_errors_are_relative_to_what_the_definition_gives():
+    """Pinocchio's kinetic energy lacks nearly all of a large rotor's; the last digit of all of it is no difference."""
+    for armature in np.random.default_rng(2).uniform(1e3, 1e5, 8):
+        rotor = JointSpec("revolute", mass=1.0, tensor=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0), axis=(0.6, 0.0, 0.8),
+                          armature=armature)  # fmt: skip
+        energy = examine(Spec("rotor", (rotor,))).terms["kinetic_energy"]
+        assert (energy.status, energy.nearer) == ("differs", "dualpin")
+
+
 def test_a_robot_without_joints_has_identities_too():
     found = examine(Spec("rigid", (JointSpec("fixed", mass=1.0, tensor=(1.0, 0.0, 0.0, 1.0, 0.0, 1.0)),)))
     assert not found.error
