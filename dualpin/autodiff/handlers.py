@@ -47,7 +47,7 @@ def _handler(operation: Operation, dtype: np.dtype, minor: int) -> tuple[str, in
                 dtype,
                 sum(x.configuration for x in term.arguments),  # which come first
                 [at.start for j in robot for at in j.quaternions],
-                function_of(robot, term, settled, dtype),
+                function_of(robot, term, settled, dtype, now=True),
                 minor,
             )
     except CompilerError:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from ..arguments import choice
 from ..errors import ArgumentError
-from ..model.memory import MEMORY, memory
+from ..model.memory import MEMORY
 from ..model.robot import Frame, Robot
 from ..terms import Options, Term
 from ..terms import term as term_named
@@ -45,11 +45,9 @@ def evaluator(
     kind = number_type(term.name, dtype)
     if choice("engine", engine, ENGINES) == "cuda":
         return on_device(robot, term, options, kind if kind == SINGLE else None)
-    made = function_of(robot, term, options, kind, engine)
-    # only for types whose equal values mean the same: 1.0 and True equal the index 1
-    if engine == "auto" and kind == DOUBLE and all(isinstance(x, (str, bool, Frame)) for x in given):
-        memory(robot)[asked] = made
-    return made
+    # kept only for types whose equal values mean the same: 1.0 and True equal the index 1
+    keep = engine == "auto" and kind == DOUBLE and all(isinstance(x, (str, bool, Frame)) for x in given)
+    return function_of(robot, term, options, kind, engine, alias=asked if keep else None)
 
 
 def number_type(what: str, dtype: DTypeLike) -> np.dtype:
@@ -149,7 +147,7 @@ def kernel(
     if device is not None:
         return on_device(robot, term, settled, kind, device)
     find(robot, term, settled, kind, single=True)  # compile now, not at the first call
-    return function_of(robot, term, settled, kind)
+    return function_of(robot, term, settled, kind, now=True)
 
 
 __all__ = ["ENGINES", "Evaluator", "evaluate", "evaluator", "find", "kernel", "made_ahead", "on_device", "run"]

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import functools
+import os
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from ..engine.jit import fast_call
 from ..model.memory import memory
 from ..model.robot import Robot
 from ..terms import Options, Term, term
 from .evaluator import DOUBLE, Evaluator
 from .fast import fast_function
-from .kernels import Kernels
+from .kernels import Kernels, later
 
 
 def evaluator_of(
@@ -39,17 +43,36 @@ def _made(kernels: Kernels, engine: str) -> Evaluator:
 
 
 def function_of(
-    robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto"
-) -> Evaluator:
-    """The same, behind the fast call where there is one; arguments and results are the same."""
+    robot: Robot, term: Term, options: Options, dtype: np.dtype = DOUBLE, engine: str = "auto", *, alias: Any = None,
+    now: bool = False,
+) -> Evaluator:  # fmt: skip
+    """The same, behind the fast call where there is one; arguments and results are the same.
+
+    The code of the fast call is compiled once on a machine.  Until then the general call answers, unless it is needed
+    `now`; another thread compiles it when there is a kernel to be called.  What is final is also kept as `alias`.
+    """
     general = evaluator_of(robot, term, options, dtype, engine)
     if general.engine not in ("auto", "tiered") or (general.engine == "tiered" and not general.kernels.any):
         return general
     kept, key = memory(robot), ("function", general.engine, term, dtype, *options.values())
-    return kept.get(key) or kept.setdefault(key, fast_function(general.kernels, general) or general)
+    found = kept.get(key)
+    if found is None:
+        if not (now or fast_call.at_hand()):
+            if general.kernels.any:
+                _compile_fast_call(os.getpid())
+            return general
+        found = kept.setdefault(key, fast_function(general.kernels, general) or general)
+    if alias is not None:
+        kept[alias] = found
+    return found
+
+
+@functools.cache
+def _compile_fast_call(_process: int) -> None:
+    later(fast_call.addresses)
 
 
 def restored(robot: Robot, name: str, dtype: np.dtype, options: Options, engine: str) -> Evaluator:
     """An unpickled evaluator."""
     named = term(name)
-    return function_of(robot, named, named.settled(robot, options), np.dtype(dtype.char), engine)
+    return function_of(robot, named, named.settled(robot, options), np.dtype(dtype.char), engine, now=True)

@@ -63,11 +63,11 @@ QUICK_FROM = 40_000
 A third of the time to compile, and 10 to 20 % more to run (Emerald Rapids).
 """
 
-SOON_FROM = 1_000
-"""Operations from which the first sample of all is answered by code that LLVM made without optimising.
+SOON_FROM = 100
+"""Operations from which the first sample of all is answered by bytecode.
 
-Emerald Rapids, kernels for one sample of panda, 684 / 2023 / 3636 operations (RNEA, Coriolis, RNEA derivatives): LLVM
-takes 13 / 30 / 55 ms instead of 33 / 87 / 150.
+Emerald Rapids, kernels for one sample of panda, 684 / 1881 / 3636 operations (RNEA, Coriolis, RNEA derivatives): LLVM
+takes 9 / 8 / 10 ms instead of 40 / 88 / 190 for code (21 / 40 / 79 without optimising).  At 79 operations: no gain.
 """
 
 PROCESSES_FROM = 30_000

@@ -1,6 +1,8 @@
-"""The first sample of a long term is answered by code that LLVM did not optimise: the same bits, soon replaced."""
+"""The first sample of a term is answered by bytecode, and by Python's route: the same bits, soon replaced."""
 
 import os
+import subprocess
+import sys
 import threading
 import time
 
@@ -54,7 +56,7 @@ def test_bits_are_the_same_first_later_and_in_batches(cold):
 
 
 @pytest.mark.parametrize("term", ["coriolis", "aba", "frame_acceleration"])
-def test_code_that_was_not_optimised_has_the_same_bits(cold, term, monkeypatch):
+def test_what_comes_soon_has_the_same_bits(cold, term, monkeypatch):
     monkeypatch.setattr(tuning, "SOON_FROM", 0)
     robot = every_joint()
     t = TERMS[term]
@@ -84,10 +86,33 @@ def test_what_is_kept_serves_the_next_process_and_gives_way(cold):
 def test_short_terms_and_other_engines_wait_for_the_real_one(cold):
     robot = dp.load("ur5")
     q, v, a = robot.sample(seed=0)
-    dp.rnea(robot, q, v, a)
-    assert kernels(robot, "rnea").known(single=True)
+    dp.com(robot, q)
+    assert kernels(robot, "com").known(single=True)
     dp.rnea_derivatives(robot, q, v, a, engine="compiled")
     assert kernels(robot, LONG).known(single=True)
+
+
+def test_the_fast_call_is_compiled_when_a_kernel_waits_for_it(tmp_path):
+    code = """
+import time
+import dualpin as dp
+from dualpin.engine.jit import fast_call
+robot = dp.load("ur5")
+q, v, a = robot.sample(seed=0)
+first = dp.rnea(robot, q, v, a)
+assert not fast_call.addresses.made and not fast_call.at_hand()
+end = time.monotonic() + 60
+while not fast_call.addresses.made:
+    assert (dp.rnea(robot, q, v, a) == first).all() and time.monotonic() < end
+    time.sleep(0.001)
+assert (dp.rnea(robot, q, v, a) == first).all()
+from dualpin.call import evaluator
+from dualpin.terms import TERMS
+assert type(evaluator(robot, TERMS["rnea"], "auto")).__name__ == "builtin_function_or_method"
+"""
+    env = {**os.environ, "DUALPIN_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], env=env, capture_output=True, timeout=120)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_threads_that_come_first_together_get_the_same(cold):

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass, field
 
 from .. import tuning
-from .trace import ARITHMETIC, Node, Sym, Trace
+from .trace import ARITHMETIC, LEAVES, TRIGONOMETRIC, Node, Sym, Trace
 
 
 def exactly(x: float) -> tuple[float, float]:
@@ -96,16 +96,20 @@ class Schedule:
         return 0 if self.direct else len(self.places) + len(self.constants)
 
 
-def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direct: bool = False) -> Schedule:
+def schedule(
+    program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direct: bool = False,
+    bytecode_from: int | None = None,
+) -> Schedule:  # fmt: skip
     """Order and fuse operations, cut chunks and assign slots.
 
     `together` is the number of angles in one vector: so many cosines are contiguous, then their sines.
-    With `direct`, results are stored directly to their row.
+    With `direct`, results are stored directly to their row.  Programs of more operations than `bytecode_from`, or
+    `tuning.BYTECODE_FROM`, are bytecode.
     """
     graph = program.graph
     nodes, order = graph.nodes, graph.live(program.outputs)
     steps = fused(program, order)
-    bytecode = len(steps) > tuning.BYTECODE_FROM
+    bytecode = len(steps) > (tuning.BYTECODE_FROM if bytecode_from is None else bytecode_from)
     direct = direct and not bytecode
     stages = staged(nodes, order, steps, 1 if bytecode else chunk)
 
@@ -120,7 +124,7 @@ def schedule(program: Trace, chunk: int = tuning.CHUNK, together: int = 1, direc
                 cosine[angle], sine[angle] = slots + lane, slots + together + lane
             slots += 2 * together
     for i in order:
-        if nodes[i][0] in ("sin", "cos"):
+        if nodes[i][0] in TRIGONOMETRIC:
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
     known: dict[tuple[float, float], int] = {}
     if bytecode:
@@ -160,27 +164,28 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
     uses, position = [0] * len(nodes), [0] * len(nodes)
     for n, i in enumerate(order):
         position[i] = n
-        op, *args = nodes[i]
-        if op not in ("in", "const"):
-            for a in args:
+        node = nodes[i]
+        if node[0] not in LEAVES:
+            for a in node[1:]:
                 uses[a] += 1
     for out in program.outputs:
         if type(out) is Sym:
             uses[out.i] += 1
     steps: dict[int, Step] = {}
     for i in order:
-        op, *args = nodes[i]
-        if op not in ARITHMETIC:
-            continue
-        if op in ("+", "-"):
+        op, *args = node = nodes[i]
+        if op == "+" or op == "-":
             a, b = args
-            products = [p for p in args if uses[p] == 1 and nodes[p][0] == "*"]
-            if products:  # the later product; the other is still in a register
-                p = max(products, key=position.__getitem__)
+            p = a if uses[a] == 1 and nodes[a][0] == "*" else None
+            if uses[b] == 1 and nodes[b][0] == "*" and (p is None or position[b] > position[a]):
+                p = b  # the later product; the other is still in a register
+            if p is not None:
                 signs = (1, 1) if op == "+" else (1, -1) if p == a else (-1, 1)  # x y - b, a - x y
                 steps[i] = Step(i, "fma", (*steps.pop(p).args, b if p == a else a), signs)
                 continue
-        steps[i] = Step(i, op, tuple(args))
+        elif op not in ARITHMETIC:
+            continue
+        steps[i] = Step(i, op, node[1:])
     return steps
 
 
@@ -189,23 +194,23 @@ def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: i
     level = [0] * len(nodes)  # number of rounds of sines and cosines before a value
     for i in order:
         op, *args = nodes[i]
-        if op not in ("in", "const"):
-            level[i] = max([level[a] for a in args]) + (op in ("sin", "cos"))
+        if op not in LEAVES:
+            level[i] = max([level[a] for a in args]) + (op in TRIGONOMETRIC)
     last = max([level[i] for i in order], default=0)
     stage = [last] * len(nodes)
     angles: dict[int, int] = {}  # angle -> the round that computes its sine and cosine
     for i in reversed(order):
         op, *args = nodes[i]
-        if op in ("sin", "cos"):
+        if op in TRIGONOMETRIC:
             angles[args[0]] = level[i] - 1
             stage[args[0]] = min(stage[args[0]], level[i] - 1)
-        elif op not in ("in", "const"):
+        elif op not in LEAVES and stage[i] < last:
             for a in args:
                 if stage[i] < stage[a]:
                     stage[a] = stage[i]
     stages = []
     for n in range(last + 1):
-        line = [steps[i] for i in order if i in steps and stage[i] == n]
+        line = [steps[i] for i in order if stage[i] == n and i in steps]
         count = -(-len(line) // chunk)
         size = -(-len(line) // count) if count else 1
         cut = [line[k : k + size] for k in range(0, len(line), size)]
@@ -224,7 +229,7 @@ def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
         parts += [([s.i for s in chunk], [a for s in chunk for a in s.args]) for chunk in stage.chunks]
         parts.append(([], stage.angles))
     made = {i: n for n, (computed, _) in enumerate(parts) for i in computed}
-    last = {a: n for n, (_, read) in enumerate(parts) for a in read if a in made and made[a] != n}
+    last = {a: n for n, (_, read) in enumerate(parts) for a in read if made.get(a, n) != n}
     ends: dict[int, list[int]] = {}
     for a, n in last.items():
         ends.setdefault(n, []).append(a)

@@ -22,7 +22,10 @@ Node = tuple
 """(operation, *operands): operands are indices of nodes, except those of "in" and "const"."""
 
 ARITHMETIC = ("+", "-", "*", "inv", "neg", "sqrt", "select")
-"""Operations of chunks; other nodes are loaded ("in"), constant ("const") or computed by a loop ("sin", "cos")."""
+"""Operations of chunks."""
+
+LEAVES, TRIGONOMETRIC = ("in", "const"), ("sin", "cos")
+"""Nodes without operands: loaded, or constant; and those that a loop computes."""
 
 
 class UntraceableError(DualpinError):
@@ -100,13 +103,13 @@ class Graph:
 
 
 class Sym:
-    """A scalar that remembers how it was computed."""
+    """A scalar that remembers how it was computed: node `i` of a graph; `positive` is x if this is -x."""
 
-    __slots__ = ("graph", "i")
+    __slots__ = ("graph", "i", "positive")
     __array_ufunc__ = None
 
-    def __init__(self, graph: Graph, i: int) -> None:
-        self.graph, self.i = graph, i
+    def __init__(self, graph: Graph, i: int, positive: Sym | None = None) -> None:
+        self.graph, self.i, self.positive = graph, i, positive
 
     def __repr__(self) -> str:
         return f"<{self.graph.nodes[self.i][0]} {self.i}>"
@@ -118,46 +121,42 @@ class Sym:
     def _new(self, *key: Any) -> Sym:
         return Sym(self.graph, self.graph.node(*key))
 
-    def _positive(self) -> Sym | None:
-        """x, where this is -x."""
-        op, *args = self.graph.nodes[self.i]
-        return Sym(self.graph, args[0]) if op == "neg" else None
-
     def __neg__(self) -> Any:
-        op, *args = self.graph.nodes[self.i]
-        if op == "neg":
-            return Sym(self.graph, args[0])
-        if op == "-":
-            return self._new("-", args[1], args[0])
-        return self._new("neg", self.i)
+        if self.positive is not None:
+            return self.positive
+        graph, i = self.graph, self.i
+        node = graph.nodes[i]
+        if node[0] == "-":
+            return Sym(graph, graph.node("-", node[2], node[1]))
+        return Sym(graph, graph.node("neg", i), self)
 
     def __add__(self, b: Any) -> Any:
         if type(b) is not Sym:
             return self._with_constant(b, "+")
-        x, y = self._positive(), b._positive()
-        if y is not None:
-            return self - y
-        if x is not None:
-            return b - x
-        if self.i == b.i:
+        if b.positive is not None:
+            return self - b.positive
+        if self.positive is not None:
+            return b - self.positive
+        graph, i, j = self.graph, self.i, b.i
+        if i == j:
             return self * 2.0
-        return self._new("+", *sorted((self.i, b.i)))
+        return Sym(graph, graph.node("+", i, j) if i < j else graph.node("+", j, i))
 
     def __sub__(self, b: Any) -> Any:
         if type(b) is not Sym:
             return self._with_constant(b, "-")
-        if self.i == b.i:
+        graph, i, j = self.graph, self.i, b.i
+        if i == j:
             return 0.0
-        x, y = self._positive(), b._positive()
-        if y is not None:
-            return self + y
-        if x is not None:
-            return -(x + b)
-        if self.graph.known("-", self.i, b.i) is None:
-            opposite = self.graph.known("-", b.i, self.i)
+        if b.positive is not None:
+            return self + b.positive
+        if self.positive is not None:
+            return -(self.positive + b)
+        if graph.known("-", i, j) is None:
+            opposite = graph.known("-", j, i)
             if opposite is not None:
-                return self._new("neg", opposite)
-        return self._new("-", self.i, b.i)
+                return Sym(graph, graph.node("neg", opposite), Sym(graph, opposite))
+        return Sym(graph, graph.node("-", i, j))
 
     def __rsub__(self, b: Any) -> Any:
         return -self + b
@@ -168,7 +167,7 @@ class Sym:
             return NotImplemented
         if c == 0:
             return self
-        x = self._positive()
+        x = self.positive
         if x is not None:  # c - x, and -x - c = -(x + c)
             return self.graph.constant(c) - x if op == "+" else -(x + c)
         return self + self.graph.constant(c) if op == "+" else self - self.graph.constant(c)
@@ -176,12 +175,12 @@ class Sym:
     def __mul__(self, b: Any) -> Any:
         if type(b) is not Sym:
             return self._scaled(b)
-        x, y = self._positive(), b._positive()
-        if x is not None:
-            return -(x * b)
-        if y is not None:
-            return -(self * y)
-        return self._new("*", *sorted((self.i, b.i)))
+        if self.positive is not None:
+            return -(self.positive * b)
+        if b.positive is not None:
+            return -(self * b.positive)
+        graph, i, j = self.graph, self.i, b.i
+        return Sym(graph, graph.node("*", i, j) if i < j else graph.node("*", j, i))
 
     def _scaled(self, b: Any) -> Any:
         c = _number(b)
@@ -193,17 +192,18 @@ class Sym:
             return -self._scaled(-c)
         if c == 1:
             return self
-        op, *args = self.graph.nodes[self.i]
-        if op == "neg":
-            return -Sym(self.graph, args[0])._scaled(c)
-        if op == "*" and self.graph.nodes[args[0]][0] == "const":  # c (d x) = (c d) x
-            return Sym(self.graph, args[1])._scaled(c * self.graph.nodes[args[0]][1])
+        if self.positive is not None:
+            return -self.positive._scaled(c)
+        graph = self.graph
+        node = graph.nodes[self.i]
+        if node[0] == "*" and graph.nodes[node[1]][0] == "const":  # c (d x) = (c d) x
+            return Sym(graph, node[2])._scaled(c * graph.nodes[node[1]][1])
         # the constant's node first, so that the line above finds it
-        return self._new("*", self.graph.node("const", c), self.i)
+        return Sym(graph, graph.node("*", graph.node("const", c), self.i))
 
     def __truediv__(self, b: Any) -> Any:
         if type(b) is Sym:  # one reciprocal for all divisions by b
-            x = b._positive()
+            x = b.positive
             return self * b._new("inv", b.i) if x is None else -(self / x)
         c = _number(b)
         if c is None:
@@ -215,7 +215,7 @@ class Sym:
         c = _number(b)
         if c is None:
             return NotImplemented
-        x = self._positive()
+        x = self.positive
         return -(c / x) if x is not None else self._new("inv", self.i) * c
 
     def __pow__(self, n: int) -> Any:

@@ -130,9 +130,9 @@ def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None
         return None
 
 
-def stored(key: str) -> bool:
+def stored(key: str, room: str = "kernels") -> bool:
     """Whether there is a file for this key; `load` checks it."""
-    return (folder() / _name(key)).exists()
+    return (folder(room) / _name(key)).exists()
 
 
 def store(key: str, about: dict[str, Any], code: bytes, room: str = "kernels") -> None:

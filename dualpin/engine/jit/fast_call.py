@@ -16,9 +16,7 @@ from __future__ import annotations
 import copyreg
 import ctypes
 import hashlib
-import platform
 import sys
-import sysconfig
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -92,14 +90,23 @@ class _Method(ctypes.Structure):
 def supported(shapes: Sequence[tuple[int, ...]] = ()) -> bool:
     """Whether this Python has the required stable ABI, and the shapes fit into the tables."""
     return (
-        platform.python_implementation() == "CPython"
+        sys.implementation.name == "cpython"
         and sys.version_info >= (3, 11)
-        and not sysconfig.get_config_var("Py_GIL_DISABLED")  # borrowed references need the GIL
+        and not _without_gil()  # borrowed references need it
         and ctypes.sizeof(ctypes.c_void_p) == 8
         and hasattr(ctypes.pythonapi, "PyObject_Vectorcall")
         and len(shapes) <= source.MOST
         and all(len(shape) <= source.AXES for shape in shapes)
     )
+
+
+def _without_gil() -> bool:
+    """Whether Python was built without the GIL, as is possible from 3.13 on."""
+    if sys.version_info < (3, 13):
+        return False
+    import sysconfig
+
+    return bool(sysconfig.get_config_var("Py_GIL_DISABLED"))
 
 
 def bound(
@@ -186,22 +193,36 @@ def addresses() -> dict[str, Any]:
     """
     if not _arrays_as_known():
         raise CompilerError("this NumPy's arrays are laid out in another way")
-    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _PYTHON}
-    fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
     names = ("entry", "public", "release")
+    api = {name: ctypes.cast(getattr(ctypes.pythonapi, name), ctypes.c_void_p).value or 0 for name in _PYTHON}
     imports = api | _numpy() | {"forms": ctypes.addressof(forms), "stores": ctypes.addressof(stores)}
-    text, host = source.text(fields, tuning.STACK), this_host()
-    key = f"fast call|{hashlib.sha256(text.encode()).hexdigest()}|{compiler_key(host)}"
+    text, key = _written()
     found = disk.load(key, "calls")
     try:
         code = loaded([found[1]], names, imports) if found else None
     except CompilerError:  # damaged: compile again
         code = None
     if code is None:
-        made = object_code(text, host)
+        made = object_code(text, this_host())
         code = loaded([made], names, imports)
         disk.store(key, {}, made, "calls")
     return {name: code[name] for name in names} | {"code": code}  # keeps the memory
+
+
+@Once
+def _written() -> tuple[str, str]:
+    """The functions as text, and the key of their machine code in the cache."""
+    fields = {name: "i64" if kind is ctypes.c_int64 else "ptr" for name, kind, *_ in Spec._fields_}
+    text = source.text(fields, tuning.STACK)
+    return text, f"fast call|{hashlib.sha256(text.encode()).hexdigest()}|{compiler_key(this_host())}"
+
+
+def at_hand() -> bool:
+    """Whether `addresses` answers at once, if only to say that there are none: to compile them takes longer."""
+    try:
+        return bool(addresses.made) or not (supported() and _arrays_as_known()) or disk.stored(_written()[1], "calls")
+    except CompilerError:
+        return True
 
 
 _PYTHON = (*source.API, "PyObject_Vectorcall")

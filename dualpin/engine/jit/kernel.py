@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import gc
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
@@ -47,7 +49,7 @@ class Kernel:
     operations : int
         Floating-point instructions a tile takes; `lanes` samples make a tile.
     soon : bool
-        Made in a third of the time, for slower code of the same bits.
+        Bytecode, which is made in a few milliseconds, and takes several times as long to run; the bits are the same.
     """
 
     def __init__(self, about: dict[str, Any], code: bytes, shape: tuple[int, ...], dtype: np.dtype) -> None:
@@ -123,7 +125,7 @@ def build(
     """The kernel of a term: read from the cache, or traced, compiled and cached.
 
     `single` makes the kernel for one configuration at a time; its results have the same bits.
-    `begun` is what was done of that already.  With `soon`, a long one is not optimised unless it is in the cache.
+    `begun` is what was done of that already.  With `soon`, it is bytecode unless it is short or in the cache.
 
     Raises
     ------
@@ -183,12 +185,13 @@ def compiled(
 ) -> tuple[dict[str, Any], bytes]:
     """Trace and compile: the data for calling the kernel, and its object code."""
     start = time.perf_counter()
-    program = trace(robot, term, options)
-    with Compilers(host, len(program.graph.nodes)) as compilers:
-        plan, about, texts = _written(program, dtype, host, lanes, lambda: compilers.count)
-        quick = plan.operations > tuning.QUICK_FROM
-        about["soon"] = soon and not quick and plan.operations > tuning.SOON_FROM
-        objects = compilers.object_codes(texts, quick or about["soon"])
+    with LOCK, _no_collection():
+        program = trace(robot, term, options)
+    with Compilers(host, 0 if soon else len(program.graph.nodes)) as compilers:
+        with LOCK, _no_collection():
+            plan, about, texts = _written(program, dtype, host, lanes, lambda: compilers.count, soon)
+        about["soon"] = soon and tuning.SOON_FROM < plan.operations <= tuning.BYTECODE_FROM
+        objects = compilers.object_codes(texts, about["soon"] or plan.operations > tuning.QUICK_FROM)
     about["objects"] = [len(x) for x in objects]
     seconds = time.perf_counter() - start
     if seconds > 0.5:
@@ -196,13 +199,29 @@ def compiled(
     return about, b"".join(objects)
 
 
+@contextlib.contextmanager
+def _no_collection() -> Iterator[None]:
+    """Without Python's collector: nothing here is cyclic garbage, and so many objects make it walk through all others.
+
+    Under `LOCK`, so that one thread at a time does this, and no fork keeps it.
+    """
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
 def _written(
-    program: Trace, dtype: np.dtype, host: Host, lanes: int, parts: Callable[[], int]
+    program: Trace, dtype: np.dtype, host: Host, lanes: int, parts: Callable[[], int], soon: bool = False
 ) -> tuple[Schedule, dict[str, Any], list[str]]:
     """The schedule, the data for calling the kernel, and its text in several parts."""
     number = DOUBLE if dtype.itemsize == 8 else SINGLE
     together = max(1, min(host.width, tuning.TOGETHER) // number.size) if lanes == 1 else 1
-    plan = schedule(program, together=together, direct=lanes == 1)
+    least = min(tuning.SOON_FROM, tuning.BYTECODE_FROM) if soon else None
+    plan = schedule(program, together=together, direct=lanes == 1, bytecode_from=least)
     about = {
         "sizes": plan.sizes, "operations": plan.operations, "lanes": lanes,
         "scratch": ir.scratch_bytes(plan, number, host, lanes),
