@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import count
+from ..arguments import count, flag, real
 from ..call import evaluate
 from ..errors import ArgumentError, DualpinWarning
 from ..functions import fk
@@ -81,7 +81,7 @@ def judge(
     diagnose : bool
         Look for the causes.
     floating, mimic : bool
-        As in `dualpin.load`, where a name or path is given.
+        As in `dualpin.load`, for a name or path; a `Robot` is as it was loaded.
     python : str, optional
         The interpreter of the environment the subject lives in.
     limit : float
@@ -129,7 +129,13 @@ def judge_all(
     interruptible: bool = False,
 ) -> Report:  # fmt: skip
     """Several subjects on one robot, as `judge`; with `interruptible`, Ctrl-C ends it with a partial report."""
-    tick = progress or (lambda what: None)
+    tick = progress if progress is not None else (lambda what: None)
+    if not callable(tick):
+        raise ArgumentError(f"judge: progress = {progress!r}, a function of one line of text expected")
+    diagnose, floating, mimic = (
+        flag(f"judge: {k}", x) for k, x in (("diagnose", diagnose), ("floating", floating), ("mimic", mimic))
+    )
+    limit, seed = real("judge: limit", limit, "s", above=0, infinite=True), count("judge: seed", seed)
     n = SAMPLES if samples is None else samples
     n = count("judge: samples (half of them estimate, all judge)", n, 2)
     askers = [resolve(s, python=python, limit=limit) for s in subjects]
@@ -334,11 +340,17 @@ def _explain(terms: dict[str, TermResult], answers: Answers, tick: Tick) -> list
     for term in off:
         result = terms[term]
         result.findings = told.of(term)
-        located = told.located.get(term, "")
+        located = _not_finite(answers, term) or told.located.get(term, "")
         reason = _cause(result.findings) or f"cause unknown{'; ' if located else ''}{located}"
         if result.status == DIFFERS:
             result.settle(DIFFERS, result.nearer, reason)
     return [f"diagnosis: {told.predictions} answers predicted in {told.seconds:.1f} s"]
+
+
+def _not_finite(answers: Answers, term: str) -> str:
+    """In how many states an answer has entries that are no numbers; none of the causes predicts these."""
+    odd = np.isinf(answers.terms[term]).reshape(len(answers.terms[term]), -1).any(axis=1)
+    return f"infinite or not a number in {odd.sum()} of {len(odd)} states" if odd.any() else ""
 
 
 def _explain_refusal(

@@ -80,11 +80,13 @@ def shaped(answers: Answers, term: str, x: np.ndarray) -> tuple[str, np.ndarray]
         x = poses(x)
     if term == "fk" and x.shape == (*lead, 3, 4):
         x = np.concatenate([x, np.broadcast_to([0.0, 0.0, 0.0, 1.0], (*lead, 1, 4))], axis=-2)
-    if x.shape != want and x.size == int(np.prod(want)) and x.shape[: len(lead)] == lead:
+    own = x.shape[len(lead) :]
+    if x.shape[: len(lead)] == lead and [k for k in own if k != 1] == [k for k in tail if k != 1]:
         x = x.reshape(want)  # columns (n, 1) for vectors, (1,) for numbers
     if x.shape != want:
         got = x.shape[len(lead) :] if x.shape[: len(lead)] == lead else x.shape
-        return f"shape {got} for one state; {tail} expected", x
+        turned = "; is it transposed?" if len(tail) == 2 and got == tail[::-1] else ""
+        return f"shape {got} for one state; {tail} expected{turned}", x
     return "", x
 
 

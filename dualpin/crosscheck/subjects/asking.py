@@ -99,8 +99,13 @@ def asking(
 ) -> Asking:
     """Everything a subject is given, of a robot by name or path, or of the robot itself."""
     mjcf = ""
+    if not isinstance(robot, (str, Path, Robot)):
+        raise ArgumentError(f"judge: a robot, or the name or path of one expected, got {type(robot).__name__}")
     if isinstance(robot, Robot):
         name = robot.name
+        for word, asked, has in (("floating", floating, base_of(robot)), ("mimic", mimic, robot.coupled)):
+            if asked and not has:
+                raise ArgumentError(f"judge: {word}=True, but the robot {name!r} was loaded without; load it with it")
         mjcf = _mjcf_of(robot)
         text = _text_of_model(robot) if mjcf else _text_of(robot)
     elif is_mjcf(path := find(robot)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,8 +110,12 @@ def wanted(terms: object) -> tuple[str, ...]:
     """Terms by name, or all; an unknown one is an error with the nearest."""
     if terms is None:
         return tuple(QUESTIONS)
-    names = [terms] if isinstance(terms, str) else list(terms)  # type: ignore[call-overload]
+    if not isinstance(terms, Iterable):
+        raise ArgumentError(f"judge: terms = {terms!r}, names of terms expected")
+    names = [terms] if isinstance(terms, str) else list(terms)
     for name in names:
         if name not in QUESTIONS:
             raise ArgumentError(f"judge: term {name!r} is not known; {nearest(str(name), QUESTIONS, 'terms', most=99)}")
+    if not names:
+        raise ArgumentError("judge: terms is empty, so there is nothing to compare; None asks all")
     return tuple(t for t in QUESTIONS if t in names)

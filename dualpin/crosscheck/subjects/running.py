@@ -108,6 +108,9 @@ def _check_terms(subject: Any) -> None:
                 raise ArgumentError(f"judge: {key!r} is no term; {nearest(str(key), QUESTIONS, 'terms', most=99)}")
             if key in QUESTIONS and not callable(f):
                 raise ArgumentError(f"judge: {key} must be a function, got {type(f).__name__}")
+    writes = subject.get("writes") if isinstance(subject, Mapping) else getattr(subject, "writes", None)
+    if writes is not None and not isinstance(writes, (Convention, Mapping)):
+        raise ArgumentError(f"judge: `writes` must be a Convention, or a mapping of its words; got {writes!r}")
     if not any(serve.function(subject, t) for t in QUESTIONS):
         raise ArgumentError(
             f"judge: {type(subject).__name__} has none of the terms {', '.join(QUESTIONS)} as a method; a subject is a "

@@ -99,7 +99,7 @@ def _tried(f: Any, state: list[np.ndarray], frame: str | None, note: dict[str, A
         note["absent"] = True
         note.setdefault("errors", {})[frame or ""] = f"not offered{': ' if str(e) else ''}{e}"[:300]
         return None
-    except Exception as e:  # whatever a subject raises is its answer
+    except (Exception, SystemExit) as e:  # whatever a subject raises is its answer, and so is its exit()
         note.setdefault("errors", {})[frame or ""] = f"{type(e).__name__}: {e}"[:300]
         return None
     return x
