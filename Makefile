@@ -3,8 +3,10 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
-# tests share the cores by files; a benchmark or a campaign takes them alone
+# tests and types share the cores; a benchmark or a campaign takes them alone
 JOBS   ?= 2
+# tests start some hundred processes: compiled sources are kept, or each of them would compile them again
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: help venv validate test lint oldest faults campaign papers integrators referee dh bench docs wheel clean
 
@@ -35,7 +37,7 @@ test: $(STAMP) quick ## everything but the long campaigns
 lint: $(STAMP)       ## style and types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
+	$(BIN)/mypy --num-workers $(JOBS)
 
 oldest: $(STAMP)     ## the smoke tests with the lowest versions that pyproject.toml admits
 	$(BIN)/python -m tests.smoke.lowest exact integrators > .oldest.txt

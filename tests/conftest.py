@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -30,3 +32,12 @@ def pytest_report_header() -> str:
 def seed() -> int:
     """The seed all random tests start from."""
     return SEED
+
+
+@pytest.fixture
+def small_heap() -> Iterator[None]:
+    """What other tests left behind is no work of the garbage collector, which this test calls often."""
+    gc.collect()
+    gc.freeze()
+    yield
+    gc.unfreeze()

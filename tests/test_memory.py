@@ -25,8 +25,7 @@ def robot():
 
 
 @pytest.fixture
-def q(robot):
-    gc.collect()
+def q(robot, small_heap):
     memory.clear()
     return robot.sample(N, seed=0)[0]
 

@@ -22,6 +22,7 @@ import dualpin as dp
 from dualpin import escape
 from dualpin.model import Builder, revolute
 from dualpin.spatial import UY, Pose, Vector3
+from tests.program import run
 
 NASTY = [
     "*/ int evil = 1; /*", "a\nimport os; os.system('x') #", "a\r\nevil = 1",
@@ -258,9 +259,9 @@ def test_the_terminal_gets_no_commands(command, tmp_path):
     arm = dp.from_dh([(0, 0, 0.5, 0)], name="[/]\x9b31m :smile:", inertias=[{"mass": 1.0, "inertia": body}])
     arm.to_urdf(path)
     more = ["--samples", "2", "--terms", "rnea"] if command == "validate" else []
-    done = subprocess.run([sys.executable, "-m", "dualpin", command, path, *more], capture_output=True, timeout=120)
-    assert done.returncode == 0, done.stderr.decode()
-    shown = (done.stdout + done.stderr).decode()
+    done = run(command, path, *more, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    shown = done.stdout + done.stderr
     assert flat_controls(shown) == []
     assert ("[/]" in shown and ":smile:" in shown) or command == "validate"
 

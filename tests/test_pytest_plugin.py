@@ -13,6 +13,7 @@ import pytest
 import dualpin as dp
 from dualpin.crosscheck.results import Refusal, Report, RobotResult, TermResult
 from dualpin.pytest_plugin import _baseline
+from tests.program import run as command
 
 pytest_plugins = ["pytester"]
 ARM = Path(__file__).parents[1] / "urdf" / "planar_2r" / "planar_2r.urdf"
@@ -39,11 +40,11 @@ class Subject:
 
 @pytest.fixture
 def run(pytester):
-    """pytest in a folder that holds arm.urdf, bad.urdf and mine.py, in a process of its own."""
+    """pytest in a folder that holds arm.urdf, bad.urdf and mine.py."""
     pytester.path.joinpath("arm.urdf").write_bytes(ARM.read_bytes())
     pytester.path.joinpath("bad.urdf").write_text('<robot name="bad"><link name="a"/><link name="a"/></robot>')
     pytester.makepyfile(mine=WRONG)
-    return lambda *words: pytester.runpytest_subprocess("-p", "dualpin.pytest_plugin", *words)
+    return lambda *words: pytester.runpytest_inprocess("-p", "dualpin.pytest_plugin", *words)
 
 
 def test_a_robot_that_agrees_passes_term_by_term_and_is_written_down(run, pytester):
@@ -164,11 +165,10 @@ def test_a_badge_escapes_its_label():
 def test_the_command_writes_a_badge(tmp_path):
     (tmp_path / "r.json").write_text(report(fk=AGREED).to_json())
     (tmp_path / "speed.json").write_text('[{"robot": "a", "term": "fk", "us_per_sample": 1.0}]')
-    command = [sys.executable, "-m", "dualpin", "report"]
-    subprocess.run([*command, "r.json", "--badge", "b.svg"], cwd=tmp_path, check=True, capture_output=True)
+    assert command("report", "r.json", "--badge", "b.svg", cwd=tmp_path).returncode == 0
     assert (tmp_path / "b.svg").read_text() == report(fk=AGREED).badge()
-    done = subprocess.run([*command, "speed.json", "--badge", "c.svg"], cwd=tmp_path, capture_output=True, check=False)
-    assert done.returncode == 2 and b"needs the JSON" in done.stderr and not (tmp_path / "c.svg").exists()
+    done = command("report", "speed.json", "--badge", "c.svg", cwd=tmp_path)
+    assert done.returncode == 2 and "needs the JSON" in done.stderr and not (tmp_path / "c.svg").exists()
 
 
 def test_the_page_shows_the_action_as_it_is():

@@ -3,13 +3,12 @@
 import contextlib
 import io
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import dualpin as dp
+from tests.program import run
 
 pytest.importorskip("pinocchio")
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
@@ -60,8 +59,8 @@ def own(tmp_path_factory):
     report = dp.validate("panda", samples=3)
     for name in ("baseline", "out"):
         report.write(folder / name)
-    study = [sys.executable, "-m", "dualpin", "integrate", "ur5", "--frame", "tool0", "--dt", "1", "--turns", "1"]
-    subprocess.run([*study, "--out", "study"], cwd=folder, capture_output=True, timeout=300, check=True)
+    study = ("integrate", "ur5", "--frame", "tool0", "--dt", "1", "--turns", "1", "--out", "study")
+    assert run(*study, cwd=folder).returncode == 0
     return folder
 
 
@@ -69,8 +68,7 @@ def own(tmp_path_factory):
 def test_every_command_of_the_readme_runs(arguments, own):
     for package in {"convert": ("mujoco", "xacro"), "view": ("viser",)}.get(arguments[0], ()):
         pytest.importorskip(package)
-    command = [sys.executable, "-m", "dualpin", *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=own, timeout=300, check=False)
+    done = run(*arguments, cwd=own)
     expected = {"check": (0, 1), "diff": (1,)}.get(arguments[0], (0,))
     assert done.returncode in expected, done.stderr
     assert done.stdout or "wrote" in done.stderr

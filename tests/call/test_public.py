@@ -124,7 +124,7 @@ def test_mistakes_after_calls_that_were_right(robot, state):
 
 
 @needs_code
-def test_a_robot_that_is_gone_is_forgotten_and_its_successors_are_themselves(state):
+def test_a_robot_that_is_gone_is_forgotten_and_its_successors_are_themselves(state, small_heap):
     q, base = state[0], dp.load("ur5")
     expected = {}
     for k in range(30):  # addresses come again
@@ -142,7 +142,7 @@ def test_a_robot_that_is_gone_is_forgotten_and_its_successors_are_themselves(sta
 
 
 @needs_code
-def test_references_do_not_leak(robot, state):
+def test_references_do_not_leak(robot, state, small_heap):
     out, f = np.empty((4, 4)), dp.fk
     things = [robot, *state, out, "tool0", f, f.__self__]
     for call in (

@@ -103,7 +103,7 @@ def test_a_forked_child_compiles_on_its_own(robot):
 
 
 def test_a_process_may_end_while_it_compiles(tmp_path):
-    code = "import dualpin as dp; r = dp.load('panda'); dp.aba_derivatives(r, *r.sample(seed=0), engine='tiered')"
+    code = "import dualpin as dp; r = dp.load('ur5'); dp.aba_derivatives(r, *r.sample(seed=0), engine='tiered')"
     env = {**os.environ, "DUALPIN_CACHE_DIR": str(tmp_path)}
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, env=env, timeout=60

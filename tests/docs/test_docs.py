@@ -1,13 +1,12 @@
 """What the documentation shows is what happens, and its names and links lead somewhere."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import dualpin as dp
+from tests.program import run
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -57,8 +56,7 @@ def commands():
 def test_every_command_of_a_block_runs(lines, tmp_path):
     pytest.importorskip("pinocchio")
     for words in lines:
-        command = [sys.executable, "-m", "dualpin", *words]
-        done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=300, check=False)
+        done = run(*words, cwd=tmp_path)
         assert done.returncode == 0, done.stderr
 
 

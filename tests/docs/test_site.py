@@ -78,8 +78,8 @@ def test_what_the_site_links_to_is_in_it(site):
     assert broken == []
 
 
-def built(folder, text):
-    """Whether a site of one page builds, with the settings of the site."""
+def said(folder, text):
+    """What is said of a site of one page, which does not build with the settings of the site."""
     settings = (ROOT / "zensical.toml").read_text(encoding="utf-8")
     start, end = settings.index("nav = ["), settings.index("[project.theme]")
     settings = settings[:start] + settings[end:].replace('custom_dir = "docs/theme"\n', "")
@@ -87,15 +87,16 @@ def built(folder, text):
     (folder / build.STAGE.relative_to(ROOT)).mkdir(parents=True, exist_ok=True)
     (folder / build.STAGE.relative_to(ROOT) / "index.md").write_text(f"# Page\n\n{text}\n", encoding="utf-8")
     command = [sys.executable, "-m", "zensical", "build", "--clean", "--strict"]
-    return subprocess.run(command, cwd=folder, capture_output=True, check=False).returncode == 0
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    return re.sub(r"\x1b\[[\d;]*m", "", done.stdout + done.stderr)
 
 
 def test_a_mistake_in_a_page_fails_the_build(tmp_path):
     """The builder is strict, so that the other tests of the site mean something."""
-    assert built(tmp_path, "[here](#page)")
-    assert not built(tmp_path, "[x](nowhere.md)")
-    assert not built(tmp_path, "[x](#nowhere)")
-    assert not built(tmp_path, "::: dualpin.nothing")
+    links = said(tmp_path, "[here](#page) [x](nowhere.md) [y](#nowhere)")
+    assert re.findall(r"Warning: (.*)", links) == ["page does not exist", "anchor does not exist"]
+    assert "dualpin.nothing could not be found" in said(tmp_path, "::: dualpin.nothing")
 
 
 def test_the_navigation_names_every_page():

@@ -81,7 +81,7 @@ def test_an_unknown_kernel_or_type_is_refused(robot):
         robot.kernel("frame_pose", frame="tool1")
 
 
-def test_references_do_not_leak(robot, state):
+def test_references_do_not_leak(robot, state, small_heap):
     f, out = robot.kernel("rnea"), np.empty(6)
     many, result = robot.sample(3, seed=0), np.empty((3, 6))
     things = [*state, out, *many, result, np.dtype(float), f, None, np.empty]
@@ -102,7 +102,7 @@ def test_references_do_not_leak(robot, state):
         assert sys.getallocatedblocks() - blocks < 500
 
 
-def test_errors_do_not_leak_either(robot, state):
+def test_errors_do_not_leak_either(robot, state, small_heap):
     f = robot.kernel("rnea")
     bad = np.zeros(5)
 

@@ -69,10 +69,11 @@ def opened(browser, path, width, scheme):
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", device)
     feature = {"name": "prefers-color-scheme", "value": scheme}
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
-    browser.get(Path(path).as_uri())
-    browser.execute_script("localStorage.clear()")  # a scheme that was chosen before
+    forget = {"source": "localStorage.clear()"}  # a scheme that was chosen before
+    script = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", forget)
     browser.get_log("browser")
     browser.get(Path(path).as_uri())
+    browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", script)
     assert [e["message"] for e in browser.get_log("browser") if e["level"] in ("SEVERE", "WARNING")] == []
     assert browser.execute_script("return document.documentElement.scrollWidth <= innerWidth")
     assert browser.execute_script(OUTSIDE) == []

@@ -1,7 +1,6 @@
 """Random robots: a wrong algorithm is found, decided and made small; a right one passes."""
 
 import json
-import subprocess
 import sys
 from dataclasses import replace
 
@@ -15,6 +14,7 @@ from dualpin.fuzz.identities import IDENTITIES, identities
 from dualpin.fuzz.small import small_case
 from dualpin.fuzz.spec import GROUND
 from dualpin.fuzz.write import to_markdown, write
+from tests.program import run
 
 pytest.importorskip("pinocchio")
 SEED = 11
@@ -291,35 +291,15 @@ def test_balls_hold_what_is_computed(term):
 
 
 def test_the_command(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "dualpin",
-        "fuzz",
-        "--robots",
-        "3",
-        "--seed",
-        "7",
-        "-j",
-        "1",
-        "--out",
-        str(tmp_path),
-    ]
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=300, check=False)
+    done = run("fuzz", "--robots", "3", "--seed", "7", "-j", "1", "--out", tmp_path, "--json")
     found = json.loads(done.stdout)
     assert done.returncode == (0 if found["passed"] else 1)
     assert found["robots"] == 3
     spec = tmp_path / "one.json"
     spec.write_text(random_spec(7, 0).to_json())
-    again = subprocess.run(
-        [sys.executable, "-m", "dualpin", "fuzz", "--replay", str(spec)], capture_output=True, text=True, timeout=300,
-        check=False,
-    )  # fmt: skip
+    again = run("fuzz", "--replay", spec)
     assert again.returncode == 0, again.stderr
     spec.write_text("{}")
-    bad = subprocess.run(
-        [sys.executable, "-m", "dualpin", "fuzz", "--replay", str(spec)], capture_output=True, text=True, timeout=300,
-        check=False,
-    )  # fmt: skip
+    bad = run("fuzz", "--replay", spec)
     assert bad.returncode == 2
     assert "is no robot" in bad.stderr

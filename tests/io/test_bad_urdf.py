@@ -115,7 +115,7 @@ def chain(n: int, kind: str = "continuous") -> str:
     return f'<robot name="chain">{links}{joints}</robot>'
 
 
-@pytest.mark.parametrize("n", [5_000, pytest.param(20_000, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("n", [2_000, pytest.param(20_000, marks=pytest.mark.campaign)])
 def test_a_chain_of_thousands_of_joints_works(tmp_path, n):
     start = time.process_time()
     robot = dp.load(written(tmp_path, chain(n)))
@@ -129,11 +129,11 @@ def test_a_chain_of_thousands_of_joints_works(tmp_path, n):
 
 
 def test_long_rows_of_fixed_joints_and_of_siblings(tmp_path):
-    robot = dp.load(written(tmp_path, chain(5000, "fixed")))
-    assert robot.nv == 0 and len(robot.frames) == 10_002
-    star = re.sub(r'parent link="l\d+"', 'parent link="l0"', chain(5000))
+    robot = dp.load(written(tmp_path, chain(2000, "fixed")))
+    assert robot.nv == 0 and len(robot.frames) == 4_002
+    star = re.sub(r'parent link="l\d+"', 'parent link="l0"', chain(2000))
     robot = dp.load(written(tmp_path, star))
-    assert robot.nv == 5000
+    assert robot.nv == 2000
     assert robot.joint_names == sorted(robot.joint_names)  # siblings by name
 
 
