@@ -123,10 +123,11 @@ def csv_cell(text: str) -> str:
     ['-0.5', "'=1+1", "'-x", 'joint']
     """
     kept = "".join(c if c in "\t\n" else line(c) for c in text)
-    return f"'{kept}" if _FORMULA.match(kept) and not _is_number(text) else kept
+    return f"'{kept}" if _FORMULA.match(kept) and not is_number(text) else kept
 
 
-def _is_number(text: str) -> bool:
+def is_number(text: str) -> bool:
+    """Whether Python reads it as one."""
     try:
         float(text)
     except ValueError:

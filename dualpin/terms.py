@@ -187,17 +187,8 @@ def columns(vectors: Iterable[list[Scalar]]) -> list[list[Scalar]]:
 # --- the terms -----------------------------------------------------------------------------------
 
 
-def _rnea(robot: Robot, q: Any, v: Any, a: Any, f_ext: Any = None) -> Any:
-    return rnea.rnea(robot, q, v, a, None if f_ext is None else wrenches(f_ext))
-
-
-def _aba(robot: Robot, q: Any, v: Any, tau: Any, f_ext: Any = None) -> Any:
-    return aba.aba(robot, q, v, tau, None if f_ext is None else wrenches(f_ext))
-
-
 def _joint_wrenches(robot: Robot, q: Any, v: Any, a: Any, f_ext: Any = None) -> Any:
-    pushed = None if f_ext is None else wrenches(f_ext)
-    return [wrench_entries(F) for F in rnea.joint_wrenches(robot, q, v, a, pushed)]
+    return [wrench_entries(F) for F in rnea.joint_wrenches(robot, q, v, a, f_ext)]
 
 
 def _fk(robot: Robot, q: Any) -> Any:
@@ -316,17 +307,17 @@ JACOBIAN = Term("jacobian", (Q,), _jacobian, _twists, (FRAME, REFERENCE))
 JACOBIAN_DOT = Term("jacobian_dot", (Q, V), _jacobian_dot, _twists, (FRAME, REFERENCE))
 FRAME_VELOCITY = Term("frame_velocity", (Q, V), _frame_velocity, _twist, (FRAME, REFERENCE))
 FRAME_ACCELERATION = Term("frame_acceleration", (Q, V, A), _frame_acceleration, _twist, (FRAME, REFERENCE, CLASSICAL))
-RNEA = Term("rnea", (Q, V, A), _rnea, _vector)
-RNEA_F_EXT = Term("rnea_f_ext", (Q, V, A, F_EXT), _rnea, _vector)
+RNEA = Term("rnea", (Q, V, A), rnea.rnea, _vector)
+RNEA_F_EXT = pushed(RNEA)
 JOINT_WRENCHES = Term("joint_wrenches", (Q, V, A), _joint_wrenches, lambda r: (len(r), 6))
-JOINT_WRENCHES_F_EXT = Term("joint_wrenches_f_ext", (Q, V, A, F_EXT), _joint_wrenches, lambda r: (len(r), 6))
+JOINT_WRENCHES_F_EXT = pushed(JOINT_WRENCHES)
 BIAS = Term("bias", (Q, V), rnea.bias, _vector)
 GRAVITY = Term("gravity", (Q,), rnea.gravity, _vector)
 CRBA = Term("crba", (Q,), crba.crba, _square)
 CRBA_TRIANGLE = Term("crba_triangle", (Q,), _crba_triangle, lambda r: (r.nv * (r.nv + 1) // 2,))
 CORIOLIS = Term("coriolis", (Q, V), coriolis.coriolis, _square)
-ABA = Term("aba", (Q, V, TAU), _aba, _vector)
-ABA_F_EXT = Term("aba_f_ext", (Q, V, TAU, F_EXT), _aba, _vector)
+ABA = Term("aba", (Q, V, TAU), aba.aba, _vector)
+ABA_F_EXT = pushed(ABA)
 MINV = Term("minv", (Q,), aba.minv, _square)
 KINETIC_ENERGY = Term("kinetic_energy", (Q, V), momentum.kinetic_energy, lambda r: ())
 POTENTIAL_ENERGY = Term("potential_energy", (Q,), momentum.potential_energy, lambda r: ())

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from ..escape import line
+from ..escape import is_number, line
 from .angles import Degrees, in_rad, remarks
 from .app import Floating, Mimic, RobotName, app
 
@@ -75,7 +75,7 @@ def motion(robot: Robot, path: Path, dt: float, degrees: bool) -> Any:
 
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
-        heading = lines[0].split(",") if lines and not _is_number(lines[0].split(",")[0]) else []
+        heading = lines[0].split(",") if lines and not is_number(lines[0].split(",")[0]) else []
         rows = np.loadtxt(lines[bool(heading) :], delimiter=",", ndmin=2)
     except (OSError, ValueError) as e:
         raise ArgumentError(f"view: cannot read configurations from {path} ({e})") from None
@@ -90,11 +90,3 @@ def motion(robot: Robot, path: Path, dt: float, degrees: bool) -> Any:
     for text in remarks(robot, q[0], degrees):
         print(f"note: {line(path.name)}, first row: {text}", file=sys.stderr)
     return SimpleNamespace(q=q, t=t)
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True

@@ -180,7 +180,7 @@ def centroidal_momentum_matrix(d: Definitions, j: int) -> Array:
 
 
 @compared(
-    adds=lambda x: x.reach * (_moving(x) + x.gravity), enters=frozenset({GRAVITY}), form="force", parts=(1,)
+    adds=lambda x: x.reach * (_moving(x) + x.gravity), enters=frozenset({GRAVITY}), form="regressor", parts=(1,)
 )  # fmt: skip
 def joint_torque_regressor(d: Definitions, column: int) -> Array:
     body, parameter = divmod(column, 10)

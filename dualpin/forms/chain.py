@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algorithms.kinematics import path
 from ..arguments import numbers
 from ..dual import EPS, Dual
 from ..errors import ArgumentError, ShapeError
@@ -78,7 +79,7 @@ class Chain:
     @property
     def downward(self) -> bool:
         """Whether every joint is passed from its parent to its child."""
-        return self.base.joint is None or self.base.joint in _path(self.tip.joint)
+        return self.base.joint is None or self.base.joint in path(self.tip.joint)
 
     @cached_property
     def joint_names(self) -> list[str]:
@@ -139,7 +140,7 @@ def chain(robot: Robot, base: str | Frame | None = None, tip: str | Frame | None
     start = root(robot) if base is None else robot.frame(base)
     end = _only_leaf(robot, what) if tip is None else robot.frame(tip)
     up, down = _ways(start.joint, end.joint)
-    world = homes(robot, [*_path(start.joint), *_path(end.joint)])
+    world = homes(robot, [*path(start.joint), *path(end.joint)])
     inverse = (world[start.joint] @ start.placement).inverse
     axes: list[Axis] = []
     for joint in up:
@@ -160,13 +161,9 @@ def _only_leaf(robot: Robot, what: str) -> Frame:
     )
 
 
-def _path(joint: Joint | None) -> list[Joint]:
-    return [] if joint is None else list(joint.chain)[::-1]
-
-
 def _ways(start: Joint | None, end: Joint | None) -> tuple[list[Joint], list[Joint]]:
     """The joints to leave towards the common ancestor, and those to enter from there."""
-    a, b = _path(start), _path(end)
+    a, b = path(start), path(end)
     n = 0
     while n < min(len(a), len(b)) and a[n] is b[n]:
         n += 1

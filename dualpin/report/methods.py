@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from .chart import Chart, Series
-from .read import Curve, Row, Study
+from .read import Curve, Row, Study, is_number
 
 COSTS = (
     ("evaluations", "evaluations of the right-hand side"),
@@ -84,7 +84,7 @@ def _orders(rows: list[Row]) -> list[Order]:
     for problem, some in _problems(rows):
         for method in dict.fromkeys(str(r["method"]) for r in some):
             points = [(r[step], r[error]) for r in some if str(r["method"]) == method
-                      and _is_number(r.get(step)) and _is_number(r.get(error))]  # fmt: skip
+                      and is_number(r.get(step)) and is_number(r.get(error))]  # fmt: skip
             points = sorted(p for p in points if p[0] > 0 and FLOOR < p[1] < CEILING and isfinite(p[1]))
             if len({h for h, _ in points}) > 1:
                 h, e = np.log10(np.array(points)).T
@@ -96,7 +96,7 @@ def _orders(rows: list[Row]) -> list[Order]:
 
 def _errors(rows: list[Row]) -> list[str]:
     """The columns that hold an error."""
-    numbers = [k for k in dict.fromkeys(k for r in rows for k in r) if any(_is_number(r.get(k)) for r in rows)]
+    numbers = [k for k in dict.fromkeys(k for r in rows for k in r) if any(is_number(r.get(k)) for r in rows)]
     return [k for k in numbers if any(word in k for word in ("error", "drift", "peak"))]
 
 
@@ -115,7 +115,7 @@ def _charts(name: str, rows: list[Row]) -> list[Chart]:
     errors = _errors(rows)
     if not errors or not any("method" in r for r in rows):
         return []
-    against = [(x, text) for x, text in (*COSTS, *STEPS) if any(_is_number(r.get(x)) for r in rows)]
+    against = [(x, text) for x, text in (*COSTS, *STEPS) if any(is_number(r.get(x)) for r in rows)]
     found = []
     for problem, some in _problems(rows):
         for x, text in against:
@@ -139,14 +139,10 @@ def _series(rows: list[Row], cost: str, error: str) -> list[Series]:
         points = [
             (r[cost], r[error], f"{method}\n{_words(cost)} {r[cost]:.4g}\n{_words(error)} {r[error]:.3g}")
             for r in rows
-            if str(r["method"]) == method and _is_number(r.get(cost)) and _is_number(r.get(error))
+            if str(r["method"]) == method and is_number(r.get(cost)) and is_number(r.get(error))
         ]
         series.append(Series(method, points))
     return series
-
-
-def _is_number(x: object) -> bool:
-    return isinstance(x, (int, float)) and not isinstance(x, bool)
 
 
 def _words(key: str) -> str:

@@ -167,7 +167,7 @@ def _tables(data: Any, path: str = "") -> Iterable[tuple[str, list[Row]]]:
         flat = {k: v for k, v in data.items() if isinstance(v, Mapping) and _is_flat(v)}
         if path and len(flat) > 1:
             yield path, [{"of": k, **v} for k, v in flat.items()]
-        if path and not path.endswith(HEADERS) and len(data) > 2 and all(_is_number(v) for v in data.values()):
+        if path and not path.endswith(HEADERS) and len(data) > 2 and all(is_number(v) for v in data.values()):
             yield path, [{"of": k, "value": v} for k, v in data.items()]
         for key, value in data.items():
             yield from _tables(value, f"{path}.{key}" if path else str(key))
@@ -184,7 +184,7 @@ def _curves(data: Any, path: str = "") -> Iterable[tuple[str, list[Curve]]]:
         for key, values in entry.items():
             if str(key).startswith("by_") and isinstance(values, list) and values:
                 steps = entry.get("steps", data.get("turns", data.get("steps", len(values))))
-                timed = "steps" in entry and _is_number(data.get("dt"))
+                timed = "steps" in entry and is_number(data.get("dt"))
                 xlabel = "time in s" if timed else "turns" if key == "by_turn" else "steps"
                 found.append(Curve(str(name), xlabel, steps * data["dt"] if timed else steps, values))
     if found:
@@ -193,14 +193,15 @@ def _curves(data: Any, path: str = "") -> Iterable[tuple[str, list[Curve]]]:
         yield from _curves(value, f"{path}.{key}" if path else str(key))
 
 
-def _is_number(x: object) -> bool:
+def is_number(x: object) -> bool:
+    """Of JSON, where true and false are none."""
     return isinstance(x, (int, float)) and not isinstance(x, bool)
 
 
 def _is_flat(entry: Mapping[str, Any]) -> bool:
     return (
         bool(entry)
-        and any(_is_number(v) for v in entry.values())
+        and any(is_number(v) for v in entry.values())
         and not any(isinstance(v, Mapping) for v in entry.values())
     )
 

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import ArgumentError, nearest
+from ...terms import TERMS
+from ..checks import CHECKS
 
 
 @dataclass(frozen=True)
@@ -20,30 +22,37 @@ class Question:
     term : str
         What the subject's method is called.
     source : str
-        The term of `dualpin.terms.TERMS` that answers it.
-    inputs : tuple of str
-        Among "q", "v", "a", "tau", "f_ext"; a term of a frame takes the frame's name after them.
-    form : str
-        What kind of quantity it is: how `Layout` rewrites it.
-    framed : bool
-        Whether it belongs to a frame.
-    solves : bool
-        Whether a linear system with the mass matrix is solved in it.
-
-    A term with "f_ext" is that of its source under a wrench on the frame, see `pushed`.
+        The term of `dualpin.terms.TERMS` that answers it; a term with "f_ext" is that under a wrench on the frame,
+        see `pushed`.
     """
 
     term: str
     source: str
-    inputs: tuple[str, ...]
-    form: str
-    framed: bool = False
-    solves: bool = False
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Among "q", "v", "a", "tau", "f_ext"; a term of a frame takes the frame's name after them."""
+        return (*TERMS[self.source].inputs, *["f_ext"] * self.pushes)
+
+    @property
+    def form(self) -> str:
+        """What kind of quantity it is: how `Layout` rewrites it."""
+        return "pushed_" * self.pushes + CHECKS[self.source].form
+
+    @property
+    def framed(self) -> bool:
+        """Whether it belongs to a frame."""
+        return self.pushes or any(option.name == "frame" for option in TERMS[self.source].options)
+
+    @property
+    def solves(self) -> bool:
+        """Whether a linear system with the mass matrix is solved in it."""
+        return CHECKS[self.source].solves
 
     @property
     def pushes(self) -> bool:
         """Whether a wrench acts on the frame."""
-        return "f_ext" in self.inputs
+        return self.term.endswith("_f_ext")
 
     def options(self, reference: str) -> dict[str, Any]:
         """What `dualpin.terms.TERMS` is asked besides the frame.
@@ -58,32 +67,13 @@ class Question:
 
 # in the order in which a diagnosis looks at them: from positions to forces
 QUESTIONS = {
-    q.term: q
-    for q in (
-        Question("fk", "frame_pose", ("q",), "plain", framed=True),
-        Question("jacobian", "jacobian", ("q",), "six", framed=True),
-        Question("frame_velocity", "frame_velocity", ("q", "v"), "twist", framed=True),
-        Question("jacobian_dot", "jacobian_dot", ("q", "v"), "six_rate", framed=True),
-        Question("frame_acceleration", "frame_acceleration", ("q", "v", "a"), "twist", framed=True),
-        Question("gravity", "gravity", ("q",), "force"),
-        Question("crba", "crba", ("q",), "matrix"),
-        Question("com", "com", ("q",), "plain"),
-        Question("com_jacobian", "com_jacobian", ("q",), "columns"),
-        Question("centroidal_momentum_matrix", "centroidal_momentum_matrix", ("q",), "six"),
-        Question("kinetic_energy", "kinetic_energy", ("q", "v"), "plain"),
-        Question("potential_energy", "potential_energy", ("q",), "plain"),
-        Question("bias", "bias", ("q", "v"), "bias"),
-        Question("rnea", "rnea", ("q", "v", "a"), "force"),
-        Question("aba", "aba", ("q", "v", "tau"), "acceleration", solves=True),
-        Question("minv", "minv", ("q",), "inverse", solves=True),
-        Question("coriolis", "coriolis", ("q", "v"), "coriolis"),
-        Question("rnea_f_ext", "rnea", ("q", "v", "a", "f_ext"), "pushed_force", framed=True),
-        Question("aba_f_ext", "aba", ("q", "v", "tau", "f_ext"), "pushed_acceleration", framed=True, solves=True),
-        Question("joint_torque_regressor", "joint_torque_regressor", ("q", "v", "a"), "regressor"),
-        Question("rnea_derivatives", "rnea_derivatives", ("q", "v", "a"), "derivatives"),
-        Question("aba_derivatives", "aba_derivatives", ("q", "v", "tau"), "derivatives", solves=True),
+    term: Question(term, "frame_pose" if term == "fk" else term.removesuffix("_f_ext"))
+    for term in (
+        "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "gravity", "crba", "com",
+        "com_jacobian", "centroidal_momentum_matrix", "kinetic_energy", "potential_energy", "bias", "rnea", "aba",
+        "minv", "coriolis", "rnea_f_ext", "aba_f_ext", "joint_torque_regressor", "rnea_derivatives", "aba_derivatives",
     )
-}
+}  # fmt: skip
 Source = Callable[[Question, Mapping[str, np.ndarray]], np.ndarray]
 """Answers a question at states (..., size): (..., *shape), or (..., frames, *shape)."""
 

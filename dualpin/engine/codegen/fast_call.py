@@ -40,8 +40,6 @@ ARRAY = {
 }  # fmt: skip
 """Fields of an array in memory (`PyArrayObject_fields`).  NumPy's headers compile their places into every extension
 module, so that they are part of its binary interface too; `jit.fast_call` verifies them."""
-CODE = {"one": "ptr", "many": "ptr", "scratch_one": "i64", "scratch_many": "i64", "most": "i64"}
-"""Fields of `jit.fast_call.Code`: two kernels, the scratch of each, and the number of samples for one thread."""
 OPTIONS = 6
 FORM = {
     "function": "ptr", "robot": "ptr", "given": "i64", "names": "i64", "spec": "ptr", "inputs": "i64", "out": "i64",
