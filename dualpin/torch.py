@@ -130,6 +130,7 @@ rnea, aba, bias, gravity, rnea_jvp = (
     _functions.rnea, _functions.aba, _functions.bias, _functions.gravity, _functions.rnea_jvp,
 )  # fmt: skip
 crba, minv, fk, jacobian = _functions.crba, _functions.minv, _functions.fk, _functions.jacobian
+coriolis = _functions.coriolis
 com, com_jacobian = _functions.com, _functions.com_jacobian
 kinetic_energy, potential_energy = _functions.kinetic_energy, _functions.potential_energy
 

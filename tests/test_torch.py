@@ -20,7 +20,7 @@ ROBOTS = {
 }
 TERMS = {
     "rnea": "qva", "aba": "qvt", "bias": "qv", "gravity": "q", "crba": "q", "fk": "q", "com": "q",
-    "minv": "q", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
+    "minv": "q", "coriolis": "qv", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
 }  # fmt: skip
 MORE = {"jacobian": "q", "rnea_jvp": "qvavat"}
 

@@ -52,6 +52,10 @@ class Functions:
         """The inertia matrix, (..., nv, nv); see `dualpin.crba`.  Differentiable twice, for nv times the cost."""
         return self._term(robot, "crba", q)
 
+    def coriolis(self, robot: Robot, q: Any, v: Any) -> Any:
+        """The Coriolis matrix, (..., nv, nv); see `dualpin.coriolis`.  Differentiable twice, for 2 nv times the cost."""
+        return self._term(robot, "coriolis", q, v)
+
     def minv(self, robot: Robot, q: Any) -> Any:
         """The inverse of the inertia matrix, (..., nv, nv); see `dualpin.minv`.  Differentiable twice, as `crba`."""
         return self._term(robot, "minv", q)
@@ -90,7 +94,6 @@ class Functions:
 def absent(module: str, name: str) -> AttributeError:
     """What to say of a name that the module does not have."""
     hint = {
-        "coriolis": "; C(q, v) v is bias(robot, q, v) - gravity(robot, q)",
         "centroidal_momentum_matrix": "; the momentum is robot.mass times the velocity of com",
     }.get(name, "")
     why = "has no derivative here" if name in TERMS else "is not known"

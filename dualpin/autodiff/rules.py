@@ -127,6 +127,50 @@ def _each_joint(use: Use, q: Any) -> tuple[Any, Any]:
     return many, library.broadcast(library.constant(np.eye(n), q), (*q.shape[:-1], n, n))
 
 
+def coriolis(use: Use, inputs: list[Any], C: Any, G: Any) -> list[Any]:
+    """C e_k = [h(v + e_k, b_k) - h(v - e_k, -b_k)] / 4, of inverse dynamics h(v, a) without gravity.
+
+    The connection has no torsion, so that C(v) e - C(e) v = M b with the bracket b = [v, e], which is zero where
+    velocities are derivatives of coordinates; and C(v) v is a square, h(v, 0).  This M has no armature.
+    """
+    q, v = inputs
+    many, unit = _each_joint(use, q)
+    brackets = use.library.constant(_brackets(use.robot), q)  # [e_i, e_k] is row (k, i)
+    b, w = (brackets * v[..., None, None, :]).sum(-1).swapaxes(-1, -2), G.swapaxes(-1, -2) / 4
+    after = _parts(use(use.weightless, "rnea_vjp", many, v[..., None, :] + unit, b, w))
+    before = _parts(use(use.weightless, "rnea_vjp", many, v[..., None, :] - unit, -b, -w))
+    by_q, by_v = (x + y for x, y in zip(after[:2], before[:2], strict=True))
+    by_b = (after[2] - before[2] - 2 * use.library.constant(_armature(use.robot), q) * w)[..., None, :, :]
+    by_v = by_v.sum(-2) + (brackets.swapaxes(-1, -3) * by_b).sum(-1).sum(-1)
+    return [_by_q(use, q, by_q.sum(-2)), by_v]
+
+
+def _brackets(robot: Robot) -> np.ndarray:
+    """The brackets [e_i, e_k] of unit velocities, at [entry, k, i]: spatial cross products of a joint's own screws.
+
+    Joints whose velocities are derivatives of coordinates have none.
+    """
+    found = np.zeros((robot.nv,) * 3)
+    for b in (b for b in robot if not b.model.additive):
+        at, screws = zip(*b.dofs, strict=True)
+        S = np.array([_motor(s) for s in screws])
+        for i, s in zip(at, screws, strict=True):
+            for k, r in zip(at, screws, strict=True):
+                found[list(at), k, i] = np.linalg.lstsq(S.T, _motor(s.cross(r)), rcond=None)[0]
+    return found
+
+
+def _armature(robot: Robot) -> np.ndarray:
+    found = np.zeros(robot.nv)
+    for b in (b for b in robot if not b.model.additive):
+        found[b.v] = [float(x) for x in b.armature]
+    return found
+
+
+def _motor(s: Any) -> list[float]:
+    return [float(x) for x in (*s.real, *s.dual)]
+
+
 def minv(use: Use, inputs: list[Any], inverse: Any, G: Any) -> list[Any]:
     """d M^-1 = -M^-1 dM M^-1, of symmetric matrices."""
     return crba(use, inputs, None, -(inverse @ G @ inverse))
@@ -257,7 +301,7 @@ RULES: dict[str, Rule] = {
     "rnea": rnea, "rnea_f_ext": rnea, "rnea_vjp": rnea_vjp, "rnea_vjp_f_ext": rnea_vjp, "rnea_jvp": rnea_jvp,
     "rnea_jvp_f_ext": rnea_jvp, "bias": bias, "gravity": gravity, "aba": aba, "aba_f_ext": aba, "crba": crba,
     "minv": minv, "kinetic_energy": kinetic_energy, "potential_energy": potential_energy, "com": com,
-    "com_jacobian": com_jacobian, "body_twists": body_twists, "fk": fk, "frame_pose": frame_pose, "jacobian": jacobian,
+    "com_jacobian": com_jacobian, "coriolis": coriolis, "body_twists": body_twists, "fk": fk, "frame_pose": frame_pose, "jacobian": jacobian,
 }  # fmt: skip
 """The rule of each differentiable term."""
 
