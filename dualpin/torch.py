@@ -23,11 +23,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .autodiff.coordinates import scalar_functions
 from .autodiff.functions import NAMES, Functions, absent, leading
 from .autodiff.operation import Library, Operation
 from .autodiff.rules import gradients
 from .errors import ArgumentError
 from .extras import extra
+from .scalars import register
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -82,13 +84,18 @@ def _function() -> Any:
 @functools.cache
 def _library() -> Library:
     torch = _torch()
+    register(torch.Tensor, scalar_functions(torch))
     return Library(
         _called, torch.stack, torch.cat, lambda x, like: torch.as_tensor(x, dtype=like.dtype), torch.broadcast_to,
-        torch.cos, torch.sin,
+        torch.cos, torch.sin, _ready,
     )  # fmt: skip
 
 
 def _called(operation: Operation, *given: Any) -> Tensor:
+    return _function().apply(operation, *_ready(operation, *given))
+
+
+def _ready(operation: Operation, *given: Any) -> list[Tensor]:
     torch = _torch()
     tensors = [_tensor(operation, x.name, y) for x, y in zip(operation.term.arguments, given, strict=True)]
     kind = functools.reduce(torch.promote_types, (x.dtype for x in tensors))
@@ -98,7 +105,7 @@ def _called(operation: Operation, *given: Any) -> Tensor:
     for x, axes in zip(tensors, own, strict=True):
         wide = x if axes == batch else x.expand(*batch, *x.shape[len(axes) :])
         ready.append(wide.to(kind).contiguous())
-    return _function().apply(operation, *ready)
+    return ready
 
 
 def _tensor(operation: Operation, name: str, x: Any) -> Tensor:
@@ -125,12 +132,12 @@ def _eager(f: Callable[..., Any]) -> Callable[..., Any]:
     return torch.compiler.disable(f)
 
 
-_functions = Functions(_called, _eager)
+_functions = Functions(_called, _library, _eager)
 rnea, aba, bias, gravity, rnea_jvp = (
     _functions.rnea, _functions.aba, _functions.bias, _functions.gravity, _functions.rnea_jvp,
 )  # fmt: skip
 crba, minv, fk, jacobian = _functions.crba, _functions.minv, _functions.fk, _functions.jacobian
-coriolis = _functions.coriolis
+coriolis, integrate = _functions.coriolis, _functions.integrate
 com, com_jacobian = _functions.com, _functions.com_jacobian
 kinetic_energy, potential_energy = _functions.kinetic_energy, _functions.potential_energy
 

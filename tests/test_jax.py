@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 import shutil
 import subprocess
@@ -32,7 +33,8 @@ ROBOTS = {
 }
 TERMS = {
     "rnea": "qva", "aba": "qva", "bias": "qv", "gravity": "q", "crba": "q", "fk": "q", "com": "q",
-    "minv": "q", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
+    "minv": "q", "coriolis": "qv", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
+    "integrate": "qv",
 }  # fmt: skip
 SOME = {("rnea", "fixed"), ("aba", "fixed"), ("bias", "planar"), ("potential_energy", "floating"), ("com", "fixed")}
 DIFFERENCES = 1e-4
@@ -77,10 +79,51 @@ def test_gradients_and_gradients_of_gradients(name, kind):
 
 
 @pytest.mark.campaign
+@pytest.mark.parametrize("name", TERMS)
+@pytest.mark.parametrize("kind", ROBOTS)
+def test_derivatives_of_derivatives_in_both_modes(kind, name):
+    f, given = case(ROBOTS[kind](), name, 1)
+    check_grads(f, given, order=2, modes=["fwd", "rev"], rtol=DIFFERENCES)
+
+
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", ["rnea", "aba"])
 def test_gradients_with_wrenches_on_the_bodies(name):
     f, given = case(ROBOTS["floating"](), name, 1, forces=True)
-    check_grads(f, given, order=2, modes=["rev"], rtol=DIFFERENCES)
+    check_grads(f, given, order=2, modes=["fwd", "rev"], rtol=DIFFERENCES)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("reference", ["world", "local", "local_world_aligned"])
+def test_a_jacobian_in_both_modes(reference):
+    robot = ROBOTS["fixed"]()
+    q = jnp.asarray(robot.sample(seed=0)[0])
+    f = jax.jit(lambda q: dj.jacobian(robot, q, robot.frame_names[-1], reference))
+    check_grads(f, [q], order=2, modes=["fwd", "rev"], rtol=DIFFERENCES)
+
+
+def test_forward_mode_is_analytic_too():
+    robot = ROBOTS["fixed"]()
+    q, v, a = robot.sample(2, seed=8)
+    _, along = jax.jvp(lambda *x: dj.rnea(robot, *x), (q, v, a), (v, a, q))
+    assert np.array_equal(along, dp.rnea_jvp(robot, q, v, a, v, a, q))
+
+
+@pytest.mark.campaign
+def test_the_hessian_is_the_analytic_one_in_every_order_of_modes():
+    robot = dp.load("ur5")
+    q, v, a = robot.sample(seed=2)
+    expected = dp.rnea_hessian(robot, q, v, a, a)[0]
+    for outer, inner in itertools.product((jax.jacfwd, jax.jacrev), repeat=2):
+        hessian = jax.jit(outer(inner(lambda q: dj.rnea(robot, q, v, a) @ a)))(q)
+        assert np.allclose(hessian, expected, rtol=1e-12, atol=1e-11)
+
+
+def test_steps_on_the_group():
+    robot = ROBOTS["floating"]()
+    q, v, _ = robot.sample(3, seed=9)
+    found = jax.jit(jax.vmap(lambda q, v: dj.integrate(robot, q, v)))(q, 0.1 * v)
+    assert np.allclose(found, dp.integrate(robot, q, 0.1 * v), rtol=0, atol=1e-14)
 
 
 def test_a_frame():

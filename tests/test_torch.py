@@ -20,7 +20,8 @@ ROBOTS = {
 }
 TERMS = {
     "rnea": "qva", "aba": "qvt", "bias": "qv", "gravity": "q", "crba": "q", "fk": "q", "com": "q",
-    "minv": "q", "coriolis": "qv", "com_jacobian": "q", "kinetic_energy": "qv", "potential_energy": "q",
+    "minv": "q", "coriolis": "qv", "integrate": "qv", "com_jacobian": "q", "kinetic_energy": "qv",
+    "potential_energy": "q",
 }  # fmt: skip
 MORE = {"jacobian": "q", "rnea_jvp": "qvavat"}
 
@@ -100,6 +101,19 @@ def test_coupled_joints():
     robot = dp.load("panda", mimic=True)
     q, v, a = (torch.from_numpy(x).requires_grad_() for x in robot.sample(1, seed=0))
     assert torch.autograd.gradcheck(lambda *x: dt.rnea(robot, *x), [q, v, a])
+    assert torch.autograd.gradcheck(lambda *x: dt.coriolis(robot, *x), [q, v])
+
+
+@pytest.mark.parametrize("kind", ROBOTS)
+def test_steps_on_the_group(kind):
+    robot = ROBOTS[kind]()
+    q, v, _ = robot.sample(4, seed=5)
+    v[0], v[1] = 0.0, 1e-9 * v[1]
+    found = dt.integrate(robot, torch.from_numpy(q), torch.from_numpy(v))
+    assert np.allclose(found.numpy(), dp.integrate(robot, q, v), rtol=0, atol=1e-14)
+    assert torch.autograd.gradcheck(
+        lambda v: dt.integrate(robot, torch.from_numpy(q), v), [torch.from_numpy(v).requires_grad_()]
+    )
 
 
 def test_the_third_derivative_is_refused():
@@ -206,8 +220,8 @@ def test_tensors_of_any_stride_and_any_need_of_gradients():
 
 
 def test_what_is_not_offered_is_named_with_what_is():
-    with pytest.raises(AttributeError, match=r"coriolis has no derivative here; C\(q, v\) v is bias.*functions: rnea"):
-        _ = dt.coriolis
+    with pytest.raises(AttributeError, match=r"matrix has no derivative here; the momentum is .*functions: rnea"):
+        _ = dt.centroidal_momentum_matrix
     with pytest.raises(AttributeError, match="did you mean 'jacobian'"):
         _ = dt.jacobain
 

@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from ..model.robot import Joint, Robot
 from ..scalars import Scalar
+from ..scalars import _stumpff_closed as stumpff_closed
+from ..scalars import _stumpff_series as stumpff_series
 from ..spatial.quaternion import Quaternion
 from ..spatial.vector import Vector3
 from .operation import Library
+
+
+def scalar_functions(module: Any) -> SimpleNamespace:
+    """The elementary functions of the arrays of PyTorch or `jax.numpy` as scalars, for `dualpin.scalars.register`.
+
+    Derivatives are finite on both sides of a choice, since the side that is not chosen gets a harmless argument.
+    """
+
+    def stumpff(k: int, y: Any) -> Any:
+        small = y < 1.0
+        near, far = module.where(small, y, 0.0), module.where(small, 1.0, y)
+        return module.where(small, stumpff_series(k, near), stumpff_closed(k, far, found))
+
+    found = SimpleNamespace(sin=module.sin, cos=module.cos, sqrt=module.sqrt, stumpff=stumpff)
+    return found
 
 
 def by_coordinates(robot: Robot, library: Library, q: Any, g: Any) -> Any:

@@ -12,7 +12,7 @@ from typing import Any
 from ..errors import ShapeError, nearest
 from ..model.robot import Frame, Robot
 from ..terms import TERMS
-from .operation import Operation
+from .operation import Library, Operation
 
 Call = Callable[..., Any]
 """(operation, arrays) -> array; the leading axes need not be equal."""
@@ -21,8 +21,11 @@ Call = Callable[..., Any]
 class Functions:
     """The differentiable terms, by one library's way of calling an operation, and of entering a function."""
 
-    def __init__(self, call: Call, enter: Callable[[Callable[..., Any]], Callable[..., Any]] = lambda f: f) -> None:
-        self._call, self._enter = call, enter
+    def __init__(
+        self, call: Call, library: Callable[[], Library],
+        enter: Callable[[Callable[..., Any]], Callable[..., Any]] = lambda f: f,
+    ) -> None:  # fmt: skip
+        self._call, self._library, self._enter = call, library, enter
 
     def _term(self, robot: Robot, name: str, *arrays: Any, f_ext: Any = None, **options: Any) -> Any:
         if f_ext is not None:
@@ -53,8 +56,12 @@ class Functions:
         return self._term(robot, "crba", q)
 
     def coriolis(self, robot: Robot, q: Any, v: Any) -> Any:
-        """The Coriolis matrix, (..., nv, nv); see `dualpin.coriolis`.  Differentiable twice, for 2 nv times the cost."""
+        """The Coriolis matrix, (..., nv, nv); see `dualpin.coriolis`.  Differentiable twice, as `crba`."""
         return self._term(robot, "coriolis", q, v)
+
+    def integrate(self, robot: Robot, q: Any, v: Any) -> Any:
+        """The configuration after a step along v, (..., nq); see `dualpin.integrate`.  Differentiable at will."""
+        return Operation.of(robot, "integrate").by_library(self._library(), q, v)
 
     def minv(self, robot: Robot, q: Any) -> Any:
         """The inverse of the inertia matrix, (..., nv, nv); see `dualpin.minv`.  Differentiable twice, as `crba`."""

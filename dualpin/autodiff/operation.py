@@ -13,7 +13,7 @@ from ..call.making import function_of
 from ..errors import ArgumentError
 from ..model.memory import memory
 from ..model.robot import Robot
-from ..terms import Options, Shape, Term
+from ..terms import Options, Shape, Term, flat
 from ..terms import term as term_named
 
 
@@ -29,6 +29,8 @@ class Library:
         Of a list of arrays along an axis.
     constant : callable
         A NumPy array and an array of the library -> the former, as an array like the latter.
+    ready : callable
+        (operation, *arrays) -> the arrays, checked, of one type, with equal leading axes.
     """
 
     apply: Callable[..., Any]
@@ -38,6 +40,7 @@ class Library:
     broadcast: Callable[[Any, Shape], Any]
     cos: Callable[[Any], Any]
     sin: Callable[[Any], Any]
+    ready: Callable[..., Sequence[Any]]
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,14 @@ class Operation:
     def ranks(self) -> list[int]:
         """The number of axes of one sample of each array."""
         return [len(x.shape(self.robot)) for x in self.term.arguments]
+
+    def by_library(self, library: Library, *given: Any) -> Any:
+        """The source itself on arrays of the library, which differentiates it; for terms of few operations."""
+        arrays = library.ready(self, *given)
+        batch = arrays[0].shape[:-1]
+        columns = [[x[..., i] for i in range(x.shape[-1])] for x in arrays]
+        entries = flat(self.term.compute(self.robot, *columns, **self.settled))
+        return library.stack([library.broadcast(x, batch) for x in entries], -1)
 
     def compute(self, *arrays: np.ndarray) -> np.ndarray:
         """The result, in the arrays' type."""

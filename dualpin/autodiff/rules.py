@@ -38,6 +38,11 @@ class Use:
         kept = memory(self.robot)
         return kept.get("weightless") or kept.setdefault("weightless", self.robot.with_gravity((0.0, 0.0, 0.0)))
 
+    def still(self, q: Any) -> Any:
+        """Zero velocities, or accelerations, for these configurations."""
+        zeros = self.library.constant(np.zeros(self.robot.nv), q)
+        return self.library.broadcast(zeros, (*q.shape[:-1], self.robot.nv))
+
     def __call__(self, robot: Robot, name: str, *arrays: Any, **options: Any) -> Any:
         """Another term of these arrays."""
         return self.library.apply(Operation.of(robot, name, **options), *arrays)
@@ -62,26 +67,52 @@ def _parts(x: Any) -> list[Any]:
 def rnea(use: Use, inputs: list[Any], tau: Any, w: Any) -> list[Any]:
     """Gradients of w . tau."""
     q, v, a, *f = inputs
-    by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, w, *f))
+    by_q, by_v, by_a = None, None, None
+    if any(use.needed[:3]):
+        by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, w, *f))
+        by_q = _by_q(use, q, by_q)
     pushed = [-use(use.robot, "body_twists", q, w) if use.needed[3] else None for _ in f]
-    return [_by_q(use, q, by_q), by_v, by_a, *pushed]
+    return [by_q, by_v, by_a, *pushed]
 
 
 def rnea_vjp(use: Use, inputs: list[Any], output: Any, c: Any) -> list[Any]:
     """The gradient along a direction c is w . d tau along c: its Hessian times c, and d tau by w."""
     q, v, a, w, *f = inputs
     direction = _parts(c)
-    by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, *direction, *f))
-    by_w = use(use.robot, _named("rnea_jvp", f), q, v, a, *direction, *f)
-    return [_by_q(use, q, by_q), by_v, by_a, by_w, *(_by_forces(use, 4, q, w, direction[0]) for _ in f)]
+    by_q, by_v, by_a = None, None, None
+    if any(use.needed[:3]):
+        by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, *direction, *f))
+        by_q = _by_q(use, q, by_q)
+    by_w = use(use.robot, _named("rnea_jvp", f), q, v, a, *direction, *f) if use.needed[3] else None
+    return [by_q, by_v, by_a, by_w, *(_by_forces(use, 4, q, w, direction[0]) for _ in f)]
 
 
 def rnea_jvp(use: Use, inputs: list[Any], output: Any, w: Any) -> list[Any]:
     """Linear in the direction, with the gradient of w . tau for coefficients."""
     q, v, a, dq, dv, da, *f = inputs
-    by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, dq, dv, da, *f))
+    by_q, by_v, by_a = None, None, None
+    if any(use.needed[:3]):
+        by_q, by_v, by_a = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, dq, dv, da, *f))
+        by_q = _by_q(use, q, by_q)
     along = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, w, *f))
-    return [_by_q(use, q, by_q), by_v, by_a, *along, *(_by_forces(use, 6, q, w, dq) for _ in f)]
+    return [by_q, by_v, by_a, *along, *(_by_forces(use, 6, q, w, dq) for _ in f)]
+
+
+def rnea_hvp(use: Use, inputs: list[Any], output: Any, c: Any) -> list[Any]:
+    """Linear in w, with what unit torques give for coefficients, and in the direction, where it is symmetric."""
+    if any(use.needed[:3]) or any(use.needed[7:]):
+        raise _without(use.operation)
+    q, v, a, w, *direction = inputs[:7]
+    f, by_w, along = inputs[7:], None, [None, None, None]
+    if use.needed[3]:
+        many, unit = _each_joint(use, q)
+        wide = [use.library.broadcast(x[..., None, :], unit.shape) for x in (v, a, *direction)]
+        wide += [use.library.broadcast(x[..., None, :, :], (*unit.shape[:-1], *x.shape[-2:])) for x in f]
+        each = use(use.robot, _named("rnea_hvp", f), many, *wide[:2], unit, *wide[2:])
+        by_w = (each * c[..., None, :, :]).sum(-1).sum(-1)
+    if any(use.needed[4:]):
+        along = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, *_parts(c), *f))
+    return [None, None, None, by_w, *along, *(None for _ in f)]
 
 
 def _by_forces(use: Use, at: int, q: Any, w: Any, dq: Any) -> Any:
@@ -99,17 +130,19 @@ def bias(use: Use, inputs: list[Any], output: Any, w: Any) -> list[Any]:
 def gravity(use: Use, inputs: list[Any], output: Any, w: Any) -> list[Any]:
     """Inverse dynamics at rest."""
     (q,) = inputs
-    by_q, _, _ = _parts(use(use.robot, "rnea_vjp", q, 0 * w, 0 * w, w))
+    by_q, _, _ = _parts(use(use.robot, "rnea_vjp", q, use.still(q), use.still(q), w))
     return [_by_q(use, q, by_q)]
 
 
 def aba(use: Use, inputs: list[Any], a: Any, w: Any) -> list[Any]:
     """With mu = M^-1 w, the gradient of w . a is mu by tau, and that of -mu . rnea(q, v, a) by the state."""
     q, v, _, *f = inputs
-    mu = use(use.weightless, "aba", q, 0 * v, w)
-    by_q, by_v, _ = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, mu, *f))
+    mu, by_q, by_v = use(use.weightless, "aba", q, use.still(q), w), None, None
+    if any(use.needed[:2]):
+        by_q, by_v, _ = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, -mu, *f))
+        by_q = _by_q(use, q, by_q)
     pushed = [use(use.robot, "body_twists", q, mu) if use.needed[3] else None for _ in f]
-    return [-_by_q(use, q, by_q), -by_v, mu, *pushed]
+    return [by_q, by_v, mu, *pushed]
 
 
 def crba(use: Use, inputs: list[Any], M: Any, G: Any) -> list[Any]:
@@ -201,7 +234,7 @@ def com_jacobian(use: Use, inputs: list[Any], J: Any, G: Any) -> list[Any]:
     (q,) = inputs
     kept = memory(use.robot)
     pulled = kept.get("pulled") or kept.setdefault("pulled", [use.robot.with_gravity(x) for x in (-np.eye(3)).tolist()])
-    still = 0 * G[..., 0, :]
+    still = use.still(q)
     rows = [_parts(use(robot, "rnea_vjp", q, still, still, G[..., i, :]))[0] for i, robot in enumerate(pulled)]
     return [_by_q(use, q, sum(rows) / use.robot.mass)]
 
@@ -209,9 +242,22 @@ def com_jacobian(use: Use, inputs: list[Any], J: Any, G: Any) -> list[Any]:
 def body_twists(use: Use, inputs: list[Any], U: Any, c: Any) -> list[Any]:
     """With c as wrenches on the bodies, c . J w: by w it is J^T c, and by q the gradient of w . J^T c."""
     q, w = inputs
-    rest, still = use.weightless, 0 * w
-    by_q, _, _ = _parts(use(rest, "rnea_vjp_f_ext", q, still, still, w, -c))
-    return [_by_q(use, q, by_q), use(rest, "rnea_f_ext", q, still, still, -c)]
+    return [_by_q(use, q, _turning(use, q, w, c)) if use.needed[0] else None, _felt(use, q, c)]
+
+
+def _turning(use: Use, q: Any, w: Any, c: Any) -> Any:
+    """The derivative of c . J w by the joints' displacements."""
+    return _parts(use(use.weightless, "rnea_vjp_f_ext", q, use.still(q), use.still(q), w, -c))[0]
+
+
+def body_twists_jvp(use: Use, inputs: list[Any], output: Any, c: Any) -> list[Any]:
+    """Linear in w, with the derivative of J^T c along dq for coefficients, and in dq."""
+    if use.needed[0]:
+        raise _without(use.operation)
+    q, w, dq = inputs
+    still = use.still(q)
+    by_w = use(use.weightless, "rnea_jvp_f_ext", q, still, still, dq, still, still, -c) if use.needed[1] else None
+    return [None, by_w, _turning(use, q, w, c) if use.needed[2] else None]
 
 
 def fk(use: Use, inputs: list[Any], T: Any, G: Any) -> list[Any]:
@@ -292,18 +338,26 @@ def _wrench(use: Use, T: Any, G: Any) -> Any:
 
 def _felt(use: Use, q: Any, wrenches: Any) -> Any:
     """J^T wrenches, the joint torques of wrenches on the bodies."""
-    still = use.library.constant(np.zeros(use.robot.nv), wrenches)
-    still = use.library.broadcast(still, (*q.shape[:-1], use.robot.nv))
-    return use(use.weightless, "rnea_f_ext", q, still, still, -wrenches)
+    return use(use.weightless, "rnea_f_ext", q, use.still(q), use.still(q), -wrenches)
 
 
 RULES: dict[str, Rule] = {
     "rnea": rnea, "rnea_f_ext": rnea, "rnea_vjp": rnea_vjp, "rnea_vjp_f_ext": rnea_vjp, "rnea_jvp": rnea_jvp,
     "rnea_jvp_f_ext": rnea_jvp, "bias": bias, "gravity": gravity, "aba": aba, "aba_f_ext": aba, "crba": crba,
     "minv": minv, "kinetic_energy": kinetic_energy, "potential_energy": potential_energy, "com": com,
-    "com_jacobian": com_jacobian, "coriolis": coriolis, "body_twists": body_twists, "fk": fk, "frame_pose": frame_pose, "jacobian": jacobian,
+    "com_jacobian": com_jacobian, "coriolis": coriolis, "body_twists": body_twists, "fk": fk,
+    "frame_pose": frame_pose, "jacobian": jacobian,
 }  # fmt: skip
 """The rule of each differentiable term."""
+DIFFERENTIABLE = frozenset(RULES)
+RULES |= {"rnea_hvp": rnea_hvp, "rnea_hvp_f_ext": rnea_hvp, "body_twists_jvp": body_twists_jvp}  # what is linear
+
+
+def _without(operation: Operation) -> DualpinError:
+    return DualpinError(
+        f"{operation.term.name} has no derivative here; terms that have one: {', '.join(sorted(DIFFERENTIABLE))}. "
+        "Inverse dynamics can be differentiated twice"
+    )
 
 
 def gradients(
@@ -312,8 +366,5 @@ def gradients(
     """The gradient of each input by the term's rule; None if it is not needed."""
     rule = RULES.get(operation.term.name)
     if rule is None:
-        raise DualpinError(
-            f"{operation.term.name} has no derivative here; terms that have one: {', '.join(sorted(RULES))}. "
-            "Inverse dynamics can be differentiated twice"
-        )
+        raise _without(operation)
     return rule(Use(operation, library, tuple(needed)), list(inputs), output, cotangent)
