@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,7 @@ from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question, pushed
 from .description import Description, Part, built, describe, merged
 from .hypothesis import Hypothesis, Story, Wording, identity
+from .textbook.slipped import alike, in_one, predicted
 
 States = dict[str, np.ndarray]
 COLUMNS = 100_000
@@ -121,6 +122,13 @@ class Case:
             self._robots[id(description)] = description, built([description], self.robot)
         return self._robots[id(description)][1]
 
+    def few(self, samples: int) -> Case:
+        """The same subject, by its first answers alone."""
+        a = self.answers
+        asking = a.asking.at({k: x[:samples] for k, x in a.asking.states.items()}, self.frames)
+        sent, terms = ({k: x[:samples] for k, x in kept.items()} for kept in (a.sent, a.terms))
+        return Case(replace(a, asking=asking, sent=sent, terms=terms), self.tolerance)
+
     # predictions
 
     def layout(self, wording: Wording) -> tuple[Layout, States] | None:
@@ -178,13 +186,12 @@ class Case:
         question = QUESTIONS[term]
         xs: list[Any] = [None] * len(together)
         others: list[Any] = [None] * len(together)
-        plain = []
-        for k, (story, view) in enumerate(together):
-            act = together_in_one([h.act for h in story if h.place == "formula"])
-            if act is not None:
-                xs[k] = _tried(act, view, term)
-            if xs[k] is None:
-                plain.append(k)
+        acts = [in_one([h.act for h in story if h.place == "formula"]) for story, _ in together]
+        for at in alike(acts, [view for _, view in together]):
+            found = _tried(predicted, [acts[k] for k in at], together[at[0]][1], term)
+            for k, x in zip(at, found or [None] * len(at), strict=True):
+                xs[k] = x
+        plain = [k for k, x in enumerate(xs) if x is None]
         forced = [self._with_forces(term, *together[k]) for k in plain]
         for k, x in zip(plain, self._batch(question, forced), strict=True):
             xs[k] = x
@@ -291,15 +298,6 @@ def _tried(f: Callable[..., Any], *args: Any) -> Any:
         return f(*args)
     except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
         return None
-
-
-def together_in_one(acts: Sequence[Callable[..., Any]]) -> Callable[..., Any] | None:
-    """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
-    found: Callable[..., Any] | None = None
-    for act in acts:
-        join: Callable[..., Any] | None = getattr(found, "joined", None)
-        found = (join(act) if join else None) or act
-    return found
 
 
 def _forces(story: Story, view: View, term: str) -> np.ndarray | None:

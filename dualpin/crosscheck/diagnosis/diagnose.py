@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -86,10 +87,17 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         lost += not e.named
         first += [s for s in e.stories[:EARLIER] if s not in first]
         first = _united(first)[: 4 * EARLIER]
-    for term in [t for t in off if not told[t].named]:  # what later terms told may explain an earlier one
-        again = explain(case, term, catalogue, _together(told), depth=0)
-        if again.named:
-            told[term] = again
+    picked = cheapest({t: e.stories for t, e in told.items() if e.named})
+    several = len({h.identity for s in picked.values() for h in s}) > 1
+    if len(off) > 1 and (several or lost):  # of several causes: one slip may be behind all of them
+        for term in off:
+            if time.process_time() < until:
+                tick(f"{term}: slips of textbook algorithms")
+                told[term].joined(explain(case, term, catalogue, depth=0, slips=True))
+    shared = _united([s for e in told.values() for s in e.stories[:EARLIER]])
+    for term in off if len(off) > 1 else ():  # what explains one term may explain another
+        more = _together(told) if not told[term].named else []
+        told[term].joined(explain(case, term, catalogue, [*shared, *more], depth=0))
     return told
 
 
@@ -171,6 +179,8 @@ def _alternatives(
 def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
     """One story for each term, so that all hypotheses together cost least: by branch and bound."""
     terms = sorted(options, key=lambda t: len(options[t]))
+    told_by = Counter(identity(s) for stories in options.values() for s in stories)
+    likely = {t: sorted(x, key=lambda s: (-told_by[identity(s)], cost(s)))[:MOST] for t, x in options.items()}
     best: tuple[float, float] = (math.inf, math.inf)
     picked: dict[str, Story] = {}
     visits = 0
@@ -188,7 +198,7 @@ def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
         def more(s: Story) -> tuple[float, float]:
             return cost(h for h in s if h.identity not in claimed), cost(s)
 
-        for s in sorted(options[terms[k]][:MOST], key=more):
+        for s in sorted(likely[terms[k]], key=more):
             branch(k + 1, {**claimed, **{h.identity: h.cost for h in s}}, told + cost(s), (*chosen, s))
 
     branch(0, {}, 0.0, ())

@@ -11,13 +11,16 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from ..subjects.questions import QUESTIONS
 from .case import Case, Score
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
+from .textbook.slipped import made_of
 
 DEPTH = 3
 BEAM = 8
@@ -26,6 +29,10 @@ PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
+SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
+"""Forms of which one state tells enough to look at slips first."""
+FEW = 1e-7
+"""The error of a slip at these states up to which it is looked at in all."""
 LARGE = 40  # joints from which pairs of single links are not tried
 
 
@@ -38,7 +45,7 @@ class Explanation:
     before : float
         The error without a story.
     stories : list of Story
-        Those that explain it, the cheapest first, with the errors that they leave.
+        Those that explain it, the cheapest first.
     nearest : Story
         Where none does: the one that comes nearest, with its score.
     """
@@ -46,7 +53,6 @@ class Explanation:
     term: str
     before: Score
     stories: list[Story] = field(default_factory=list)
-    after: list[float] = field(default_factory=list)
     nearest: Story = ()
     left: Score | None = None
 
@@ -54,12 +60,18 @@ class Explanation:
     def named(self) -> bool:
         return bool(self.stories)
 
+    def joined(self, other: Explanation) -> None:
+        """What was found of the same term at another time besides."""
+        known = {identity(s) for s in self.stories}
+        self.stories += [s for s in other.stories if identity(s) not in known]
+        self.stories.sort(key=cost)
+
 
 class Catalogue:
     """All hypotheses of a case, proposed once; those of late rules when they are first needed."""
 
     def __init__(self, case: Case) -> None:
-        self.case = case
+        self.case, self._cases = case, dict[int, Case]()
         self.all: list[Hypothesis] = [h for rule in RULES if not rule.late for h in rule.propose(case)]
 
     @cached_property
@@ -69,9 +81,21 @@ class Catalogue:
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
 
-    def slips(self, term: str) -> list[Hypothesis]:
-        """Single slips of textbook algorithms."""
-        return [h for h in self.late if term in h.terms]
+    def slips(self, term: str) -> list[Story]:
+        """Single slips of textbook algorithms: those that explain the first states, and those that come nearest."""
+        few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
+        groups: dict[Any, list[Hypothesis]] = {}
+        for h in (h for h in self.late if term in h.terms):
+            groups.setdefault(made_of(h.act, term), []).append(h)
+        scores = few.scores(term, [(same[0],) for same in groups.values()])
+        told = list(zip(groups.values(), scores, strict=True))
+        right: list[Story] = [(h,) for same, score in told if score.error <= FEW for h in same]
+        return right or _kept([_near((same[0],), x) for same, x in told if np.isfinite(x.error)])
+
+    def _few(self, samples: int) -> Case:
+        if samples not in self._cases:
+            self._cases[samples] = self.case.few(samples)
+        return self._cases[samples]
 
 
 @dataclass(order=True)
@@ -83,15 +107,22 @@ class _Near:
     score: Score = field(compare=False)
 
 
+def _near(story: Story, score: Score) -> _Near:
+    return _Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
+
+
 def explain(
     case: Case, term: str, catalogue: Catalogue, first: Sequence[Story] = (), budget: float = 30.0,
-    tick: Callable[[str], None] = lambda what: None, depth: int = DEPTH,
+    tick: Callable[[str], None] = lambda what: None, depth: int = DEPTH, slips: bool = False,
 ) -> Explanation:  # fmt: skip
-    """Look for the stories of one term; stories that explained other terms are tried first."""
+    """Look for the stories of one term; stories that explained other terms are tried first.
+
+    Slips of textbook algorithms are tried where no single cause explains it, or where they are asked for.
+    """
     search = _Search(case, term, time.process_time() + budget)
     found = Explanation(term, case.score(term))
     mine = [t for s in first if (t := tuple(h for h in s if term in h.terms))]
-    search.consider(mine)
+    search.consider([*mine, *(catalogue.slips(term) if slips else [])])
     whole, single = (catalogue.of(term, one, found.before.error) for one in (False, True))
     alike = [h for h in whole if h.key in SAME]
     search.consider([ordered((*s, h)) for s in mine for h in alike])
@@ -116,14 +147,13 @@ def explain(
             near += search.consider(search.toggled(single, found.before))
         if size == 1 and not search.good:
             tick(f"{term}: slips of textbook algorithms")
-            slipped = search.consider([(h,) for h in catalogue.slips(term)])
+            slipped = search.consider(catalogue.slips(term))
             near += slipped
-            whole = [*whole, *(s[0] for s in _kept(slipped))]
+            whole = [*whole, *(n.story[0] for n in slipped)]
         beam = _kept(near)
     found.stories = _cheapest(search.good.values())
     told = {identity(s) for s in found.stories}  # what explains other terms too costs nothing more here
     found.stories += [s for s in mine if (key := identity(s)) in search.good and key not in told]
-    found.after = [case.score(term, s).error for s in found.stories]
     if not found.stories and search.near:
         best = min(search.near)
         found.nearest, found.left = best.story, best.score
@@ -170,8 +200,7 @@ class _Search:
                 if score.right and not any(self.case.spared(h) for h in story if h.key in ESTIMATED):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
-                    claim = 0.02 * cost(story)
-                    found.append(_Near((claim - score.share, score.rms, cost(story)), story, score))
+                    found.append(_near(story, score))
         self.near += found
         return found
 

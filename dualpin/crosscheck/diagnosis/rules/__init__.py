@@ -3,6 +3,7 @@
 from . import (  # noqa: F401
     answers,
     composed,
+    dynamics,
     forces,
     formulas,
     joints,

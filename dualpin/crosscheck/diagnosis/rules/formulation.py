@@ -12,41 +12,24 @@ The algorithms stand in the folder `textbook`; this registers them:
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..case import Case, View
 from ..hypothesis import Hypothesis
+from ..textbook.slipped import Run, Slipped
 from ..textbook.steps import Slip, Steps, rows
 from .register import RULES, Rule
 
-Run = Callable[[View, str, Steps], "np.ndarray | None"]
 COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
-
-
-@dataclass(frozen=True)
-class Slipped:
-    """The prediction of a formulation with slips; two slips in one formulation are made in one run."""
-
-    run: Run
-    slips: tuple[Slip, ...]
-
-    def __call__(self, view: View, term: str) -> np.ndarray | None:
-        return self.run(view, term, Steps(*self.slips))
-
-    def joined(self, other: object) -> Slipped | None:
-        """Both at once; None where the other is of another formulation."""
-        if not isinstance(other, Slipped) or other.run is not self.run:
-            return None
-        return replace(self, slips=(*self.slips, *other.slips))
 
 
 def formulation(
     name: str, terms: Sequence[str], known: Mapping[tuple[str, str, str], str] | None = None, values: str = "",
     when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
+    batched: bool = False,
 ) -> Callable[[Run], Run]:  # fmt: skip
     """Register an algorithm whose single slips are hypotheses.
 
@@ -66,6 +49,8 @@ def formulation(
         Of its hypotheses.
     says : mapping
         Lines in the table of keys for those of `known` that no other rule has.
+    batched : bool
+        Whether all arrays of the algorithm, and of what it returns, have a first axis of runs (`Steps.together`).
     """
 
     def decorate(run: Run) -> Run:
@@ -79,7 +64,7 @@ def formulation(
             return [
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
-                    Slipped(run, (slip,)), slip.fix, values=values, cost=cost,
+                    Slipped(run, (slip,), batched), slip.fix, values=values, cost=cost,
                 )
                 for slip, shown in touched.items()
             ]  # fmt: skip

@@ -7,6 +7,9 @@ single slip that each of its steps allows; run with some of those, it makes them
     alpha = steps.add("the angular acceleration", **{"z qdd": z * qdd, "w x z qd": cross(w, z * qd)})
     steps.found      # "w x z qd is left out of the angular acceleration", ...
 
+Many slips are tried in one run, `Steps.together`: then the first axis of every array is that of the slips (length 1
+where they make no difference), constants of the robot included.
+
 Words: a site is what the step makes, as a noun with its article ("the moment about the centre of mass").
 """
 
@@ -31,7 +34,7 @@ class Slip(NamedTuple):
 
     @property
     def says(self) -> str:
-        return KINDS[self.how].says.format(site=self.site, what=self.what)
+        return KINDS[self.how].says.format(site=self.site.replace(": ", ", "), what=self.what)
 
     @property
     def fix(self) -> str:
@@ -81,6 +84,11 @@ KINDS = {
 
 _WEIGHTS = {"step_left_out": 0.0, "step_sign": -1.0, "step_half": 0.5, "step_twice": 2.0}
 _TURNS = ("step_unturned", "step_turned_back")
+EVERYWHERE = "every equation where it stands"
+"""The site of a slip that is made wherever a term of that name is added."""
+Words = Mapping[tuple[str, str], Sequence[tuple[str, str]]]
+_Row = Callable[[Any], Any]
+_Mine = tuple[int, "Slip"]
 
 
 class Steps:
@@ -89,84 +97,183 @@ class Steps:
     Parameters
     ----------
     *slips : Slip
-        Of those that a run without a slip has `found`.
+        Of those that a run without a slip has `found`, made together.
 
-    Attributes
-    ----------
-    found : dict of Slip
-        In the order of the steps; collected where no slip is given.
+    A site may name one of a group of steps, after a colon ("the arm: of turning links"): slips are made in
+    each of them, and in all of the group.
     """
 
     def __init__(self, *slips: Slip) -> None:
-        self.found: dict[Slip, None] = {}
+        self._found: dict[Slip, None] = {}
         self._right = not slips
         self._seen: set[str] = set()
-        self._at: dict[str, list[Slip]] = {}
-        for slip in slips:
-            self._at.setdefault(slip.site, []).append(slip)
+        self._take([slips])
+
+    @classmethod
+    def together(cls, rows: Sequence[Sequence[Slip]]) -> Steps:
+        """Many runs in one: every array of the algorithm then has a first axis, of these rows or of length 1."""
+        steps = cls()
+        steps._right = False
+        steps._take(rows)
+        return steps
+
+    def only(self, chosen: Sequence[bool]) -> Steps:
+        """The chosen ones of many runs."""
+        return Steps.together([row for row, take in zip(self._rows, chosen, strict=True) if take])
+
+    def through(self, words: Words, algorithm: Callable[[Steps], T]) -> T:
+        """Run another algorithm, in which the same slips have other words: `words[site, what]` are those there."""
+        if self._right:
+            there, told = Steps(), {new: old for old, news in words.items() for new in news}
+            x = algorithm(there)
+            for slip in there._found:
+                site, what = told.get((slip.site, slip.what), (slip.site, slip.what))
+                self._found[Slip(site, what, slip.how)] = None
+            return x
+
+        def of(slip: Slip) -> Sequence[Slip]:
+            found = words.get((slip.site, slip.what), [(slip.site, slip.what)])
+            return [Slip(site, what, slip.how) for site, what in found]
+
+        return algorithm(Steps.together([[x for slip in row for x in of(slip)] for row in self._rows]))
+
+    def _take(self, rows: Sequence[Sequence[Slip]]) -> None:
+        self._rows = rows
+        self._at: dict[str, list[_Mine]] = {}
+        for k, slips in enumerate(rows):
+            for slip in slips:
+                self._at.setdefault(slip.site, []).append((k, slip))
+
+    @property
+    def found(self) -> dict[Slip, None]:
+        """Slips at one step; those of a group of steps, and those of one term wherever it stands."""
+        groups: dict[str, set[str]] = {}
+        standing: dict[tuple[str, str], set[str]] = {}
+        for slip in self._found:
+            head = slip.site.partition(": ")[0]
+            groups.setdefault(head, set()).add(slip.site)
+            if slip.how in _WEIGHTS:
+                standing.setdefault((slip.what, slip.how), set()).add(head)
+        out: dict[Slip, None] = {}
+        for slip in self._found:
+            head = slip.site.partition(": ")[0]
+            out[slip._replace(site=head)] = None
+            if len(groups[head]) > 1:
+                out[slip] = None
+        out |= {Slip(EVERYWHERE, *which): None for which, where in standing.items() if len(where) > 1}
+        return out
+
+    @property
+    def rows(self) -> int:
+        return len(self._rows)
+
+    # the steps
 
     def add(self, site: str, **terms: Any) -> Any:
         """The sum of the terms, which are named as in the book: `add("the force", **{"m a": ma, "m g": mg})`."""
-        mine = self._here(site, lambda: [(name, kind) for name in terms for kind in _WEIGHTS])
-        total: Any = None
-        for name, x in terms.items():
-            for slip in mine:
-                if slip.what == name:
-                    x = _WEIGHTS[slip.how] * x
-            total = x if total is None else total + x
-        return total
+        mine = self._here(site, lambda: [(name, how) for name in terms for how in _WEIGHTS])
+        mine = [*mine, *(m for m in self._at.get(EVERYWHERE, ()) if m[1].what in terms)]
 
-    def cross(self, site: str, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+            weights = {slip.what: _WEIGHTS[slip.how] for slip in slips}
+            return sum(weights.get(name, 1.0) * of(x) for name, x in terms.items())
+
+        first, *more = terms.values()
+        return self._done(sum(more, first), mine, wrong)
+
+    def cross(self, site: str, a: Any, b: Any) -> Any:
         """a x b, alone in its place; a product that is a term of a sum needs none, since its sign is turned there."""
         x = cross(a, b)
-        return -x if self._here(site, lambda: [("", "step_swapped")]) else x
+        return self._done(x, self._here(site, lambda: [("", "step_swapped")]), lambda slips, of: -of(x))
 
-    def turn(self, site: str, R: np.ndarray, x: np.ndarray, **others: Callable[[], np.ndarray]) -> np.ndarray:
+    def turn(self, site: str, R: Any, x: Any, **others: Callable[[], Any]) -> Any:
         """R x, of vectors or six-vectors; `others` are other matrices, by what they do ("by the inverse")."""
-        possible = [("", kind) for kind in _TURNS]
-        for slip in self._here(site, lambda: possible + [(name, "step_other_turn") for name in others]):
-            if slip.how == "step_unturned":
-                return x
-            R = others[slip.what]() if slip.how == "step_other_turn" else transposed(R)
-        return product(R, x)
+        possible = [("", how) for how in _TURNS]
 
-    def congruent(self, site: str, R: np.ndarray, I: np.ndarray) -> np.ndarray:
+        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+            (slip,) = slips
+            if slip.how == "step_unturned":
+                return of(x)
+            return product(of(others[slip.what]()) if slip.how == "step_other_turn" else transposed(of(R)), of(x))
+
+        mine = self._here(site, lambda: possible + [(name, "step_other_turn") for name in others])
+        return self._done(product(R, x), mine, wrong)
+
+    def congruent(self, site: str, R: Any, I: Any) -> Any:
         """R I R^T."""
+
+        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+            A, J, how = of(R), of(I), slips[0].how
+            if how in ("step_unturned", "step_turned_back"):
+                return J + np.zeros_like(A) if how == "step_unturned" else transposed(A) @ J @ A
+            return A @ J if how == "step_from_left" else J @ transposed(A)
+
         kinds = (*_TURNS, "step_from_left", "step_from_right")
-        for slip in self._here(site, lambda: [("", kind) for kind in kinds]):
-            if slip.how == "step_unturned":
-                return I + np.zeros_like(R)
-            if slip.how == "step_turned_back":
-                return transposed(R) @ I @ R
-            return R @ I if slip.how == "step_from_left" else I @ transposed(R)
-        return R @ I @ transposed(R)
+        return self._done(R @ I @ transposed(R), self._here(site, lambda: [("", how) for how in kinds]), wrong)
 
-    def transpose(self, site: str, A: np.ndarray) -> np.ndarray:
+    def transpose(self, site: str, A: Any) -> Any:
         """A^T."""
-        return A if self._here(site, lambda: [("", "step_untransposed")]) else transposed(A)
+        mine = self._here(site, lambda: [("", "step_untransposed")])
+        return self._done(transposed(A), mine, lambda slips, of: of(A))
 
-    def pick(self, site: str, right: T, **wrong: T | Callable[[], T]) -> T:
+    def pick(self, site: str, right: Any, **wrong: Any) -> Any:
         """The right quantity; `wrong` are others that may stand in its place, by name, or functions that make them.
 
         The words read on from the site: `pick("the lever arm", r, **{"that of the parent": s})`.
         """
-        for slip in self._here(site, lambda: [(name, "step_other") for name in wrong]):
-            other = wrong[slip.what]
-            return other() if callable(other) else other
-        return right
+
+        def other(slips: Sequence[Slip], of: _Row) -> Any:
+            x = wrong[slips[0].what]
+            return of(x() if callable(x) else x)
+
+        mine = self._here(site, lambda: [(name, "step_other") for name in wrong])
+        return self._done(right, [m for m in mine if m[1].what in wrong], other)
 
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
-        """All items; slips leave out the first or the last."""
-        for slip in self._here(site, lambda: [("", "step_first"), ("", "step_last")]):
+        """All items; slips leave out the first or the last.  Of many runs in one, use `part`."""
+        for _, slip in self._here(site, lambda: [("", "step_first"), ("", "step_last")]):
             items = items[1:] if slip.how == "step_first" else items[:-1]
         return items
 
-    def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]]) -> Sequence[Slip]:
+    def part(self, site: str, x: Any, k: int, count: int) -> Any:
+        """x, number k of so many that are summed; slips leave out the first or the last."""
+        mine = self._here(site, lambda: [("", "step_first"), ("", "step_last")])
+        ends = {0: "step_first", count - 1: "step_last"}
+        mine = [m for m in mine if ends.get(k) == m[1].how]
+        return self._done(x, mine, lambda slips, of: 0 * of(x))
+
+    # what they share
+
+    def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]]) -> Sequence[_Mine]:
         """The slips to be made at this step; where none is made at all, what is possible is noted once."""
         if self._right and site not in self._seen:
             self._seen.add(site)
-            self.found |= {Slip(site, what, kind): None for what, kind in possible()}
-        return self._at.get(site, ())
+            self._found |= {Slip(site, what, how): None for what, how in possible()}
+        head, _, one = site.partition(": ")
+        mine = self._at.get(head, ())
+        return [*mine, *self._at.get(site, ())] if one else mine
+
+    def _done(self, right: Any, mine: Sequence[_Mine], wrong: Callable[[Sequence[Slip], _Row], Any]) -> Any:
+        """The right result, with a wrong one in the rows that make a slip here."""
+        if not mine:
+            return right
+        if self.rows == 1:
+            return wrong([slip for _, slip in mine], lambda x: x)
+        rows: dict[int, list[Slip]] = {}
+        for k, slip in mine:
+            rows.setdefault(k, []).append(slip)
+        others = {k: wrong(slips, _row(k, self.rows)) for k, slips in rows.items()}
+        shape = np.broadcast_shapes(np.shape(right)[1:], *(np.shape(x) for x in others.values()))
+        out = np.empty((self.rows, *shape), np.result_type(right, *others.values()))
+        out[:] = right
+        for k, x in others.items():
+            out[k] = x
+        return out
+
+
+def _row(k: int, count: int) -> _Row:
+    """Row k of arrays whose first axis is that of the runs, or has length 1."""
+    return lambda x: x if np.ndim(x) == 0 else x[k] if len(x) == count else x[0]
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -1,0 +1,135 @@
+"""Textbook formulations of dynamics: which terms each of them predicts, and the keys of its slips."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..case import Case
+from ..textbook import lagrange, link_axes, spatial, world_axes
+from ..textbook.articulated import Articulated
+from ..textbook.assembly import Dynamics, by_columns, right
+from ..textbook.lagrange import Lagrange
+from ..textbook.steps import EVERYWHERE
+from .formulation import COST, formulation
+
+SAYS = {
+    "gyroscopic": "w x I w is left out",
+    "gyroscopic_sign": "w x I w has the other sign",
+    "gyroscopic_half": "w x I w is counted half",
+    "inertia_frame": "inertia is not turned into world axes (R I R^T is missing)",
+    "inertia_frame_half": "inertia is turned into world axes from one side alone (R I in place of R I R^T)",
+    "inertia_frame_transposed": "inertia is turned the wrong way into world axes (R^T I R)",
+    "centripetal": "w x (w x r) is left out",
+    "centripetal_com": "w x (w x r) is left out from a link's origin to its centre of mass",
+    "centripetal_link": "w x (w x r) is left out from joint to joint",
+    "centripetal_sign": "w x (w x r) has the other sign",
+    "centripetal_com_sign": "w x (w x r) has the other sign from a link's origin to its centre of mass",
+    "centripetal_link_sign": "w x (w x r) has the other sign from joint to joint",
+    "tangential": "alpha x r is left out",
+    "tangential_com": "alpha x r is left out from a link's origin to its centre of mass",
+    "tangential_link": "alpha x r is left out from joint to joint",
+    "tangential_sign": "alpha x r (in Jacobians: axis x arm) has the other sign",
+    "tangential_com_sign": "alpha x r has the other sign from a link's origin to its centre of mass",
+    "tangential_link_sign": "alpha x r has the other sign from joint to joint",
+    "axis_rate": "w x z v, the turning of a joint's axis, is left out of angular accelerations",
+    "axis_rate_sign": "w x z v has the other sign in angular accelerations",
+    "axis_rate_twice": "w x z v is counted twice in angular accelerations",
+    "slide_acceleration": "z a of sliding joints is left out of accelerations",
+    "slide_moment": "sliding joints feel the moment along their axis, not the force",
+    "slide_coriolis": "2 w x z v of sliding joints is left out",
+    "slide_coriolis_half": "w x z v of sliding joints is counted once, not twice",
+    "slide_coriolis_sign": "2 w x z v of sliding joints has the other sign",
+    "slide_radius": "the position of sliding joints is left out of the lever arms",
+    "axis_frame": "axes of joints are not turned into world axes",
+    "slide_axis_frame": "axes of sliding joints are not turned into world axes",
+    "moment_arm": "forces act at links' origins, not at their centres of mass",
+    "moment_arm_sign": "the moment of a body's force about its link's origin has the other sign",
+    "force_moment": "the moment of forces about the joints is left out",
+    "force_moment_link": "the moment r x f of a force that is handed on from joint to joint is left out",
+    "force_moment_link_sign": "the moment r x f of a force that is handed on from joint to joint has the other sign",
+    "no_translational": "m a is left out",
+    "no_angular_acceleration": "I alpha is left out",
+    "not_handed_on": "forces and moments are not handed on: each joint feels its own link alone",
+    "moment_not_handed_on": "moments are not handed on from joint to joint, forces are",
+    "gravity_at_origin": "gravity acts at links' origins, not at their centres of mass",
+    "gravity_in_base": "gravity turns with the base",
+    "gravity_each_link": "gravity is added at every link, not at the base alone",
+}
+"""The keys of slips that have one of their own, whatever the formulation."""
+
+TERMS_OF_SUMS = {
+    ("the moment about the centre of mass", "w x I w"): "gyroscopic",
+    ("the moment about the centre of mass", "I alpha"): "no_angular_acceleration",
+    ("the acceleration of the centre of mass", "w x (w x r)"): "centripetal_com",
+    ("the acceleration of a link's origin", "w x (w x r)"): "centripetal_link",
+    (EVERYWHERE, "w x (w x r)"): "centripetal",
+    ("the acceleration of the centre of mass", "alpha x r"): "tangential_com",
+    ("the acceleration of a link's origin", "alpha x r"): "tangential_link",
+    (EVERYWHERE, "alpha x r"): "tangential",
+    ("the angular acceleration of a turning link", "w x z qd"): "axis_rate",
+    ("the acceleration of a sliding link", "2 w x z qd"): "slide_coriolis",
+    ("the acceleration of a sliding link", "z qdd"): "slide_acceleration",
+    ("a body's moment about the link's origin", "r x f"): "moment_arm",
+    ("the moment at a joint", "r x f"): "force_moment_link",
+    (EVERYWHERE, "r x f"): "force_moment",
+    ("the moment at a joint", "the child's n"): "moment_not_handed_on",
+    ("the force of a body", "m a"): "no_translational",
+}
+HOW = {"step_left_out": "", "step_sign": "_sign", "step_half": "_half", "step_twice": "_twice"}
+KNOWN = {
+    (site, what, how): key + end
+    for (site, what), key in TERMS_OF_SUMS.items() for how, end in HOW.items() if key + end in SAYS
+} | {
+    ("what a sliding joint feels", "the moment along its axis", "step_other"): "slide_moment",
+    ("what a link hands on", "nothing", "step_other"): "not_handed_on",
+    ("the inertia in world axes", "", "step_unturned"): "inertia_frame",
+    ("the inertia in world axes", "", "step_turned_back"): "inertia_frame_transposed",
+    ("the inertia in world axes", "", "step_from_left"): "inertia_frame_half",
+    ("the joint's axis", "", "step_unturned"): "axis_frame",
+    ("the joint's axis: of sliding links", "", "step_unturned"): "slide_axis_frame",
+    ("the arm to a sliding link", "without its travel", "step_other"): "slide_radius",
+    ("the point at which weight acts", "the link's origin", "step_other"): "gravity_at_origin",
+    ("gravity", "added at every link", "step_other"): "gravity_each_link",
+    ("gravity", "turned with the base", "step_other"): "gravity_in_base",
+}  # fmt: skip
+KNOWN |= {
+    ("Christoffel's symbols", what, how): "coriolis_symbols"
+    for what in ("dM_ij/dq_k", "dM_ik/dq_j", "-dM_jk/dq_i") for how in HOW
+}  # fmt: skip
+FORCES = ("gravity", "bias", "rnea", "rnea_f_ext")
+MASSES = ("crba", "minv", "kinetic_energy", "coriolis")
+FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
+ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
+OF_FORCES = (*FORCES, "rnea_derivatives", "coriolis", *FORWARD)
+FUSED = "of bodies merged from fixed links"
+
+
+def merges(case: Case) -> bool:
+    return case.merged is not case.description
+
+
+def register(name: str, run: Dynamics | Articulated, terms: tuple[str, ...], variant: str = "") -> None:
+    """A formulation, of the links as they are and of bodies merged from fixed links."""
+    cost = COST + 0.05 * bool(variant)
+    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True)(run)
+    values = ", ".join(x for x in (FUSED, variant) if x)
+    formulation(name, terms, KNOWN, values, merges, cost + 0.01, SAYS, batched=True)(replace(run, fused=True))
+
+
+for _name, _forces in {
+    "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
+    "Newton-Euler by spatial vectors": spatial.forces,
+}.items():  # fmt: skip
+    register(_name, Dynamics(_forces, by_columns(_forces)), ALL)
+    register(_name, Dynamics(_forces, right(spatial.mass)), OF_FORCES, "M is right")
+register(
+    "Newton-Euler in world axes", Dynamics(world_axes.forces, lagrange.mass_of_habits), (*FORCES, *MASSES, "aba"),
+    "M from Jacobians",
+)  # fmt: skip
+register("composite rigid bodies", Dynamics(right(spatial.forces), spatial.mass), (*MASSES, *FORWARD))
+register("articulated bodies", Articulated(), (*FORWARD, "minv"))
+register("Lagrange", Lagrange(spatial.forces, lagrange.mass), (*FORCES, *MASSES, *FORWARD, "potential_energy"))
+register(
+    "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), (*MASSES, "aba", "aba_f_ext"),
+    "M in itself and in forward dynamics",
+)  # fmt: skip

@@ -1,0 +1,145 @@
+"""Articulated bodies: forward dynamics in three passes.
+
+    outward:  v = X v_p + S qd     c = v x S qd     I^A = I     p^A = v x* I v
+    inward:   U = I^A S     D = S^T U     u = tau - S^T p^A
+              I^a = I^A - U D^-1 U^T      p^a = p^A + I^a c + U D^-1 u      (I^A_p += X^T I^a X, p^A_p += X^T p^a)
+    outward:  a' = X a_p + c     qdd = D^-1 (u - U^T a')     a = a' + S qdd
+
+References: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...subjects.layout import product, transposed
+from ..case import View
+from .assembly import MOST_STEPS, derivatives, solved, torques
+from .link_axes import gathered
+from .spatial import HAVE, crf, crm, inertia, subspace, to_parent, transform
+from .steps import Steps
+from .tree import Link, Tree, tree_of
+
+
+@dataclass
+class Body:
+    """What the passes leave of a link: its Coriolis acceleration, and U, D and u of its joint."""
+
+    c: np.ndarray
+    U: np.ndarray
+    D: np.ndarray
+    u: np.ndarray
+
+
+def forward(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """The accelerations (runs, samples, nv) of the torques, under the gravity g."""
+    X = [transform(steps, p) for p in tree.poses(q)]
+    zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
+    c, p, I = _first(steps, tree, X, v, zero)
+    bodies: dict[int, Body] = {}
+    for k in reversed(tree.links[1:]):
+        _inward(steps, tree, k, X[k.number], c[k.number], p, I, tau, bodies)
+    return _last(steps, tree, X, bodies, p, I, tau, np.concatenate([0 * g, g], -1) + zero)
+
+
+def _first(
+    steps: Steps, tree: Tree, X: list[np.ndarray], v: np.ndarray, zero: np.ndarray
+) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
+    vs, c = [v[..., :6] + zero if tree.floating else zero], [zero]
+    for k in tree.links[1:]:
+        x = X[k.number]
+        v_k = steps.turn("the parent's velocity", x, vs[k.parent], **{"by the inverse": lambda x=x: np.linalg.inv(x)})
+        c_k = zero
+        if k.moves:
+            S_qd = subspace(k) * v[..., k.column, None]
+            v_k = steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd})
+            v_c = steps.pick("the velocity in c = v x S qd", v_k, **{"the parent's, in its axes": vs[k.parent]})
+            c_k = crm(steps, "c = v x S qd", v_c, S_qd)
+        vs.append(v_k)
+        c.append(c_k)
+    I = [inertia(steps, k) + np.zeros((*zero.shape[:-1], 6, 6)) for k in tree.links]
+    p = []
+    for k in tree.links:
+        Iv = product(I[k.number], vs[k.number])
+        other = {"the cross product of motions, v x I v": lambda x=vs[k.number], y=Iv: crm(Steps(), "", x, y)}
+        spin = steps.pick("the product v x* I v", crf(steps, "v x* I v", vs[k.number], Iv), **other)
+        p.append(steps.add("the bias force p^A", **{"v x* I v": spin}))
+    return c, p, I
+
+
+def _inward(
+    steps: Steps, tree: Tree, k: Link, X: np.ndarray, c: np.ndarray, p: list[np.ndarray], I: list[np.ndarray],
+    tau: np.ndarray, bodies: dict[int, Body],
+) -> None:  # fmt: skip
+    IA, pA = I[k.number], p[k.number]
+    Ia, pa = IA, pA
+    if k.moves:
+        S = subspace(k)
+        U = product(IA, S)
+        D = (S * U).sum(-1)[..., None]
+        u = steps.add("u", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]})
+        bodies[k.number] = Body(c, U, D, u)
+        outer = U[..., :, None] * U[..., None, :] / D[..., None]
+        Ia = steps.add("I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
+        I_c = steps.pick("the inertia in I^a c", Ia, **{"I^A": IA})
+        pa = steps.add("p^a", **{"p^A": pA, "I^a c": product(I_c, c), "U D^-1 u": U * u / D})
+    last, count = k.number - 1, len(tree.links) - 1
+    I_up = steps.congruent("a child's inertia, X^T I^a X,", transposed(X), Ia)
+    I_up = steps.part("the links that hand on their inertia", I_up, last, count)
+    p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
+    p_up = steps.part("the links that hand on their bias force", p_up, last, count)
+    I[k.parent] = steps.add("I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
+    p[k.parent] = steps.add("p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})
+
+
+def _last(
+    steps: Steps, tree: Tree, X: list[np.ndarray], bodies: dict[int, Body], p: list[np.ndarray], I: list[np.ndarray],
+    tau: np.ndarray, down: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    acc, base = [-down], []
+    if tree.floating:
+        push = steps.add("the force that moves the base", **{"tau": tau[..., :6], "-p^A": -p[0]})
+        a0 = solved(I[0], push[..., None])[..., 0]
+        up = steps.turn("gravity, brought into the base's axes,", X[0], -down)
+        acc, base = [a0], [steps.add("the base's acceleration", **{"I^-1 (tau - p)": a0, "g": -up})]
+    columns: dict[int, np.ndarray] = {}
+    for k in tree.links[1:]:
+        x = X[k.number]
+        other = {"by the inverse": lambda x=x: np.linalg.inv(x)}
+        a_k = steps.turn("the parent's acceleration", x, acc[k.parent], **other)
+        if k.moves:
+            b = bodies[k.number]
+            a_k = steps.add("a' of a link", **{"X a of the parent": a_k, "c": b.c})
+            needed = steps.add("D qdd", **{"u": b.u, "-U^T a'": -(b.U * a_k).sum(-1)[..., None]})
+            qdd = needed / b.D
+            columns[k.column] = qdd[..., 0]
+            a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(k) * qdd})
+        acc.append(a_k)
+    return gathered(columns, base, tau)
+
+
+@dataclass(frozen=True)
+class Articulated:
+    """The terms that forward dynamics answers; `fused` as of `Tree`."""
+
+    fused: bool = False
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        tree = tree_of(view, self.fused)
+        q, v, tau = (view.states[k][None] for k in ("q", "v", "tau"))
+        g = tree.gravity
+        if term == "aba":
+            return forward(steps, tree, q, v, tau, g)
+        if term == "minv":
+            return tree.columns(forward(steps, tree, *tree.unit(q), np.zeros((1, 1, 3))))
+        if term == "aba_f_ext":
+            pushed = tau[:, :, None] + torques(view)
+            n = pushed.shape[2]
+            moved = pushed.reshape(1, -1, tree.nv)
+            x = forward(steps, tree, np.repeat(q, n, axis=1), np.repeat(v, n, axis=1), moved, g)
+            return x.reshape(len(x), -1, n, tree.nv)
+        if term == "aba_derivatives" and not tree.floating and tree.nv <= MOST_STEPS:
+            return derivatives(lambda q, v, tau: forward(steps, tree, q, v, tau, g), q, v, tau)
+        return None

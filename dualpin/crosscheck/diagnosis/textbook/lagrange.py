@@ -1,0 +1,164 @@
+"""Lagrange's equations: the mass matrix from Jacobians, C from Christoffel's symbols, gravity from a potential.
+
+    M = sum m Jv^T Jv + Jw^T R I R^T Jw      columns of a turning joint:  Jv = z x (c - p), Jw = z;  sliding:  Jv = z
+    C_ij = (1/2) sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) v_k
+    g = - sum m Jv^T g                       tau = M a + C v + g
+
+References: Siciliano et al., Robotics (2009), equations 7.32, 7.39 and 7.45; Murray, Li and Sastry (1994), 4.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product, transposed
+from ..case import View
+from .assembly import MOST_STEPS, Dynamics, by_coordinates
+from .steps import EVERYWHERE, Steps, cross
+from .tree import Link, Tree
+
+
+def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Jv of the centre of mass and Jw (runs, samples, nv, 3), and the centre."""
+    poses, chain = tree.poses(q), tree.joints_of(k)
+    pose = poses[k.number]
+    r = steps.turn("the arm to the centre of mass", pose.R0, k.c)
+    c = pose.p0 + r
+    zero = np.zeros((*q.shape[:-1], 3), q.dtype)
+    linear, angular = {}, {}
+    for i, j in enumerate(chain):
+        at = poses[j.number]
+        z = steps.turn(f"the joint's axis: of {'sliding' if j.slides else 'turning'} links", at.R0, j.z)
+        if j.slides:
+            nothing = {"z, as of turning joints": z}
+            angular[j.column] = steps.pick("Jw of a sliding joint", zero, **nothing) + zero
+            x = z
+        else:
+            others = {
+                "to the link's origin": cross(z, pose.p0 - at.p0), "from the world's origin": cross(z, c),
+                "from the parent's joint": cross(z, c - poses[j.parent].p0),
+            }  # fmt: skip
+            terms = {"z x (p - p_j)": cross(z, pose.p0 - at.p0), "z x r": cross(z, r)}
+            x = steps.add("Jv of a turning joint", **terms)
+            x = steps.pick("the arm in Jv of a turning joint", x, **others)
+            x = steps.add("Jv of turning joints", **{"z x r, as a whole,": x})
+            angular[j.column] = steps.part("the columns of Jw", z + zero, i, len(chain))
+        linear[j.column] = steps.part("the columns of Jv", x + zero, i, len(chain))
+    if tree.floating:
+        R = poses[0].R0
+        turning = -cross_matrix(c - poses[0].p0) @ R
+        for i in range(3):
+            linear[i], linear[3 + i], angular[i] = turning[..., i], R[..., i], R[..., i]
+    return _stacked(linear, tree.nv, zero), _stacked(angular, tree.nv, zero), c
+
+
+def _stacked(columns: dict[int, np.ndarray], nv: int, zero: np.ndarray) -> np.ndarray:
+    lead = np.broadcast_shapes(zero.shape, *(x.shape for x in columns.values()))
+    return np.stack([np.broadcast_to(columns.get(i, zero), lead) for i in range(nv)], axis=-2)
+
+
+def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+    """M (runs, samples, nv, nv)."""
+    M: np.ndarray = np.zeros((1, 1, tree.nv, tree.nv))
+    poses = tree.poses(q)
+    for i, k in enumerate(tree.carried):
+        Jv, Jw, _ = jacobians(steps, tree, q, k)
+        given = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
+        I = steps.congruent("the inertia in world axes", poses[k.number].R0, given)
+        m = steps.pick("the mass in m Jv^T Jv", k.mass + np.zeros((1, 1, 1, 1)), **{"left out": np.ones((1, 1, 1, 1))})
+        terms = {"m Jv^T Jv": m * (Jv @ transposed(Jv)), "Jw^T I Jw": Jw @ (I @ transposed(Jw))}
+        of_body = steps.add("the mass matrix of a body", **terms)
+        M = M + steps.part("the bodies of the mass matrix", of_body, i, len(tree.carried))
+    return M
+
+
+def gravity(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarray:
+    out: np.ndarray = np.zeros((1, 1, tree.nv))
+    for i, k in enumerate(tree.carried):
+        Jv, _, _ = jacobians(steps, tree, q, k)
+        m = steps.pick("the mass in m Jv^T g", k.mass + np.zeros((1, 1, 1)), **{"left out": np.ones((1, 1, 1))})
+        down = product(Jv, g + np.zeros((*q.shape[:-1], 3)))
+        term = steps.add("the gravity of a body", **{"-m Jv^T g": -m * down})
+        out = out + steps.part("the bodies whose gravity counts", term, i, len(tree.carried))
+    return out
+
+
+def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarray:
+    out: np.ndarray = np.zeros((1, 1))
+    poses = tree.poses(q)
+    for i, k in enumerate(tree.carried):
+        pose = poses[k.number]
+        at = pose.p0 + steps.turn("the arm to the centre of mass", pose.R0, k.c)
+        at = steps.pick("the height of a body", at, **{"that of the link's origin": pose.p0 + 0 * at})
+        m = steps.pick("the mass in -m g . c", k.mass + np.zeros((1, 1)), **{"left out": np.ones((1, 1))})
+        term = -m * (g * at).sum(-1)
+        out = out + steps.part("the bodies whose height counts", term, i, len(tree.carried))
+    return out
+
+
+def coriolis(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C from Christoffel's symbols of the mass matrix that the same steps make."""
+    dM = by_coordinates(lambda x: mass(steps, tree, x), q)
+    speed = v[0]
+    rate, by_q = np.einsum("rnijk,nk->rnij", dM, speed), np.einsum("rnijk,nj->rnik", dM, speed)
+    terms = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
+    total = steps.add("Christoffel's symbols", **terms)
+    others = {
+        "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
+    }  # fmt: skip
+    return np.asarray(steps.pick("the factor 1/2 of Christoffel's symbols", 0.5 * total, **others))
+
+
+AS_NEWTON_EULER = {
+    ("the acceleration of the centre of mass", "alpha x r"): [("Jv of a turning joint", "z x r")],
+    ("a body's moment about the link's origin", "r x f"): [("Jv of a turning joint", "z x r")],
+    ("the acceleration of a link's origin", "alpha x r"): [("Jv of a turning joint", "z x (p - p_j)")],
+    (EVERYWHERE, "alpha x r"): [("Jv of turning joints", "z x r, as a whole,")],
+    ("the force of a body", "m a"): [("the mass matrix of a body", "m Jv^T Jv")],
+    ("the moment about the centre of mass", "I alpha"): [("the mass matrix of a body", "Jw^T I Jw")],
+}
+"""Slips of Newton's and Euler's equations, as the same habit shows in Jacobians."""
+
+
+def mass_of_habits(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+    """M from Jacobians by someone who makes the slips of Newton's and Euler's equations in them too."""
+    return steps.through(AS_NEWTON_EULER, lambda there: mass(there, tree, q))
+
+
+@dataclass(frozen=True)
+class Lagrange(Dynamics):
+    """All terms from M, C and g; on a floating base, those without C."""
+
+    def _sum(
+        self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray | None, g: np.ndarray
+    ) -> np.ndarray:
+        if tree.floating or tree.nv > MOST_STEPS:
+            raise ValueError("C by differentiating the mass matrix, of few joints on a fixed base")
+        terms = {"C v": product(coriolis(steps, tree, q, v), v), "g": gravity(steps, tree, q, g)}
+        if a is not None:
+            terms["M a"] = product(mass(steps, tree, q), a)
+        return np.asarray(steps.add("the forces M a + C v + g", **terms))
+
+    def _h(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return self._sum(steps, tree, q, v, None, tree.gravity)
+
+    def _gravity(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
+        return gravity(steps, tree, s["q"], tree.gravity)
+
+    def _rnea(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
+        return self._sum(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
+
+    def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
+        return None if tree.floating or tree.nv > MOST_STEPS else coriolis(steps, tree, s["q"], s["v"])
+
+    def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
+        return potential(steps, tree, s["q"], tree.gravity)
+
+    def _rnea_derivatives(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> None:
+        return None
+
+    def _aba_derivatives(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> None:
+        return None

@@ -1,0 +1,77 @@
+"""A textbook algorithm with slips as the act of a hypothesis, and many of them in one run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .steps import Slip, Steps
+
+if TYPE_CHECKING:
+    from ..case import View
+
+Run = Callable[["View", str, Steps], "np.ndarray | None"]
+Formula = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Slipped:
+    """The prediction of a formulation with slips; two slips in one formulation are made in one run."""
+
+    run: Run
+    slips: tuple[Slip, ...]
+    batched: bool = False
+    """Whether the arrays of `run` have a first axis of runs: many predictions are then made in one."""
+
+    def __call__(self, view: View, term: str) -> np.ndarray | None:
+        x = self.run(view, term, Steps(*self.slips))
+        return x[0] if self.batched and x is not None else x
+
+    def joined(self, other: Formula) -> Slipped | None:
+        """Both at once; None where the other is of another formulation."""
+        if not isinstance(other, Slipped) or other.run is not self.run:
+            return None
+        return replace(self, slips=(*self.slips, *other.slips))
+
+    def many(self, acts: Sequence[Slipped], view: View, term: str) -> Sequence[np.ndarray | None]:
+        """The predictions of several acts of this formulation."""
+        x = self.run(view, term, Steps.together([act.slips for act in acts]))
+        return [None] * len(acts) if x is None else list(np.broadcast_to(x, (len(acts), *x.shape[1:])))
+
+
+def made_of(act: Formula, term: str) -> Any:
+    """What determines its answer to a term: acts of which this is equal predict the same."""
+    if not isinstance(act, Slipped):
+        return act
+    parts = getattr(act.run, "made_of", None)
+    return act.run if parts is None else parts(term), act.slips
+
+
+def in_one(acts: Sequence[Formula]) -> Formula | None:
+    """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
+    found: Formula | None = None
+    for act in acts:
+        both = found.joined(act) if isinstance(found, Slipped) else None
+        found = both or act
+    return found
+
+
+def predicted(acts: Sequence[Formula], view: View, term: str) -> Sequence[np.ndarray | None]:
+    """What acts that are `alike` predict."""
+    first = acts[0]
+    several = [act for act in acts if isinstance(act, Slipped)]
+    return first.many(several, view, term) if isinstance(first, Slipped) and len(acts) > 1 else [first(view, term)]
+
+
+def alike(acts: Sequence[Formula | None], views: Sequence[View]) -> list[list[int]]:
+    """The numbers of acts that one run can predict: of one algorithm, of the same robot and states."""
+    groups: dict[Any, list[int]] = {}
+    for k, (act, view) in enumerate(zip(acts, views, strict=True)):
+        if isinstance(act, Slipped) and act.batched:
+            groups.setdefault((act.run, id(view.states), id(view.description)), []).append(k)
+        elif act is not None:
+            groups[k] = [k]
+    return list(groups.values())

@@ -1,0 +1,182 @@
+"""Spatial (six-vector) algorithms: recursive Newton-Euler, and composite rigid bodies.
+
+    v = X v_p + S qd      a = X a_p + S qdd + v x S qd      f = I a + v x* I v
+    tau = S^T f           f_p += X^T f
+    I^c_p += X^T I^c X    F = I^c S      H_ii = S^T F       F = X^T F  down to the root,  H_ij = F^T S_j
+
+Six-vectors are [angular; linear], X = [E 0; -E r x  E] brings motions from the parent's axes into the link's.
+
+References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 6.2, equations 2.24, 2.31 and 2.63.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product, transposed
+from .link_axes import gathered
+from .steps import Steps, cross
+from .tree import Link, Pose, Tree, spatial
+
+HAVE = "its own and that of earlier children"
+
+
+def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
+    poses = tree.poses(q)
+    X = [transform(steps, p) for p in poses]
+    zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, a))
+    down = np.concatenate([0 * g, g], -1) + zero
+    if tree.floating:
+        up = steps.turn("gravity, brought into the base's axes,", X[0], -down)
+        speed = v[..., :6] + zero
+        # the rate of the base's spatial velocity has no w x v: what is given is the rate of its columns
+        acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
+    else:
+        speed, acc = zero, -down
+    vs, accs, f = [speed], [acc], []
+    for k in tree.links[1:]:
+        v_k, a_k = _next(steps, k, X[k.number], vs[k.parent], accs[k.parent], v, a)
+        vs.append(v_k)
+        accs.append(a_k)
+    for k in tree.links:
+        f.append(_needed(steps, tree, k, vs, accs) if k.mass > 0 else zero)
+    columns: dict[int, np.ndarray] = {}
+    for k in reversed(tree.links):
+        if k.moves:
+            columns[k.column] = _along(steps, k, f[k.number])
+        if k.parent >= 0:
+            handed = to_parent(steps, "the force that is handed on, X^T f,", X[k.number], f[k.number])
+            handed = steps.part("the links that hand on their force", handed, k.number - 1, len(tree.links) - 1)
+            f[k.parent] = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
+    return gathered(columns, [f[0]] if tree.floating else [], q)
+
+
+def _next(
+    steps: Steps, k: Link, X: np.ndarray, v_up: np.ndarray, a_up: np.ndarray, v: np.ndarray, a: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    inverse = {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
+    v_k = steps.turn("the parent's velocity", X, v_up, **inverse)
+    a_k = steps.turn("the parent's acceleration", X, a_up, **inverse)
+    if not k.moves:
+        return v_k, a_k
+    S = subspace(k)
+    S_qd, S_qdd = S * v[..., k.column, None], S * a[..., k.column, None]
+    v_k = steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd})
+    v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
+    turning = crm(steps, "v x S qd", v_c, S_qd)
+    terms = {"X a of the parent": a_k, "v x S qd": turning, "S qdd": S_qdd}
+    return v_k, steps.add("the acceleration of a link", **terms)
+
+
+def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[np.ndarray]) -> np.ndarray:
+    I, v_k = inertia(steps, k), vs[k.number]
+    v_up = vs[max(0, k.parent)]
+    v_I = steps.pick("the velocity in v x* I v", v_k, **{"the parent's": v_up})
+    Iv = product(I, v_I)
+    other = {"the cross product of motions, v x I v": lambda: crm(Steps(), "", v_I, Iv)}
+    spin = steps.pick("the product v x* I v", crf(steps, "v x* I v", v_I, Iv), **other)
+    f = steps.add("the force of a body", **{"I a": product(I, accs[k.number]), "v x* I v": spin})
+    return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
+
+
+def _along(steps: Steps, k: Link, f: np.ndarray) -> np.ndarray:
+    other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
+    site = "the force along a joint's axis, S^T f," + (": of sliding joints" if k.slides else ": of turning joints")
+    return np.asarray(
+        steps.pick(site, (subspace(k) * f).sum(-1), **{"that of the other half of f": (other * f).sum(-1)})
+    )
+
+
+def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+    """H (runs, samples, nv, nv) by composite rigid bodies."""
+    X = [transform(steps, p) for p in tree.poses(q)]
+    own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
+    I = list(own)
+    for k in reversed(tree.links[1:]):
+        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
+        x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
+        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+    entries: dict[tuple[int, int], np.ndarray] = {}
+    base = I[0]
+    for k in (k for k in tree.links if k.moves):
+        F = product(steps.pick("the inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}), subspace(k))
+        entries[k.column, k.column] = (subspace(k) * F).sum(-1)
+        step, at = "of the first step", k
+        while at.parent >= 0:
+            turned = to_parent(steps, f"F, carried down as X^T F: {step}", X[at.number], F)
+            F = steps.pick(
+                "X in X^T F", turned, **{"that of the next link down": lambda x=X[at.parent], y=F: _carried(x, y)}
+            )
+            step, at = "of further steps", tree.links[at.parent]
+            if at.moves:
+                entries[k.column, at.column] = entries[at.column, k.column] = (subspace(at) * F).sum(-1)
+        if tree.floating:
+            for i in range(6):
+                entries[k.column, i] = entries[i, k.column] = F[..., i]
+    if tree.floating:
+        entries |= {(i, j): base[..., i, j] for i in range(6) for j in range(6)}
+    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
+    H = np.zeros((*lead, tree.nv, tree.nv), np.result_type(q, *entries.values()))
+    for (i, j), x in entries.items():
+        H[..., i, j] = x
+    return H
+
+
+def _carried(X: np.ndarray, F: np.ndarray) -> np.ndarray:
+    return product(transposed(X), F) if X.shape[-1] == F.shape[-1] else F
+
+
+# --- what both need ------------------------------------------------------------------------------
+
+
+def transform(steps: Steps, pose: Pose) -> np.ndarray:
+    """X from the parent's axes into the link's."""
+    E, r = transposed(pose.R), cross_matrix(pose.p)
+    others = {"E [r x], with the other sign": E @ r, "-[r x] E, in the other order": -r @ E, "left out": 0 * (E @ r)}
+    lower = steps.pick("the block -E [r x] of X", -E @ r, **others)
+    lead = np.broadcast_shapes(E.shape, lower.shape)
+    E = np.broadcast_to(E, lead)
+    return spatial([[E, 0 * E], [lower, E]])
+
+
+def to_parent(steps: Steps, site: str, X: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """X^T f, with what may stand in the place of X^T."""
+    others = {
+        "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
+        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(X)),
+    }
+    return steps.turn(site, transposed(X), f, **others)
+
+
+def subspace(k: Link) -> np.ndarray:
+    return np.concatenate([0 * k.z, k.z] if k.slides else [k.z, 0 * k.z], -1)
+
+
+def inertia(steps: Steps, k: Link) -> np.ndarray:
+    """The spatial inertia about the link's origin."""
+    about = k.about_origin - k.I
+    I = steps.add("the inertia about a link's origin", **{"I of the centre": k.I, "m (c.c 1 - c c^T)": about})
+    h = k.mass * cross_matrix(k.c)
+    upper = steps.pick("the block m [c x] of the inertia", h, **{"-m [c x]": -h, "left out": 0 * h})
+    lower = steps.pick("the block m [c x]^T of the inertia", -h, **{"m [c x], not transposed": h, "left out": 0 * h})
+    if upper.shape != lower.shape:  # of several runs
+        upper, lower = np.broadcast_arrays(upper, lower)
+    return spatial([[I, upper], [lower, k.mass * np.eye(3)[None, None]]])
+
+
+def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
+    """v x m of motions."""
+    w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
+    linear = steps.add(
+        f"the linear part of {site}", **{"w x the linear part": cross(w, b), "v x the angular part": cross(u, a)}
+    )
+    return np.concatenate(np.broadcast_arrays(cross(w, a), linear), -1)
+
+
+def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """v x* f of forces."""
+    w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
+    angular = steps.add(f"the angular part of {site}", **{"w x the moment": cross(w, n), "v x the force": cross(u, b)})
+    return np.concatenate(np.broadcast_arrays(angular, cross(w, b)), -1)

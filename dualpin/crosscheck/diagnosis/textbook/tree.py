@@ -1,0 +1,182 @@
+"""The tree of bodies that textbook algorithms walk through: plain arrays, poses from q, and transforms.
+
+All arrays have the axes (runs, samples, ...), see `Steps.together`; those of the tree have one run and one sample.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ....spatial.inertia import steiner
+from ...subjects.convention import base_of
+from ...subjects.layout import product, rotations, transposed
+from ..case import View
+from ..description import Description, Part, merged
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A body, and the joint that moves it: from the parent's frame by a placement, then about or along an axis."""
+
+    number: int
+    name: str
+    parent: int
+    """-1 for the root."""
+    R: np.ndarray
+    p: np.ndarray
+    z: np.ndarray
+    """The unit axis, in the link's own axes; zero where the link is fixed."""
+    slides: bool
+    column: int
+    """Its place in v; -1 where the link is fixed."""
+    place: int
+    """Its place in q."""
+    mass: float
+    c: np.ndarray
+    """The centre of mass."""
+    I: np.ndarray
+    """The inertia about the centre of mass, in the link's axes."""
+
+    @property
+    def moves(self) -> bool:
+        return self.column >= 0
+
+    @cached_property
+    def about_origin(self) -> np.ndarray:
+        return np.asarray(self.I + steiner(self.mass, self.c[0, 0]))
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Of a link: R and p on its parent, and R0 and p0 in the world."""
+
+    R: np.ndarray
+    p: np.ndarray
+    R0: np.ndarray
+    p0: np.ndarray
+
+
+class Tree:
+    """The links of one description, parents first; a floating base is the root's.
+
+    Parameters
+    ----------
+    fused : bool
+        Whether fixed links are merged into the bodies that carry them, as many codes do before they start.
+
+    Raises
+    ------
+    ValueError
+        For joints that do not have one axis and one coordinate of their own.
+    """
+
+    def __init__(self, view: View, fused: bool = False) -> None:
+        robot, d = view.robot, merged(view.description) if fused else view.description
+        self.floating, self.nv = base_of(robot) is not None, robot.nv
+        self.gravity = np.array(d.gravity)[None, None]
+        self.links = [_root(d)]
+        number, joints = {d.root: 0}, {j.name: j for j in robot}
+        for part in d.parts:
+            joint = joints.get(part.joint)
+            if joint is not None and (joint.model.nv != 1 or joint.mimic is not None or not part.axial):
+                raise ValueError("joints with one axis and one coordinate of their own only")
+            if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any() or any(part.armature):
+                raise ValueError("links that stand where their joints move them only")
+            where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
+            self.links.append(_link(part, len(self.links), number[part.parent], *where))
+            number[part.link] = len(self.links) - 1
+        self.number = number
+        self._poses: tuple[np.ndarray, list[Pose]] | None = None
+
+    @property
+    def bodies(self) -> list[Link]:
+        return [k for k in self.links if k.mass > 0]
+
+    @property
+    def carried(self) -> list[Link]:
+        """The bodies that joints move."""
+        return [k for k in self.bodies if self.floating or self.joints_of(k)]
+
+    def joints_of(self, link: Link) -> list[Link]:
+        """The links whose joints move this one, from the root on."""
+        chain: list[Link] = []
+        while link.parent >= 0:
+            chain += [link] * link.moves
+            link = self.links[link.parent]
+        return chain[::-1]
+
+    def poses(self, q: np.ndarray) -> list[Pose]:
+        """Of all links; the last ones are kept, since many runs ask for the same."""
+        if self._poses is None or self._poses[0] is not q:
+            self._poses = q, self._posed(q)
+        return self._poses[1]
+
+    def _posed(self, q: np.ndarray) -> list[Pose]:
+        zero = np.zeros((*q.shape[:-1], 3), q.dtype)
+        R: np.ndarray = np.eye(3)[None, None]
+        p = zero
+        if self.floating:
+            R, p = rotations(q[..., 3:7]), q[..., :3]
+        out = [Pose(R, p, R, p)]
+        for k in self.links[1:]:
+            up, R, p = out[k.parent], k.R, k.p
+            if k.moves:
+                x = q[..., k.place, None]
+                if k.slides:
+                    p = p + product(R, k.z * x)
+                else:
+                    K = cross_matrix(k.z)
+                    R = R @ (np.eye(3) + np.sin(x)[..., None] * K + (1 - np.cos(x))[..., None] * (K @ K))
+            out.append(Pose(R, p + zero, up.R0 @ R, up.p0 + product(up.R0, p)))
+        return out
+
+    def unit(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Every state at rest, under every unit acceleration: samples x columns."""
+        tiled = np.repeat(q, self.nv, axis=1)
+        return tiled, np.zeros((1, tiled.shape[1], self.nv)), np.tile(np.eye(self.nv), (q.shape[1], 1))[None]
+
+    def columns(self, forces: np.ndarray) -> np.ndarray:
+        """The matrix whose columns are the forces of unit accelerations."""
+        return transposed(forces.reshape(len(forces), -1, self.nv, self.nv))
+
+
+def _root(d: Description) -> Link:
+    zero = np.zeros((1, 1, 3))
+    return Link(0, d.root, -1, np.eye(3)[None, None], zero, zero, False, -1, -1, *_body(d.base))
+
+
+def _link(part: Part, number: int, parent: int, column: int, place: int) -> Link:
+    z = part.unit_axis if column >= 0 else np.zeros(3)
+    R, p = part.rotation[None, None], part.position[None, None]
+    body = _body(part.body)
+    return Link(number, part.link, parent, R, p, z[None, None], part.slides, column, place, *body)
+
+
+def _body(b: object) -> tuple[float, np.ndarray, np.ndarray]:
+    mass, c, I = (b.mass, b.com, b.in_link) if b is not None else (0.0, np.zeros(3), np.zeros((3, 3)))  # type: ignore[attr-defined]
+    return float(mass), np.asarray(c)[None, None], np.asarray(I)[None, None]
+
+
+_TREES: weakref.WeakKeyDictionary[Description, dict[bool, Tree]] = weakref.WeakKeyDictionary()
+
+
+def tree_of(view: View, fused: bool = False) -> Tree:
+    """The tree of what a view sees; made once for each description."""
+    made = _TREES.setdefault(view.description, {})
+    if fused not in made:
+        made[fused] = Tree(view, fused)
+    return made[fused]
+
+
+def spatial(rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
+    """A 6x6 matrix of four 3x3 blocks."""
+    (a, b), (c, d) = rows
+    shape = np.broadcast_shapes(a.shape, b.shape, c.shape, d.shape)[:-2]
+    a, b, c, d = (np.broadcast_to(x, (*shape, 3, 3)) for x in (a, b, c, d))
+    return np.concatenate([np.concatenate([a, b], -1), np.concatenate([c, d], -1)], -2)
