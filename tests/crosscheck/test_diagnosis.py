@@ -15,7 +15,6 @@ from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.diagnosis.description import built, describe
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.keys import keys, table
-from dualpin.crosscheck.diagnosis.newton_euler import NewtonEuler
 from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, asking
 from dualpin.crosscheck.subjects.asking import expected
 from dualpin.crosscheck.subjects.layout import Layout
@@ -160,17 +159,6 @@ def test_many_descriptions_at_once_are_the_same_as_one_by_one(probe):
             (alone,) = Case(_silent(probe)).predictions(term, [story])
             assert (x is None) == (alone is None)
             assert x is None or np.abs(x - alone).max() < 1e-11 * max(1, np.abs(alone).max()), story
-
-
-@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("panda", False), ("solo12", True)])
-@pytest.mark.parametrize("merged", [False, True])
-def test_newton_and_euler_without_a_slip_are_right(robot, floating, merged):
-    ask = asked(robot, floating, 4)
-    view = Case(_silent(ask)).view(())
-    model = NewtonEuler(view.robot, view.description, "", merged)
-    s = view.states
-    apart = model.forces(s["q"], s["v"], s["a"], model.gravity) - dp.rnea(ask.robot, s["q"], s["v"], s["a"])
-    assert np.abs(apart).max() < 1e-11 * max(1, np.abs(s["tau"]).max())
 
 
 def _silent(ask: Asking) -> Answers:

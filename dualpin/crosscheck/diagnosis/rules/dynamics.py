@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..case import Case
-from ..textbook import lagrange, link_axes, spatial, world_axes
+import numpy as np
+
+from ..case import Case, View
+from ..textbook import lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, by_columns, right
 from ..textbook.lagrange import Lagrange
-from ..textbook.steps import EVERYWHERE
+from ..textbook.steps import EVERYWHERE, Steps
+from ..textbook.tree import tree_of
 from .formulation import COST, formulation
 
 SAYS = {
@@ -116,6 +119,15 @@ def register(name: str, run: Dynamics | Articulated, terms: tuple[str, ...], var
     formulation(name, terms, KNOWN, values, merges, cost + 0.01, SAYS, batched=True)(replace(run, fused=True))
 
 
+def seen(view: View, term: str, steps: Steps) -> np.ndarray | None:
+    """Accelerations of frames, in world axes."""
+    tree, s = tree_of(view), {k: x[None] for k, x in view.states.items()}
+    if view.layout.how.reference != "local_world_aligned":
+        return None
+    return world_axes.accelerations(steps, tree, s["q"], s["v"], s["a"], view.frames)
+
+
+formulation("Newton-Euler in world axes", ("frame_acceleration",), KNOWN, says=SAYS, batched=True)(seen)
 for _name, _forces in {
     "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     "Newton-Euler by spatial vectors": spatial.forces,
@@ -133,3 +145,4 @@ register(
     "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), (*MASSES, "aba", "aba_f_ext"),
     "M in itself and in forward dynamics",
 )  # fmt: skip
+formulation("sums of right parts", sums.TERMS, KNOWN, batched=True)(sums.run)

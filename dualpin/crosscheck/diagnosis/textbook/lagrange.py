@@ -18,7 +18,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, Dynamics, by_coordinates
 from .steps import EVERYWHERE, Steps, cross
-from .tree import Link, Tree
+from .tree import Link, Tree, tree_of
 
 
 def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -130,13 +130,16 @@ def mass_of_habits(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Lagrange(Dynamics):
-    """All terms from M, C and g; on a floating base, those without C."""
+    """All terms from M, C and g; C by differentiating M, of few joints on a fixed base."""
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        tree = tree_of(view, self.fused)
+        without = term not in ("gravity", "potential_energy", "crba", "minv", "kinetic_energy")
+        return None if without and (tree.floating or tree.nv > MOST_STEPS) else super().__call__(view, term, steps)
 
     def _sum(
         self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray | None, g: np.ndarray
     ) -> np.ndarray:
-        if tree.floating or tree.nv > MOST_STEPS:
-            raise ValueError("C by differentiating the mass matrix, of few joints on a fixed base")
         terms = {"C v": product(coriolis(steps, tree, q, v), v), "g": gravity(steps, tree, q, g)}
         if a is not None:
             terms["M a"] = product(mass(steps, tree, q), a)
@@ -152,7 +155,7 @@ class Lagrange(Dynamics):
         return self._sum(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
 
     def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
-        return None if tree.floating or tree.nv > MOST_STEPS else coriolis(steps, tree, s["q"], s["v"])
+        return coriolis(steps, tree, s["q"], s["v"])
 
     def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return potential(steps, tree, s["q"], tree.gravity)

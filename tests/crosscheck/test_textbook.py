@@ -1,0 +1,124 @@
+"""Textbook formulations: right without a slip, and each of their slips is told by the answers that it makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.rules.formulation import possible
+from dualpin.crosscheck.diagnosis.search import Catalogue
+from dualpin.crosscheck.diagnosis.textbook import articulated, lagrange, link_axes, spatial, sums, world_axes
+from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns
+from dualpin.crosscheck.diagnosis.textbook.slipped import Slipped, alike, predicted
+from dualpin.crosscheck.diagnosis.textbook.steps import Steps
+from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, Convention, asking
+from dualpin.crosscheck.subjects.layout import Layout
+
+PROBE = str(Path(__file__).parents[2] / "urdf/probe/probe.urdf")
+RUNS = {
+    "world": Dynamics(world_axes.forces, by_columns(world_axes.forces)),
+    "link": Dynamics(link_axes.forces, by_columns(link_axes.forces)),
+    "spatial": Dynamics(spatial.forces, by_columns(spatial.forces)),
+    "composite": Dynamics(spatial.forces, spatial.mass),
+    "articulated": articulated.Articulated(),
+    "lagrange": lagrange.Lagrange(spatial.forces, lagrange.mass),
+    "habits": Dynamics(world_axes.forces, lagrange.mass_of_habits),
+    "sums": sums.run,
+}
+
+
+def asked(robot: str, floating: bool = False, samples: int = 2, seed: int = 0) -> Asking:
+    return asking(robot, samples, seed, tuple(QUESTIONS), floating=floating)
+
+
+def answering(ask: Asking, terms: dict[str, np.ndarray] | None = None) -> Case:
+    how = Convention.of(ask.robot)
+    return Case(Answers("somebody", "", how, ask, Layout(ask.robot, how).states(ask.states), terms or {}))
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), (PROBE, True), ("panda", False), ("solo12", True)])
+@pytest.mark.parametrize("run", RUNS)
+def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
+    ask, compared = asked(robot, floating), 0
+    view = answering(ask).view(())
+    size = 1e-10 if floating else 1e-11  # what inverting M leaves: its condition is 1e4 to 1e6
+    for term in QUESTIONS:
+        if run == "sums" and term not in sums.TERMS:
+            continue
+        x = RUNS[run](view, term, Steps()) if term != "coriolis" or run == "lagrange" else None
+        if x is not None:
+            y = view.compute(term, view.layout.how.reference)
+            assert np.abs(x[0] - y).max() < size * max(1, np.abs(y).max()), term
+            compared += 1
+    assert compared >= (3 if run == "articulated" else 5)
+
+
+def hypotheses(case: Case) -> list[Hypothesis]:
+    return [h for rule in RULES if rule.late for h in rule.propose(case) if isinstance(h.act, Slipped)]
+
+
+@pytest.mark.parametrize("term", ["rnea", "minv"])
+def test_many_slips_in_one_run_predict_the_same_as_each_alone(term):
+    ask = asked(PROBE)
+    case = answering(ask, {term: np.zeros((2, ask.robot.nv, ask.robot.nv) if term == "minv" else (2, ask.robot.nv))})
+    view = case.view(())
+    found = [h for h in hypotheses(case) if term in h.terms and h.act.batched][::61]
+    acts = [h.act for h in found]
+    with np.errstate(all="ignore"):  # as in a diagnosis: a slip may leave no inertia to divide by
+        together = {tuple(at): predicted([acts[i] for i in at], view, term) for at in alike(acts, [view] * len(acts))}
+        single = [act(view, term) for act in acts]
+    for at, found_x in together.items():
+        for k, x in zip(at, found_x, strict=True):
+            alone = single[k]
+            near = np.isclose(
+                x, alone, rtol=1e-10, atol=1e-10 * max(1, np.nanmax(np.abs(alone), initial=0)), equal_nan=True
+            )
+            assert near.all(), found[k]
+
+
+def test_a_formulation_that_does_not_cover_a_joint_proposes_nothing(tmp_path):
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    joint = '<joint name="j" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+    path = tmp_path / "planar.urdf"
+    path.write_text(f'<robot name="r"><link name="a"/><link name="b">{body}</link>{joint}</robot>')
+    ask = asked(str(path))
+    assert possible(RUNS["link"], answering(ask), "rnea") == []
+    assert hypotheses(answering(ask, {"gravity": np.zeros((2, ask.robot.nv))})) == []
+
+
+def named_by_itself(ask: Asking, h: Hypothesis, term: str) -> bool | None:
+    """Whether answers made by a slip are explained by it or by what predicts the same; None where none shows."""
+    right = answering(ask)
+    x, plain = right.predict(term, (h,)), right.predict(term)
+    if x is None or not np.isfinite(x).all() or np.abs(x - plain).max() < 1e-7:
+        return None
+    case = answering(ask, {term: x})
+    found = diagnose(case, 20.0)
+    return bool(found.findings) and all(f.key != "partly" and f.after < 1e-9 for f in found.findings)
+
+
+def test_a_slip_is_found_among_all_by_its_answers():
+    ask = asked(PROBE, samples=3)
+    found = [h for h in hypotheses(answering(ask, {"bias": np.zeros((3, ask.robot.nv))})) if not h.values]
+    h = next(h for h in found if "w x (w x r) has the other sign" in h.says)
+    x = answering(ask).predict("bias", (h,))
+    stories = Catalogue(answering(ask, {"bias": x})).slips("bias")
+    assert any(h.identity == s[0].identity for s in stories) and len(stories) < 20
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("term", ["gravity", "bias", "rnea", "crba", "minv", "aba", "coriolis", "rnea_derivatives"])
+def test_a_hundred_slips_name_themselves(term):
+    ask = asked(PROBE, samples=6)
+    shape = {"crba": 2, "minv": 2, "coriolis": 2, "rnea_derivatives": 3}.get(term, 1)
+    n = ask.robot.nv
+    case = answering(ask, {term: np.zeros((6, *(n,) * shape) if shape < 3 else (6, 3, n, n))})
+    rng = np.random.default_rng(7)
+    found = [h for h in hypotheses(case) if term in h.terms]
+    results = {str(h): named_by_itself(ask, h, term) for h in (found[i] for i in rng.permutation(len(found))[:100])}
+    missed = [h for h, named in results.items() if named is False]
+    assert not missed and sum(named is True for named in results.values()) > 20, missed
