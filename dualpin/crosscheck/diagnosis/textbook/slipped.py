@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .steps import Slip, Steps
 
-if TYPE_CHECKING:
-    from ..case import View
-
-Run = Callable[["View", str, Steps], "np.ndarray | None"]
+View = Any
+"""`case.View`: the cases stand on this module."""
+Run = Callable[[View, str, Steps], "np.ndarray | None"]
 Formula = Callable[..., Any]
 
 
