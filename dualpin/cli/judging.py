@@ -104,10 +104,11 @@ def ask(
 
     names = wanted([t for t in terms.replace(",", " ").split() if t] or None)
     given = asking(robot, samples, seed, names, floating=floating, mimic=mimic)
+    program = write_starter(given, folder, language) if language else None  # refused before anything is written
     exchange.write(given, folder)
     print(f"wrote {folder / 'states.csv'}: {given.samples} states of {', '.join(given.robot.joint_names[:4])}, ...")
-    if language:
-        print(f"wrote {write_starter(given, folder, language)}: fill in the functions, run it, then")
+    if program:
+        print(f"wrote {program}: fill in the functions, run it, then")
     print(f"dualpin judge {robot}{' --floating' if floating else ''}{' --mimic' if mimic else ''} {folder}")
 
 
@@ -163,6 +164,8 @@ def show_judgement(report: Any) -> None:
         out.print(f"[bold red]not answered:[/] {_plain(', '.join(silent))}")
     if report.findings:
         out.print(f"[bold red]{len(report.findings)} found[/]")
+    elif report.partial:
+        out.print("[bold yellow]interrupted: not everything was judged[/]")
     elif not report.passed:
         out.print("[bold red]differs, cause unknown[/]")
     elif not silent:

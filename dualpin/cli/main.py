@@ -56,6 +56,10 @@ def main() -> None:
     except DualpinError as e:
         print(f"dualpin: {lines(str(e))}", file=sys.stderr)
         sys.exit(2)
+    except SystemExit as e:
+        if e.code == 130:  # what Typer makes of Ctrl-C, and commands that kept what they had
+            print("dualpin: interrupted", file=sys.stderr)
+        raise
     except KeyboardInterrupt:
         print("dualpin: interrupted", file=sys.stderr)
         sys.exit(130)

@@ -122,6 +122,8 @@ def find(
     'panda.urdf'
     """
     text = os.fspath(name)
+    if not text:
+        raise UrdfError("the robot's name is empty; a URDF file or a name of `dualpin list` expected")
     robots = catalogue()
     known = robots.get(ALIASES.get(text, text)) or shipped().get(text)
     if known is not None and not (isinstance(name, os.PathLike) and Path(text).exists()):

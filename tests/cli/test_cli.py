@@ -125,7 +125,7 @@ def test_ctrl_c_leaves_partial_results_and_says_so(tmp_path):
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=120)
     assert process.returncode == 130, err
-    assert "partial" in out
+    assert "partial" in out and err.endswith("dualpin: interrupted\n")
     assert json.loads((tmp_path / "report.json").read_text())["partial"] is True
     assert partial.exists()
 

@@ -43,6 +43,7 @@ def test_what_agrees_passes_and_what_crashes_is_said():
 def test_bad_words_are_answered_with_the_nearest(words, message, tmp_path):
     done = dualpin(*words, cwd=tmp_path)
     assert done.returncode == 2 and message in done.stderr, done.stdout + done.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_program_that_is_there_is_not_overwritten(tmp_path):

@@ -1,13 +1,16 @@
 """Campaigns lose nothing: refusals are reported, interruptions resumed."""
 
+import multiprocessing
 import os
+import time
 
 import pytest
 
 import dualpin as dp
-from dualpin.crosscheck.campaign import all_cases, campaign
+from dualpin.crosscheck.campaign import all_cases, campaign, executors
 from dualpin.crosscheck.campaign.run import PARTIAL
 from dualpin.crosscheck.run import Case
+from dualpin.crosscheck.units import Unit
 
 pytest.importorskip("pinocchio")
 
@@ -78,6 +81,25 @@ def test_a_crash_is_a_result_and_takes_nothing_with_it():
     found = {r.name: (r.status, r.passed) for r in report.robots}
     assert found == {"ur5": ("agrees", True), "bomb": ("not compared", True), "double_pendulum": ("agrees", True)}
     assert "crashed" in report.robots[1].reason
+
+
+def at_work(unit):
+    time.sleep(unit.samples)
+    return unit.key
+
+
+def test_a_run_that_is_stopped_waits_for_no_unit():
+    """A unit may take minutes, and a program ends only when its processes have ended."""
+    units = [Unit(Case("quick"), 0, 0, 0, "quick"), Unit(Case("slow"), 0, 300, 0, "slow")]
+    found = executors.run(units, at_work, jobs=2)
+    others = multiprocessing.active_children()
+    assert next(found)[1] == "quick"
+    processes = [p for p in multiprocessing.active_children() if p not in others]
+    assert len(processes) == 2
+    found.close()
+    for process in processes:
+        process.join(timeout=30)
+        assert not process.is_alive()
 
 
 def test_two_processes_find_what_one_finds():

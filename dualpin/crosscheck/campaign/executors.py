@@ -69,21 +69,29 @@ def _here(units: Sequence[Unit], work: Work, jobs: int) -> Found:
         lost: list[Unit] = []
         done: set[str] = set()
         with _processes(jobs) as pool:
-            try:
-                for unit, result in _through(pool, left, work, 2 * jobs, lost):
-                    done.add(unit.key)
-                    yield unit, result
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
+            for unit, result in _through(pool, left, work, 2 * jobs, lost):
+                done.add(unit.key)
+                yield unit, result
         for unit in lost:
             done.add(unit.key)
             yield unit, _alone(unit, work)
         left = [u for u in left if u.key not in done]
 
 
-def _processes(jobs: int) -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), initializer=_one_of, initargs=(jobs,))
+@contextmanager
+def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
+    """So many processes.  What ends the run early, such as Ctrl-C, ends them too: a unit may take minutes, and those
+    that were not finished are computed again when the run goes on."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, context, initializer=_one_of, initargs=(jobs,)) as pool:
+        try:
+            yield pool
+        except BaseException:
+            processes = list(pool._processes.values())  # `terminate_workers` of Python 3.14
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+            raise
 
 
 def _one_of(jobs: int) -> None:

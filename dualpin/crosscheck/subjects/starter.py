@@ -27,6 +27,7 @@ def write_starter(asking: Asking, folder: Path, language: str) -> Path:
     if path.exists():
         raise ArgumentError(f"ask: {path} is there already; it is left as it is (move it away for a new one)")
     with writing(f"ask: cannot write {path}"):
+        folder.mkdir(parents=True, exist_ok=True)
         write_text(path, starter(asking, language))
     return path
 
