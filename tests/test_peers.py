@@ -103,6 +103,26 @@ def test_a_peer_that_hangs_is_stopped(tmp_path, monkeypatch):
     assert "no answer within 0.5 s" in run()[0]["skipped"]
 
 
+def test_a_robot_without_fixed_links_moves_alike(tmp_path):
+    robot = dp.load("talos")
+    states = dict(zip(("q", "v", "a"), robot.sample(4, seed=0), strict=True))
+    process.write_robot(robot, tmp_path, states)
+    text = (tmp_path / "merged.urdf").read_text()
+    assert "fixed" not in text and text.count("<link") == len(robot) + 1
+    same = dp.load(tmp_path / "merged.urdf")
+    assert same.joint_names == robot.joint_names
+    assert np.allclose(dp.rnea(same, *states.values()), dp.rnea(robot, *states.values()), rtol=0, atol=1e-11)
+
+
+def test_dynibos_order_of_joints(tmp_path):
+    from dualpin.peers.adapters.dynibo import breadth_first
+
+    dp.load("talos").to_urdf(tmp_path / "robot.urdf")
+    names = breadth_first(tmp_path / "robot.urdf")
+    assert sorted(names) == sorted(dp.load("talos").joint_names)
+    assert names[:4] == ["leg_left_1_joint", "leg_right_1_joint", "torso_1_joint", "leg_left_2_joint"]
+
+
 def test_what_is_not_installed_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setenv("DUALPIN_SUBJECTS_DIR", str(tmp_path))
     (row,) = peers.run(["ur5"], ["drake"], ["rnea"], batch=64)

@@ -18,6 +18,7 @@ import numpy as np
 from ..crosscheck.subjects.environments import Environment, requirements
 from ..crosscheck.subjects.running import stop
 from ..errors import ArgumentError, DualpinError, nearest
+from ..model.builder import Builder
 from ..model.robot import Robot
 from . import apart
 from .adapters import FOLDER, NAMES
@@ -67,7 +68,7 @@ def _literals(adapter: Path) -> dict[str, Any]:
 
 
 def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) -> None:
-    """Write the files for a peer: the URDF, the robot as numbers, and the states.
+    """Write the files for a peer: the URDF, one without fixed links, the robot as numbers, and the states.
 
     Raises
     ------
@@ -79,6 +80,7 @@ def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) ->
             f"bench: peers are measured on robots of turning and sliding joints; {robot.name} has others"
         )
     robot.to_urdf(folder / "robot.urdf")  # without meshes and transmissions
+    merged(robot).to_urdf(folder / "merged.urdf")
     numbers, kinds = np.zeros((len(robot), 30)), np.zeros(len(robot), np.int32)
     for i, b in enumerate(robot):
         (s,), T, (com, about) = b.model.screws, b.placement.array, b.inertia.central
@@ -95,6 +97,14 @@ def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) ->
         folder / "model.npz", kinds=kinds, parents=parents, numbers=numbers, gravity=gravity, names=robot.joint_names
     )
     np.savez(folder / "states.npz", joints=robot.joint_names, **states)  # type: ignore[arg-type]
+
+
+def merged(robot: Robot) -> Robot:
+    """The same dynamics without fixed links: one link a joint, with the inertia of all that moves with it."""
+    b = Builder(robot.name, [float(x) for x in robot.gravity])
+    for j in robot:
+        b.joint(j.name, j.model, j.parent and j.parent.name, j.placement, j.inertia, limits=j.limits)
+    return b.robot()
 
 
 class Process:
