@@ -7,6 +7,7 @@ so that J^T f is inverse dynamics of a robot at rest without gravity, and J w th
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -179,17 +180,12 @@ def coriolis(use: Use, inputs: list[Any], C: Any, G: Any) -> list[Any]:
 
 
 def _brackets(robot: Robot) -> np.ndarray:
-    """The brackets [e_i, e_k] of unit velocities, at [entry, k, i]: spatial cross products of a joint's own screws.
-
-    Joints whose velocities are derivatives of coordinates have none.
-    """
+    """The brackets [e_i, e_k] of unit velocities, at [entry, k, i]."""
     found = np.zeros((robot.nv,) * 3)
     for b in (b for b in robot if not b.model.additive):
-        at, screws = zip(*b.dofs, strict=True)
-        S = np.array([_motor(s) for s in screws])
-        for i, s in zip(at, screws, strict=True):
-            for k, r in zip(at, screws, strict=True):
-                found[list(at), k, i] = np.linalg.lstsq(S.T, _motor(s.cross(r)), rcond=None)[0]
+        unit = np.eye(b.model.nv)
+        for (i, s), (k, r) in itertools.product(enumerate(unit.tolist()), repeat=2):
+            found[b.v, b.v.start + k, b.v.start + i] = [float(x) for x in b.model.bracket(s, r)]
     return found
 
 
@@ -198,10 +194,6 @@ def _armature(robot: Robot) -> np.ndarray:
     for b in (b for b in robot if not b.model.additive):
         found[b.v] = [float(x) for x in b.armature]
     return found
-
-
-def _motor(s: Any) -> list[float]:
-    return [float(x) for x in (*s.real, *s.dual)]
 
 
 def minv(use: Use, inputs: list[Any], inverse: Any, G: Any) -> list[Any]:

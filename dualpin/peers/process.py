@@ -103,7 +103,7 @@ def merged(robot: Robot) -> Robot:
     """The same dynamics without fixed links: one link a joint, with the inertia of all that moves with it."""
     b = Builder(robot.name, [float(x) for x in robot.gravity])
     for j in robot:
-        b.joint(j.name, j.model, j.parent and j.parent.name, j.placement, j.inertia, limits=j.limits)
+        b.joint(j.name, j.model, j.parent.name if j.parent else None, j.placement, j.inertia, limits=j.limits)
     return b.robot()
 
 
