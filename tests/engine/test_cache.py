@@ -124,6 +124,25 @@ def test_a_file_that_others_may_write_is_refused(place, compilations):
     assert len(compilations) == 2
 
 
+@pytest.mark.skipif(os.name == "nt", reason="POSIX files")
+@pytest.mark.parametrize("what", ["pipe", "link", "endless link", "folder", "nothing"])
+def test_what_is_no_file_is_neither_waited_for_nor_read(place, compilations, tmp_path, what):
+    first = gravity()
+    file = stored(place)
+    file.rename(tmp_path / "moved")
+    if what == "pipe":
+        os.mkfifo(file, 0o600)
+    elif what == "folder":
+        file.mkdir()
+    elif what == "nothing":
+        file.touch(0o600)
+    else:
+        file.symlink_to(tmp_path / "moved" if what == "link" else "/dev/zero")
+    with pytest.warns(dp.errors.DualpinWarning, match="kernel cache"):
+        assert np.array_equal(gravity(), first)
+    assert len(compilations) == 2
+
+
 def test_a_link_is_no_folder_of_its_own(place, compilations, tmp_path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "elsewhere").mkdir(mode=0o700)

@@ -107,17 +107,14 @@ def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None
     place = folder(room)
     path = place / _name(key)
     try:
-        with path.open("rb") as f:
-            about = os.fstat(f.fileno())
-            content = f.read()
+        with open(path, "rb", opener=_opened) as f:
+            reason = refusal(place) or _doubtful(path, os.fstat(f.fileno()))
+            content = b"" if reason else f.read()
     except FileNotFoundError:
         return None
     except OSError as e:
         _announce(f"kernel cache: {path.name} cannot be read ({e.strerror or e}); compiling instead")
         return None
-    reason = refusal(place)
-    if not reason and hasattr(os, "geteuid") and (about.st_uid != os.geteuid() or about.st_mode & 0o022):
-        reason = f"{path} is not this user's alone"
     if reason:
         _announce(f"kernel cache not used: {reason}")
         return None
@@ -128,6 +125,20 @@ def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None
         with contextlib.suppress(OSError):
             path.unlink()
         return None
+
+
+def _opened(path: str, flags: int) -> int:
+    """Opened without following a link and without waiting, as for the other end of a pipe."""
+    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+
+
+def _doubtful(path: Path, about: os.stat_result) -> str:
+    """Why a file that is open is not read, or an empty string."""
+    if not stat.S_ISREG(about.st_mode):
+        return f"{path} is no regular file"
+    if hasattr(os, "geteuid") and (about.st_uid != os.geteuid() or about.st_mode & 0o022):
+        return f"{path} is not this user's alone"
+    return ""
 
 
 def stored(key: str, room: str = "kernels") -> bool:
