@@ -98,6 +98,24 @@ _C_WORDS = frozenset(
 )
 
 
+def c_string(text: str) -> str:
+    r"""A string of C and C++, with its quotes; a question mark is escaped, since two may begin a trigraph.
+
+    Examples
+    --------
+    >>> print(c_string('a"b?\n'))
+    "a\"b\?\012"
+    """
+    special = {'"': r"\"", "\\": r"\\", "?": r"\?"}
+    controls = {chr(n): f"\\{n:03o}" for n in (*range(32), 127)}
+    return '"' + text.translate(str.maketrans(special | controls)) + '"'
+
+
+def julia_string(text: str) -> str:
+    """A string of Julia, with its quotes."""
+    return yaml_string(text).replace("$", r"\$")
+
+
 def matlab_string(text: str) -> str:
     """A character vector of MATLAB, with its quotes."""
     return "'" + line(text).replace("'", "''") + "'"

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tokenize
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from hypothesis import strategies as st
 
 import dualpin as dp
 from dualpin import escape
+from dualpin.crosscheck.subjects import asking, starter
 from dualpin.model import Builder, revolute
 from dualpin.spatial import UY, Pose, Vector3
 from tests.program import run
@@ -246,6 +248,33 @@ def test_words_of_c_are_no_names(name):
         return
     with pytest.raises(dp.ArgumentError, match=r"is no C identifier; '\w+' would be one"):
         dp.export_c(named("r", "j", "l"), "gravity", name=name)
+
+
+# names that look like the places of a starter, and what would be code if they were filled in
+PLACES = ["@V@", "@FRAMES@", "@Q@", "};int evil=1;char*x[]={", "a??/", '"]; evil(); [', "a\nb", "\\"]
+
+
+@pytest.mark.parametrize("language", ["c", "cpp", "python", "matlab", "julia"])
+def test_programs_to_fill_in_hold_names_as_strings_only(language):
+    def program(names):
+        b = Builder("@FRAMES@")
+        for k, name in enumerate(names):
+            b.joint(name, revolute(UY), names[k - 1] if k else None, link=f"{name}-{name}")
+        given = replace(asking("ur5", 2, 0, ("fk",)), robot=b.robot(), name="@FRAMES@")
+        return starter.starter(given, language)
+
+    quote = "'" if language == "matlab" else '"'
+    string = {
+        "matlab": r"'(?:[^'\n]|'')*'",
+        "python": r"""'(?:[^'\\\n]|\\.)*'|"(?:[^"\\\n]|\\.)*\"""",
+    }.get(language, r'"(?:[^"\\\n]|\\.)*"')
+    text = program(PLACES)
+    bare, plain = (re.sub(string, quote, x) for x in (text, program([f"j{k}" for k in range(len(PLACES))])))
+    assert bare == plain
+    assert "??/" not in text or language not in ("c", "cpp")
+    if language == "python":
+        values = {n.targets[0].id: n.value for n in ast.parse(text).body if isinstance(n, ast.Assign)}
+        assert ast.literal_eval(values["Q"]) == PLACES
 
 
 # --- the program -----------------------------------------------------------------------------------

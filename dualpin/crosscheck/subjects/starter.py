@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from importlib import resources
 from pathlib import Path
 
 from ...errors import ArgumentError, nearest
+from ...escape import c_string, julia_string, matlab_string
 from ...files import write_text, writing
 from .asking import Asking
 from .convention import columns
 
+LITERALS = {"c": c_string, "cpp": c_string, "python": repr, "matlab": matlab_string, "julia": julia_string}
 LANGUAGES = {"c": "answer.c", "cpp": "answer.cpp", "python": "answer.py", "matlab": "answer.m", "julia": "answer.jl"}
 
 
@@ -41,20 +44,13 @@ def starter(asking: Asking, language: str) -> str:
         "NV": str(len(v)), "NF": str(len(asking.frames)), "Q": _listed(q, language), "V": _listed(v, language),
         "FRAMES": _listed(asking.frames, language) or ('""' if language == "c" else ""),
     }  # fmt: skip
-    for name, value in values.items():
-        text = text.replace(f"@{name}@", value)
-    return text
+    # all at once: a name may look like a place of another
+    return re.sub(rf"@({'|'.join(values)})@", lambda place: values[place[1]], text)
 
 
 def _listed(names: tuple[str, ...], language: str) -> str:
-    """Names as literals; what would end a literal is escaped, so that no name becomes code."""
-    if language == "matlab":
-        return ", ".join("'" + n.replace("'", "''") + "'" for n in names)
-    escaped = (n.replace("\\", "\\\\").replace('"', '\\"') for n in names)
-    literals = ['"' + n + '"' for n in escaped]
-    if language == "julia":
-        literals = [x.replace("$", "\\$") for x in literals]
-    return ", ".join(literals)
+    """Names as literals of the language."""
+    return ", ".join(map(LITERALS[language], names))
 
 
 def _plain(name: str) -> str:
