@@ -106,9 +106,8 @@ def c_string(text: str) -> str:
     >>> print(c_string('a"b?\n'))
     "a\"b\?\012"
     """
-    special = {'"': r"\"", "\\": r"\\", "?": r"\?"}
-    controls = {chr(n): f"\\{n:03o}" for n in (*range(32), 127)}
-    return '"' + text.translate(str.maketrans(special | controls)) + '"'
+    special = {'"': r"\"", "\\": r"\\", "?": r"\?"} | {chr(n): f"\\{n:03o}" for n in (*range(32), 127)}
+    return '"' + "".join(special.get(c, c) for c in text) + '"'
 
 
 def julia_string(text: str) -> str:
