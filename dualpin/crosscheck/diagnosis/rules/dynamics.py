@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..case import Case, View
-from ..textbook import lagrange, link_axes, spatial, sums, world_axes
+from ..textbook import composite, lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, by_columns, right
 from ..textbook.lagrange import Lagrange
@@ -108,10 +109,26 @@ FUSED = "of bodies merged from fixed links"
 
 
 def merges(case: Case) -> bool:
-    return case.merged is not case.description
+    return any(not p.moves for p in case.description.parts)
 
 
-def register(name: str, run: Dynamics | Articulated, terms: tuple[str, ...], variant: str = "") -> None:
+@dataclass(frozen=True)
+class Seen:
+    """Accelerations of frames in world axes; `fused` as of `Tree`."""
+
+    by: Callable[..., np.ndarray]
+    fused: bool = False
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        tree, s = tree_of(view, self.fused), {k: x[None] for k, x in view.states.items()}
+        if view.layout.how.reference != "local_world_aligned":
+            return None
+        return self.by(steps, tree, s["q"], s["v"], s["a"], view.frames)
+
+
+def register(
+    name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = ""
+) -> None:
     """A formulation, of the links as they are and of bodies merged from fixed links."""
     cost = COST + 0.05 * bool(variant)
     formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True)(run)
@@ -119,15 +136,8 @@ def register(name: str, run: Dynamics | Articulated, terms: tuple[str, ...], var
     formulation(name, terms, KNOWN, values, merges, cost + 0.01, SAYS, batched=True)(replace(run, fused=True))
 
 
-def seen(view: View, term: str, steps: Steps) -> np.ndarray | None:
-    """Accelerations of frames, in world axes."""
-    tree, s = tree_of(view), {k: x[None] for k, x in view.states.items()}
-    if view.layout.how.reference != "local_world_aligned":
-        return None
-    return world_axes.accelerations(steps, tree, s["q"], s["v"], s["a"], view.frames)
-
-
-formulation("Newton-Euler in world axes", ("frame_acceleration",), KNOWN, says=SAYS, batched=True)(seen)
+register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
+register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
 for _name, _forces in {
     "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     "Newton-Euler by spatial vectors": spatial.forces,
@@ -139,6 +149,9 @@ register(
     "M from Jacobians",
 )  # fmt: skip
 register("composite rigid bodies", Dynamics(right(spatial.forces), spatial.mass), (*MASSES, *FORWARD))
+_composite = Dynamics(right(spatial.forces), composite.mass)
+register("composite bodies by mass, moment and inertia", _composite, (*MASSES, *FORWARD))
+register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",))
 register("articulated bodies", Articulated(), (*FORWARD, "minv"))
 register("Lagrange", Lagrange(spatial.forces, lagrange.mass), (*FORCES, *MASSES, *FORWARD, "potential_energy"))
 register(

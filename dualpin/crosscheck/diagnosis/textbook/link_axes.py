@@ -15,6 +15,7 @@ References: Craig, Introduction to Robotics (2005), equations 6.45 to 6.53; Luh,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,12 +36,37 @@ class Motion:
 
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
+    poses, moving = tree.poses(q), motions(steps, tree, q, v, a, g)
+    f, n = _bodies(steps, tree, moving)
+    return _inward(steps, tree, poses, f, n, q)
+
+
+def accelerations(
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str]
+) -> np.ndarray:
+    """(runs, samples, frames, 6): alpha, and the acceleration of the frame's origin, in world axes."""
+    poses, moving, out = tree.poses(q), motions(steps, tree, q, v, a, np.zeros((1, 1, 3))), []
+    for number, offset in (tree.frames[f] for f in frames):
+        m, R = moving[number], poses[number].R0
+        terms = {
+            "that of the link's origin": m.a, "alpha x r": cross(m.alpha, offset),
+            "w x (w x r)": cross(m.w, cross(m.w, offset)),
+        }  # fmt: skip
+        acc = steps.turn(
+            "the acceleration of a frame, in its link's axes,", R, steps.add("the acceleration of a frame", **terms)
+        )
+        alpha = steps.turn("the angular acceleration of a frame", R, m.alpha)
+        out.append(np.concatenate(np.broadcast_arrays(alpha, acc), -1))
+    lead = np.broadcast_shapes(*(x.shape for x in out))
+    return np.stack([np.broadcast_to(x, lead) for x in out], axis=2)
+
+
+def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> list[Motion]:
     poses = tree.poses(q)
     moving = [_base(steps, tree, poses[0], v, a, g)]
     for k in tree.links[1:]:
         moving.append(_next(steps, tree, k, poses[k.number], moving[k.parent], v, a))
-    f, n = _bodies(steps, tree, moving)
-    return _inward(steps, tree, poses, f, n, q)
+    return moving
 
 
 def _base(steps: Steps, tree: Tree, pose: Pose, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> Motion:
@@ -60,8 +86,9 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
     R, p = transposed(pose.R), pose.p
     w_up = w = steps.turn(f"the parent's angular velocity: {which}", R, up.w)
     alpha_up = alpha = steps.turn(f"the parent's angular acceleration: {which}", R, up.alpha)
+    if k.moves:
+        qd, qdd = _of_joint(steps, tree, k, v, "velocity"), _of_joint(steps, tree, k, a, "acceleration")
     if k.moves and not k.slides:
-        qd, qdd = v[..., k.column, None], a[..., k.column, None]
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w_up, "z qd": k.z * qd})
         w_here = steps.turn("the angular velocity in w x z qd", R, up.w)
         alpha = steps.add(
@@ -82,13 +109,19 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
     carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     acc = steps.turn(f"the acceleration of a link's origin, found in the parent's axes: {which}", R, carried)
     if k.moves and k.slides:
-        qd, qdd = v[..., k.column, None], a[..., k.column, None]
         w_slide = steps.pick("the angular velocity in 2 w x z qd", w, **{"the parent's, in its axes": lambda: up.w})
         acc = steps.add(
             "the acceleration of a sliding link",
             **{"that of the place where it is": acc, "2 w x z qd": 2 * cross(w_slide, k.z * qd), "z qdd": k.z * qdd},
         )
     return Motion(w, alpha, acc)
+
+
+def _of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str) -> np.ndarray:
+    first = 6 * tree.floating
+    before, after = (first + (k.column - first + d) % (tree.nv - first) for d in (-1, 1))
+    others = {"that of the joint before": x[..., before, None], "that of the joint after": x[..., after, None]}
+    return np.asarray(steps.pick(f"the {what} of a joint", x[..., k.column, None], **others))
 
 
 def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.ndarray], list[np.ndarray]]:

@@ -22,7 +22,7 @@ from .steps import Steps
 REFERENCES = ("world", "local", "local_world_aligned")
 DAMPED = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """What people add to the diagonal of a matrix before they invert it."""
-TERMS = ("bias", "rnea", "rnea_f_ext", "minv", "aba", "aba_f_ext", "rnea_derivatives", "aba_derivatives")
+TERMS = ("bias", "rnea", "rnea_f_ext", "minv", "aba", "aba_f_ext", "coriolis", "rnea_derivatives", "aba_derivatives")
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
 """Of finite differences so coarse that their error is more than rounding."""
 
@@ -31,6 +31,8 @@ def run(view: View, term: str, steps: Steps) -> np.ndarray | None:
     """The term (runs, samples, ...)."""
     if term in ("bias", "rnea", "rnea_f_ext"):
         return _inverse(view, term, steps)
+    if term == "coriolis":
+        return _coriolis(view, steps)
     if term in ("aba", "aba_f_ext"):
         return _forward(view, term, steps)
     if term == "minv":
@@ -96,6 +98,27 @@ def _inverted(view: View, steps: Steps) -> np.ndarray:
 def _cholesky(M: np.ndarray) -> np.ndarray:
     inverse = np.linalg.inv(np.linalg.cholesky(M))
     return inverse @ transposed(inverse)
+
+
+def _coriolis(view: View, steps: Steps) -> np.ndarray:
+    """C, with what else is made of the forces C v."""
+    v, zero = view.states["v"], np.zeros_like(view.states["v"])
+    g, nv = view.compute("gravity"), view.states["v"].shape[1]
+
+    def of_unit_velocities() -> np.ndarray:
+        columns = [view.compute("bias", v=zero + e) - g for e in np.eye(nv)]
+        return np.stack(columns, axis=-1)[None]
+
+    def by_v() -> np.ndarray:
+        return view.compute("rnea_derivatives", a=zero)[None, :, 1]
+
+    others: dict[str, Callable[[], np.ndarray]] = {
+        "the derivative of C v by v": by_v, "half the derivative of C v by v": lambda: by_v() / 2,
+        "the forces C v of unit velocities, by columns": of_unit_velocities,
+        "the forces C v of unit velocities, times these": lambda: of_unit_velocities() * v[None, :, None, :],
+        "the derivative of all forces by q": lambda: view.compute("rnea_derivatives", a=zero)[None, :, 0],
+    }  # fmt: skip
+    return np.asarray(steps.pick("the matrix C", view.compute("coriolis")[None], **others))
 
 
 def _forward(view: View, term: str, steps: Steps) -> np.ndarray:

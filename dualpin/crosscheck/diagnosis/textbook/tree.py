@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,7 +68,7 @@ class Tree:
     Parameters
     ----------
     fused : bool
-        Whether fixed links are merged into the bodies that carry them, as many codes do before they start.
+        Whether fixed links are merged into the bodies that carry them, and are no links any more, as in many codes.
 
     Raises
     ------
@@ -82,7 +82,13 @@ class Tree:
         self.gravity = np.array(d.gravity)[None, None]
         self.links = [_root(d)]
         number, joints = {d.root: 0}, {j.name: j for j in robot}
+        standing = d.carried()
         for part in d.parts:
+            if fused and not part.moves:
+                continue
+            if fused:  # its place on what carries its parent
+                carrier, H = standing[part.parent]
+                part = replace(part.placed(H @ part.pose), parent=carrier)
             joint = joints.get(part.joint)
             if joint is not None and (joint.model.nv != 1 or joint.mimic is not None or not part.axial):
                 raise ValueError("joints with one axis and one coordinate of their own only")
@@ -91,7 +97,11 @@ class Tree:
             where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
             self.links.append(_link(part, len(self.links), number[part.parent], *where))
             number[part.link] = len(self.links) - 1
-        self.number = number
+        nowhere = {link: (link, np.eye(4)) for link in standing}
+        self.frames = {
+            link: (number[on], H[:3, 3][None, None]) for link, (on, H) in (standing if fused else nowhere).items()
+        }
+        """Of every link: the number of the one that carries it, and where it stands there."""
         self._poses: tuple[np.ndarray, list[Pose]] | None = None
 
     @property

@@ -50,10 +50,18 @@ def accelerations(
     steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str]
 ) -> np.ndarray:
     """(runs, samples, frames, 6): alpha, and the acceleration of the frame's origin."""
-    moving = motions(steps, tree, q, v, a)
-    seen = [np.concatenate(np.broadcast_arrays(m.alpha, m.a), -1) for m in (moving[tree.number[f]] for f in frames)]
-    lead = np.broadcast_shapes(*(x.shape for x in seen))
-    return np.stack([np.broadcast_to(x, lead) for x in seen], axis=2)
+    poses, moving, out = tree.poses(q), motions(steps, tree, q, v, a), []
+    for number, offset in (tree.frames[f] for f in frames):
+        m = moving[number]
+        out.append(at_frame(steps, m.w, m.alpha, m.a, product(poses[number].R0, offset)))
+    lead = np.broadcast_shapes(*(x.shape for x in out))
+    return np.stack([np.broadcast_to(x, lead) for x in out], axis=2)
+
+
+def at_frame(steps: Steps, w: np.ndarray, alpha: np.ndarray, a: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """alpha and the acceleration of a point of a link."""
+    terms = {"that of the link's origin": a, "alpha x r": cross(alpha, r), "w x (w x r)": cross(w, cross(w, r))}
+    return np.concatenate(np.broadcast_arrays(alpha, steps.add("the acceleration of a frame", **terms)), -1)
 
 
 def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> list[Motion]:

@@ -1,0 +1,145 @@
+"""Composite bodies by mass, first moment and inertia; and energies body by body.
+
+    m^c += m_j     h^c += h + m_j p,  h = R h_j
+    I^c += R I_j R^T + 2 (h.p) 1 - h p^T - p h^T + m_j (p.p 1 - p p^T)
+    turning: n = I^c z, f = z x h^c     sliding: n = h^c x z, f = m^c z     H_ij = z_j . n or z_j . f, handed down by
+    n = R n + p x R f,  f = R f
+
+References: Walker and Orin, Efficient dynamic computer simulation of robotic mechanisms (1982), method 3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product, transposed
+from ..case import View
+from .steps import Steps, cross
+from .tree import Link, Pose, Tree, tree_of
+
+Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
+HAVE = "its own and that of earlier children"
+
+
+def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+    """M (runs, samples, nv, nv)."""
+    poses = tree.poses(q)
+    lumps = [_own(steps, k, q) for k in tree.links]
+    for k in reversed(tree.links[1:]):
+        lumps[k.parent] = _joined(steps, tree, k, poses[k.number], lumps[k.parent], lumps[k.number])
+    entries: dict[tuple[int, int], np.ndarray] = {}
+    for k in (k for k in tree.links if k.moves):
+        n, f = _unit(steps, k, lumps[k.number])
+        at = k
+        while at.parent >= 0:
+            if at.moves:
+                felt = (at.z * (f if at.slides else n)).sum(-1)
+                entries[k.column, at.column] = entries[at.column, k.column] = felt
+            n, f = _handed(steps, poses[at.number], n, f)
+            at = tree.links[at.parent]
+        if tree.floating:
+            for i in range(3):
+                entries[k.column, i] = entries[i, k.column] = n[..., i]
+                entries[k.column, 3 + i] = entries[3 + i, k.column] = f[..., i]
+    if tree.floating:
+        m, h, I = lumps[0]
+        across = cross_matrix(h)
+        for i in range(3):
+            for j in range(3):
+                entries[i, j], entries[3 + i, 3 + j] = I[..., i, j], m[..., 0] * float(i == j)
+                entries[i, 3 + j] = entries[3 + j, i] = across[..., i, j]
+    return _filled(entries, tree.nv, q)
+
+
+def _own(steps: Steps, k: Link, q: np.ndarray) -> Lump:
+    lead = np.zeros(q.shape[:-1], q.dtype)[..., None]
+    terms = {"I about the centre of mass": k.I, "m (c.c 1 - c c^T)": k.about_origin - k.I}
+    I = steps.add("the inertia about a link's origin", **terms)
+    return k.mass + lead, k.mass * k.c + lead, I + lead[..., None]
+
+
+def _joined(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Lump, mine: Lump) -> Lump:
+    """What a link and a child of it are as one body, about the link's origin."""
+    (M, H, T), (m, h, I) = up, mine
+    p, one = pose.p, np.eye(3)
+    h = steps.turn("a child's first moment", pose.R, h)
+    I = steps.congruent("a child's inertia", pose.R, I)
+    hp, pp = (h * p).sum(-1)[..., None, None], (p * p).sum(-1)[..., None, None]
+    outer = h[..., :, None] * p[..., None, :]
+    arms = 2 * hp * one - outer - transposed(outer)
+    last, count = k.number - 1, len(tree.links) - 1
+    terms = {
+        HAVE: T, "the child's I": I, "2 (h.p) 1 - h p^T - p h^T": arms,
+        "m (p.p 1 - p p^T)": m[..., None] * (pp * one - p[..., :, None] * p[..., None, :]),
+    }  # fmt: skip
+    whole = steps.add("the composite inertia", **terms)
+    moment = steps.add("the composite first moment", **{HAVE: H, "R h": h, "m p": m * p})
+    mass = steps.add("the composite mass", **{HAVE: M, "the child's m": steps.part("the masses", m, last, count)})
+    return mass, moment, whole
+
+
+def _unit(steps: Steps, k: Link, lump: Lump) -> tuple[np.ndarray, np.ndarray]:
+    """Moment and force for a unit acceleration of the joint."""
+    m, h, I = lump
+    if k.slides:
+        n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": cross(h, k.z)})
+        return n, steps.add("the force of a sliding joint's unit acceleration", **{"m z": m * k.z})
+    n = steps.add("the moment of a turning joint's unit acceleration", **{"I z": product(I, k.z)})
+    return n, steps.add("the force of a turning joint's unit acceleration", **{"z x h": cross(k.z, h)})
+
+
+def _handed(steps: Steps, pose: Pose, n: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    f = steps.turn("the force that is handed on", pose.R, f)
+    n = steps.turn("the moment that is handed on", pose.R, n)
+    return steps.add("the moment at a joint", **{"R n": n, "r x f": cross(pose.p, f)}), f
+
+
+def _filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:
+    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
+    M = np.zeros((*lead, nv, nv), np.result_type(q, *entries.values()))
+    for (i, j), x in entries.items():
+        M[..., i, j] = x
+    return M
+
+
+@dataclass(frozen=True)
+class Energy:
+    """T = sum m v_c . v_c / 2 + w . I w / 2, by velocities from link to link; `fused` as of `Tree`."""
+
+    fused: bool = False
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        tree, q, v = tree_of(view, self.fused), view.states["q"][None], view.states["v"][None]
+        poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+        moving = [(v[..., :3], v[..., 3:6]) if tree.floating else (zero, zero)]
+        total: np.ndarray = np.zeros((1, 1))
+        for k in tree.links[1:]:
+            moving.append(_velocity(steps, k, poses[k.number], moving[k.parent], v))
+        for i, k in enumerate(tree.carried):
+            w, u = moving[k.number]
+            at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w, k.c)})
+            I = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
+            terms = {"m v.v / 2": 0.5 * k.mass * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
+            energy = steps.add("the kinetic energy of a body", **terms)
+            total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried))
+        return total
+
+
+def _velocity(
+    steps: Steps, k: Link, pose: Pose, up: tuple[np.ndarray, np.ndarray], v: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    w_up, u_up = up
+    back = transposed(pose.R)
+    w = steps.turn("the parent's angular velocity", back, w_up)
+    carried = steps.add("the velocity of a link's origin", **{"the parent's": u_up, "w x p": cross(w_up, pose.p)})
+    u = steps.turn("the velocity of a link's origin, found in the parent's axes,", back, carried)
+    if k.moves:
+        z_qd = k.z * v[..., k.column, None]
+        if k.slides:
+            u = steps.add("the velocity of a sliding link", **{"that of the place where it is": u, "z qd": z_qd})
+        else:
+            w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
+    return w, u
