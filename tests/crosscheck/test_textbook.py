@@ -47,7 +47,10 @@ def answering(ask: Asking, terms: dict[str, np.ndarray] | None = None) -> Case:
     return Case(Answers("somebody", "", how, ask, Layout(ask.robot, how).states(ask.states), terms or {}))
 
 
-@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), (PROBE, True), ("panda", False), ("solo12", True)])
+LONGER = [pytest.param(*x, marks=pytest.mark.campaign) for x in (("panda", False), ("solo12", True), ("kinova", False))]
+
+
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), (PROBE, True), *LONGER])
 @pytest.mark.parametrize("run", RUNS)
 def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
     ask, compared = asked(robot, floating), 0
