@@ -20,6 +20,8 @@ def numbers(what: str, value: ArrayLike) -> np.ndarray:
         raise ShapeError(f"{what}: not an array ({e})") from None
     if x.dtype.kind not in "fiub":
         raise ArgumentError(f"{what}: real numbers expected, got {x.dtype} ({type(value).__name__}){_hint(x)}")
+    if hasattr(value, "mask") and np.ma.is_masked(value):
+        raise ArgumentError(f"{what}: numbers expected, some of this masked array have none; fill them first")
     return x.astype(np.float64, copy=False)
 
 

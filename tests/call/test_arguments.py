@@ -29,7 +29,7 @@ def state(robot):
 
 
 def as_lists(arrays):
-    return [x.tolist() if isinstance(x, np.ndarray) and x.dtype.kind in "fiu" else x for x in arrays]
+    return [x.tolist() if type(x) is np.ndarray and x.dtype.kind in "fiu" else x for x in arrays]
 
 
 def ways_in(robot):
@@ -63,6 +63,7 @@ def wrong_inputs(q, v, a):
         "q complex": (q + 0j, v, a), "v of objects": (q, v.astype(object), a), "a of text": (q, v, a.astype(str)),
         "q missing": (None, v, a), "v is text": (q, "zero", a), "a is a dict": (q, v, {"a": 0}),
         "v is ragged": (q, [[0.0] * 12, [0.0] * 3], a), "not a unit quaternion": (bent, v, a),
+        "v is masked": (q, np.ma.masked_less(v, np.median(v)), a),
         "three batches": (np.stack([q] * 3), np.stack([v] * 2), a), "q and v swapped": (v, q, a),
     }  # fmt: skip
 
