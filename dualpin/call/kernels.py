@@ -82,7 +82,7 @@ class Kernels:
         return self.known(single=single)
 
     def soonest(self) -> Kernel | None:
-        """The kernel for one sample; the first time, if it is long, one of the same bits that takes less time to make.
+        """The kernel for one sample; the first time, unless it is short, bytecode of the same bits.
 
         That serves until it is asked for again, and another thread has made the real one.
         """
