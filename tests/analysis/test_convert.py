@@ -53,7 +53,7 @@ def test_mjcf_becomes_urdf_and_back(tmp_path):
 
 
 def test_a_robot_on_a_floating_base(tmp_path):
-    done = dp.convert("solo12", tmp_path / "solo.urdf", samples=3, floating=True)
+    done = dp.convert("double_pendulum", tmp_path / "flying.urdf", samples=3, floating=True)
     assert done.passed, done
 
 

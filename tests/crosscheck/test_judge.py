@@ -25,7 +25,7 @@ def apart(name: str, **options) -> Report:
 
 
 def test_pinocchio_agrees_in_every_term_on_a_fixed_and_a_floating_base():
-    for robot, floating in (("panda", False), ("solo12", True)):
+    for robot, floating in (("ur5", False), ("solo8", True)):
         report = dp.judge(robot, "pinocchio", 6, floating=floating)
         assert {t.status for t in report.terms.values()} == {"agrees"}
         assert report.passed and not report.findings
