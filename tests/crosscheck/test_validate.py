@@ -226,7 +226,7 @@ def test_what_is_singular_is_found_by_norms_as_by_eigenvalues():
     with np.errstate(all="ignore"):
         expected = ~(tolerance.condition(M / d[:, :, None] / d[:, None, :]) < tolerance.SINGULAR)
     hopeless = tolerance.MassMatrices(M).hopeless
-    # between the bounds by rounding alone: eigenvalues of nearly singular matrices know no more
+    # near the bound rounding decides, to which eigenvalues of nearly singular matrices are known
     near = np.abs(np.append(exponents, [20, 20]) - np.log10(tolerance.SINGULAR)) < 0.5
     assert np.array_equal(hopeless[~near], expected[~near])
     assert 10 < hopeless.sum() < 140

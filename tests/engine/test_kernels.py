@@ -116,7 +116,7 @@ def test_any_batch_and_each_sample_on_its_own(n):
     tau = dp.rnea(robot, q, v, a)
     assert tau.shape == (n, 6)
     for i in {0, n // 2, n - 1} if n else ():
-        # no sample knows its neighbours: alone it has the same bits
+        # a sample alone has the same bits as among others
         assert np.array_equal(dp.rnea(robot, q[i], v[i], a[i]), tau[i])
         assert np.array_equal(dp.rnea(robot, q[i : i + 1], v[i : i + 1], a[i : i + 1])[0], tau[i])
 
@@ -234,7 +234,12 @@ def test_large_results_past_the_caches_are_the_same(term, width, dtype):
     q = robot.sample(n, seed=0)[0].astype(dtype)
     kernel = kernels.build(robot, TERMS[term], {}, dtype)
     item = np.dtype(dtype).itemsize
-    for shift in (0, item, 2 * item, 1):  # bytes; past the caches, but for numbers between those of an array
+    for shift in (
+        0,
+        item,
+        2 * item,
+        1,
+    ):  # bytes; at 1 numbers are not aligned, so that they are not stored past the caches
         memory = np.empty((n * width + 3) * item, np.uint8)
         out = memory[shift : shift + n * width * item].view(dtype).reshape(n, width)
         kernel.rows([q], out)

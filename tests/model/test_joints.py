@@ -77,7 +77,7 @@ def test_compiled_terms_are_those_of_the_source(name, seed):
         ("integrate", (q, 0.1 * v)), ("difference", (q, q[::-1])), ("rnea_derivatives", (q, v, a)),
     ):  # fmt: skip
         if term == "difference" and name == "floating_spherical":
-            continue  # its planar joint has places and turns that no single motion joins
+            continue  # no difference where its planar joint has turned whole turns and moved
         f = getattr(dp, term)
         assert scaled(np.array(f(r, *inputs)), np.array(f(r, *inputs, engine="numpy"))) < 1e-10, term
 
