@@ -69,6 +69,23 @@ def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
     assert compared >= {"articulated": 3, "energy": 1, "seen in world axes": 1, "seen in link axes": 1}.get(run, 5)
 
 
+def test_rotors_count_in_every_formulation(tmp_path):
+    path = tmp_path / "arm.xml"
+    geom = '<geom type="capsule" size=".05" fromto="0 0 0 .3 .1 0" mass="2"/>'
+    path.write_text(
+        f"""<mujoco><worldbody><body name="a"><joint name="p" axis="0 1 0" armature=".3"/>{geom}
+        <body name="b" pos=".3 .1 0"><joint name="q" axis="0 0 1" armature=".2"/>{geom}</body></body></worldbody>
+        </mujoco>"""
+    )
+    ask = asked(str(path))
+    view = answering(ask).view(())
+    assert [float(x) for j in ask.robot for x in j.armature] == [0.3, 0.2]
+    for name in ("world", "link", "composite", "articulated", "lagrange"):
+        for term in ("rnea", "crba", "aba", "minv"):
+            x = RUNS[name](view, term, Steps())
+            assert x is None or np.abs(x[0] - view.compute(term)).max() < 1e-12, (name, term)
+
+
 def hypotheses(case: Case) -> list[Hypothesis]:
     return [h for rule in RULES if rule.late for h in rule.propose(case) if isinstance(h.act, Slipped)]
 

@@ -78,7 +78,7 @@ def _inward(
     if k.moves:
         S = subspace(k)
         U = product(IA, S)
-        D = (S * U).sum(-1)[..., None]
+        D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
         u = steps.add("u", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]})
         bodies[k.number] = Body(c, U, D, u)
         outer = U[..., :, None] * U[..., None, :] / D[..., None]

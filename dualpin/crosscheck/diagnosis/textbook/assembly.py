@@ -58,10 +58,17 @@ class Dynamics:
         """Variants with the same forces answer alike to what is made of forces alone."""
         return (self.forces, self.fused) if type(self) is Dynamics and term in OF_FORCES else self
 
+    def tau(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
+        """The forces, with those that turn the rotors."""
+        return self.forces(steps, tree, q, v, a, g) + tree.rotors * a
+
+    def M(self, steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+        return self.mass(steps, tree, q) + np.diag(tree.rotors)
+
     # forces
 
     def _h(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-        return self.forces(steps, tree, q, v, np.zeros_like(v), tree.gravity)
+        return self.tau(steps, tree, q, v, np.zeros_like(v), tree.gravity)
 
     def _gravity(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._h(steps, tree, s["q"], 0 * s["v"])
@@ -70,7 +77,7 @@ class Dynamics:
         return self._h(steps, tree, s["q"], s["v"])
 
     def _rnea(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        return self.forces(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
+        return self.tau(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
 
     def _rnea_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._rnea(steps, tree, s, view)[:, :, None] - torques(view)
@@ -78,34 +85,34 @@ class Dynamics:
     # the mass matrix
 
     def _crba(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        return self.mass(steps, tree, s["q"])
+        return self.M(steps, tree, s["q"])
 
     def _minv(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M = self.mass(steps, tree, s["q"])
+        M = self.M(steps, tree, s["q"])
         return solved(M, np.broadcast_to(np.eye(tree.nv), M.shape))
 
     def _kinetic_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        return np.asarray(0.5 * (s["v"] * product(self.mass(steps, tree, s["q"]), s["v"])).sum(-1))
+        return np.asarray(0.5 * (s["v"] * product(self.M(steps, tree, s["q"]), s["v"])).sum(-1))
 
     # both
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        return solved(self.mass(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]
+        return solved(self.M(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]
 
     def _aba(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._forward(steps, tree, s["q"], s["v"], s["tau"])
 
     def _aba_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M, left = self.mass(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
+        M, left = self.M(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
         needed = left[:, :, None] + torques(view)
         return transposed(solved(M, transposed(needed)))
 
     def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
         """Christoffel's symbols of a wrong mass matrix; of a right one, nothing is known but C v."""
         q, v = s["q"], s["v"]
-        M, exact = self.mass(steps, tree, q), self.mass(Steps(), tree, q)
-        C_v = self.forces(steps, tree, q, v, 0 * v, 0 * tree.gravity)
-        known = self.forces(Steps(), tree, q, v, 0 * v, 0 * tree.gravity)
+        M, exact = self.M(steps, tree, q), self.M(Steps(), tree, q)
+        C_v = self.tau(steps, tree, q, v, 0 * v, 0 * tree.gravity)
+        known = self.tau(Steps(), tree, q, v, 0 * v, 0 * tree.gravity)
         C = C_v[..., :, None] * v[..., None, :] / (v**2).sum(-1)[..., None, None]
         wrong = ~same(M, exact)
         C = np.where(same(C_v, known)[:, None, None, None], np.nan, C)
@@ -116,14 +123,14 @@ class Dynamics:
             C[wrong] = np.nan
             return C
         chosen = steps.only(wrong.tolist()) if len(wrong) > 1 else steps
-        C[wrong] = christoffel(lambda x: self.mass(chosen, tree, x), q, v)
+        C[wrong] = christoffel(lambda x: self.M(chosen, tree, x), q, v)
         return C
 
     # derivatives
 
     def _rnea_derivatives(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
         def f(q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-            return self.forces(steps, tree, q, v, a, tree.gravity)
+            return self.tau(steps, tree, q, v, a, tree.gravity)
 
         return None if tree.floating else derivatives(f, s["q"], s["v"], s["a"])
 

@@ -142,7 +142,7 @@ class Lagrange(Dynamics):
     ) -> np.ndarray:
         terms = {"C v": product(coriolis(steps, tree, q, v), v), "g": gravity(steps, tree, q, g)}
         if a is not None:
-            terms["M a"] = product(mass(steps, tree, q), a)
+            terms["M a"] = product(self.M(steps, tree, q), a)
         return np.asarray(steps.add("the forces M a + C v + g", **terms))
 
     def _h(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:

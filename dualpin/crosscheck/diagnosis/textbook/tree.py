@@ -80,6 +80,7 @@ class Tree:
         robot, d = view.robot, merged(view.description) if fused else view.description
         self.floating, self.nv = base_of(robot) is not None, robot.nv
         self.gravity = np.array(d.gravity)[None, None]
+        self.rotors = np.zeros(robot.nv)
         self.links = [_root(d)]
         number, joints = {d.root: 0}, {j.name: j for j in robot}
         standing = d.carried()
@@ -92,11 +93,13 @@ class Tree:
             joint = joints.get(part.joint)
             if joint is not None and (joint.model.nv != 1 or joint.mimic is not None or not part.axial):
                 raise ValueError("joints with one axis and one coordinate of their own only")
-            if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any() or any(part.armature):
+            if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
                 raise ValueError("links that stand where their joints move them only")
             where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
             self.links.append(_link(part, len(self.links), number[part.parent], *where))
             number[part.link] = len(self.links) - 1
+            if joint is not None and part.armature:
+                self.rotors[joint.v] = part.armature
         nowhere = {link: (link, np.eye(4)) for link in standing}
         self.frames = {
             link: (number[on], H[:3, 3][None, None]) for link, (on, H) in (standing if fused else nowhere).items()
