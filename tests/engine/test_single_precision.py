@@ -16,7 +16,8 @@ SOLVED = ("aba", "minv")  # with the inertia matrix: its condition is a factor
 EPS = 2.0**-24
 ROUNDINGS = 200
 """Roundings of a value, one after another: some 20 for each of up to five joints outwards, and as many inwards; the
-sum of their errors, without cancellation, which the size of the result allows for.  Measured: at most 21 below."""
+sum of their errors, without cancellation, which the size of the result allows for.  Measured: at most 21 below, 68 of
+all terms (potential energy)."""
 
 
 def given(robot, term, n):
