@@ -25,6 +25,15 @@ def numbers(what: str, value: ArrayLike) -> np.ndarray:
     return x.astype(np.float64, copy=False)
 
 
+def shaped(what: str, value: ArrayLike, *tail: int, batch: bool = True) -> np.ndarray:
+    """As `numbers`, and of this shape, after any axes of a batch where there may be some."""
+    x = numbers(what, value)
+    if x.shape[max(x.ndim - len(tail), 0) :] != tail or (x.ndim > len(tail) and not batch):
+        wanted = f"(..., {', '.join(map(str, tail))})" if batch else tail
+        raise ShapeError(f"{what} of shape {wanted} expected, got {x.shape}")
+    return x
+
+
 def is_symbol(x: object) -> bool:
     """Whether x is a formula of SymPy: a symbol, a function of time, a number of its own kind."""
     return hasattr(x, "free_symbols")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import is_symbol
+from ..arguments import is_symbol, shaped
 from ..dual import Dual, atan, stack, tan
 from ..errors import ArgumentError, DualDivisionError, ShapeError
 from ..parts import array
@@ -48,9 +48,7 @@ def dual_matrix(T: ArrayLike) -> Dual:
     >>> dp.algebra.dual_matrix(T).dual.tolist()
     [[0.0, -3.0, 2.0], [3.0, 0.0, -1.0], [-2.0, 1.0, 0.0]]
     """
-    M = np.asarray(T, dtype=float)
-    if M.shape[-2:] != (4, 4):
-        raise ShapeError(f"dual_matrix: T of shape (..., 4, 4) expected, got {M.shape}")
+    M = shaped("dual_matrix: T", T, 4, 4)
     R, p = M[..., :3, :3], M[..., :3, 3]
     return Dual(R, np.cross(p[..., None, :], R.swapaxes(-1, -2)).swapaxes(-1, -2) + 0.0)
 

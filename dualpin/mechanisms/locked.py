@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import functions
-from ..errors import ArgumentError, ShapeError
+from ..arguments import shaped
+from ..errors import ArgumentError
 from ..model.joints import Axial
 from ..model.robot import Frame, Joint, Link, Robot
 
@@ -70,9 +71,7 @@ class Locked:
         self.robot, self.free = robot, list(free)
         if len(set(self.free)) != len(self.free) or not all(0 <= i < robot.nq for i in self.free):
             raise ArgumentError(f"Locked: free {self.free} must name coordinates 0 to {robot.nq - 1}, each once")
-        self.at = np.array(at, dtype=float)
-        if self.at.shape != (robot.nq,):
-            raise ShapeError(f"Locked: at of shape ({robot.nq},) expected, got {self.at.shape}")
+        self.at = shaped("Locked: at", at, robot.nq, batch=False).copy()
         if self.free != sorted(self.free):
             raise ArgumentError(f"Locked: free {self.free} must be in ascending order")
         self.rest = held(robot, self.free, self.at)
@@ -85,9 +84,7 @@ class Locked:
 
     def spread(self, x: ArrayLike, others: ArrayLike = 0.0) -> np.ndarray:
         """Free coordinates (..., n) among all (..., nq)."""
-        x = np.asarray(x, dtype=float)
-        if x.shape[-1:] != (self.nv,):
-            raise ShapeError(f"Locked: an array of shape (..., {self.nv}) expected, got {x.shape}")
+        x = shaped("Locked: an array", x, self.nv)
         full = np.broadcast_to(others, (*x.shape[:-1], self.robot.nq)).copy()
         full[..., self.free] = x
         return full

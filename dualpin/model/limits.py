@@ -48,6 +48,15 @@ def velocity_limits(robot: Robot) -> np.ndarray:
     return most
 
 
+def effort_limits(robot: Robot) -> np.ndarray:
+    """Limits of the absolute torques and forces, (nv,); infinite where the description has none above 0."""
+    most = np.full(robot.nv, inf)
+    for j in robot:
+        if j.mimic is None and j.limits.effort > 0:
+            most[j.v] = j.limits.effort
+    return most
+
+
 def ranges(robot: Robot) -> tuple[np.ndarray, np.ndarray]:
     """Finite ranges for sampling coordinates, (nq,) each: the limits, or one turn (2 m) where there are none.
 

@@ -20,7 +20,7 @@ from ..forms.export import caption, display, residual_line
 from ..forms.text import tidy
 from ..functions import gravity
 from ..model.describe import rows as joint_rows
-from ..model.limits import ranges
+from ..model.limits import effort_limits, ranges
 from ..model.robot import Frame, Joint, Robot
 from .page import page
 from .sections import Section
@@ -219,10 +219,7 @@ def _torques(robot: Robot, at: Frame | None) -> Section | None:
         return None
     q, _, _ = robot.sample(STATES, seed=0)
     g = gravity(robot, q)
-    limit = np.full(robot.nv, np.inf)
-    for j in robot:
-        if j.mimic is None and j.limits.effort > 0:
-            limit[j.v] = j.limits.effort
+    limit = effort_limits(robot)
     rows = []
     for name, k in _named(robot):
         share = f"{100 * np.abs(g[:, k]).max() / limit[k]:.0f} %" if np.isfinite(limit[k]) else "no limit"

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import numbers, shaped
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 from .pose import Pose
@@ -18,20 +19,8 @@ from .quaternion import Quaternion, displaced
 from .vector import Matrix3, Vector3, motor
 
 
-def _numbers(what: str, value: ArrayLike, tail: tuple[int, ...]) -> np.ndarray:
-    try:
-        x = np.asarray(value)
-    except ValueError as e:
-        raise ShapeError(f"{what}: not an array ({e})") from None
-    if x.dtype.kind not in "fiub":
-        raise ArgumentError(f"{what}: real numbers expected, got {x.dtype}")
-    if x.shape[max(x.ndim - len(tail), 0) :] != tail:
-        raise ShapeError(f"{what} of shape (..., {', '.join(map(str, tail))}) expected, got {x.shape}")
-    return x.astype(np.float64, copy=False)
-
-
 def _dual_quaternion(what: str, value: ArrayLike) -> Quaternion:
-    x = np.moveaxis(_numbers(what, value, (8,)), -1, 0)
+    x = np.moveaxis(shaped(what, value, 8), -1, 0)
     return Quaternion(*(Dual(x[i], x[i + 4]) for i in range(4)))
 
 
@@ -69,7 +58,7 @@ def _float(x: object) -> np.ndarray:
 
 
 def _motor(what: str, value: ArrayLike) -> Vector3:
-    x = np.moveaxis(_numbers(what, value, (6,)), -1, 0)
+    x = np.moveaxis(shaped(what, value, 6), -1, 0)
     return motor(Vector3(*x[:3]), Vector3(*x[3:]))
 
 
@@ -101,7 +90,7 @@ def from_matrix(T: ArrayLike) -> np.ndarray:
     >>> dp.spatial.from_matrix(np.eye(4)).tolist()
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     """
-    M = _numbers("from_matrix: T", T, (4, 4))
+    M = shaped("from_matrix: T", T, 4, 4)
     R = M[..., :3, :3]
     with np.errstate(invalid="ignore"):
         skewness = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)).max(initial=0.0)
@@ -246,7 +235,7 @@ def exp(twist: ArrayLike) -> np.ndarray:
     >>> dp.spatial.exp([0, 0, 0, 1, 2, 3]).tolist()
     [1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 1.0, 1.5]
     """
-    x = _numbers("exp: twist", twist, (6,))
+    x = shaped("exp: twist", twist, 6)
     rows = x.reshape(-1, 6)  # an array also for one sample: arrays give nan where floats raise
     with np.errstate(all="ignore"):
         return _stack(Quaternion.exp(_motor("exp: twist", rows) / 2)).reshape(*x.shape[:-1], 8)
@@ -326,7 +315,7 @@ def sclerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> np.ndarray:
     >>> bool(abs(dp.spatial.sclerp(a, b, 0.5) - dp.spatial.exp([0, 0, 0.5, 0, 0, 1])).max() < 1e-15)
     True
     """
-    step, share = log(compose(inverse(a), b)), _numbers("sclerp: s", s, ())
+    step, share = log(compose(inverse(a), b)), numbers("sclerp: s", s)
     _together("sclerp", step.shape[:-1], share.shape)
     return compose(a, exp(step * share[..., None]))
 

@@ -79,6 +79,13 @@ class Inertia:
         return np.array([float(x) for x in self.parameters])
 
     @classmethod
+    def from_array(cls, parameters: Iterable[float]) -> Inertia:
+        """The body of ten parameters; a difference of bodies is one too."""
+        m, x, y, z, xx, xy, yy, xz, yz, zz = map(float, parameters)
+        J = Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz))
+        return cls(m, Vector3(x, y, z), J)
+
+    @classmethod
     def basis(cls) -> list[Inertia]:
         """The ten unit inertias, in the order of `parameters`:  I = sum parameter * basis."""
         units = [cls(ONE, ZERO_VECTOR, ZEROS)] + [cls(ZERO, axis, ZEROS) for axis in AXES]

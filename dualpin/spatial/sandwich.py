@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import shaped
 from ..dual import Dual
 from ..errors import ArgumentError, ShapeError
 from ..scalars import ONE, ZERO
-from .arrays import _either, _float, _motion, _numbers, _stack, from_matrix
+from .arrays import _either, _float, _motion, _stack, from_matrix
 from .quaternion import Quaternion
 from .vector import Vector3
 
@@ -157,7 +158,7 @@ def quaternion_to_matrix(q: ArrayLike) -> np.ndarray:
     >>> dp.spatial.quaternion_to_matrix([0.5, 0.5, 0.5, 0.5]).tolist()
     [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     """
-    x = _numbers("quaternion_to_matrix: q", q, (4,))
+    x = shaped("quaternion_to_matrix: q", q, 4)
     _motion("quaternion_to_matrix: q", np.concatenate((x, np.zeros(x.shape)), axis=-1))
     R = Quaternion(*np.moveaxis(x, -1, 0)).rotation
     return np.stack([np.stack(np.broadcast_arrays(*map(_float, row)), axis=-1) for row in R.rows], axis=-2)
@@ -189,7 +190,7 @@ def matrix_to_quaternion(R: ArrayLike) -> np.ndarray:
     >>> dp.spatial.matrix_to_quaternion([[0, 0, 1], [1, 0, 0], [0, 1, 0]]).tolist()
     [0.5, 0.5, 0.5, 0.5]
     """
-    x = _numbers("matrix_to_quaternion: R", R, (3, 3))
+    x = shaped("matrix_to_quaternion: R", R, 3, 3)
     T = np.zeros((*x.shape[:-2], 4, 4))
     T[..., :3, :3], T[..., 3, 3] = x, 1.0
     try:
@@ -200,7 +201,7 @@ def matrix_to_quaternion(R: ArrayLike) -> np.ndarray:
 
 def _items(what: str, value: Any, size: int) -> tuple[np.ndarray, bool]:
     """(..., k, size), and whether there was only one, without the axis k."""
-    x = _numbers(what, value, (size,))
+    x = shaped(what, value, size)
     return (x[None], True) if x.ndim == 1 else (x, False)
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import choice, numbers, real
+from ..arguments import choice, numbers, real, shaped
 from ..delegates import home
 from ..errors import ArgumentError, ShapeError
 from ..spatial import compose, exp, from_matrix, inverse, log, to_matrix
@@ -123,9 +123,7 @@ class Line(Trajectory):
     start: Any = None
 
     def __post_init__(self) -> None:
-        d = numbers("Line: displacement", self.displacement)
-        if d.shape != (3,):
-            raise ShapeError(f"Line: displacement of shape (3,) expected, got {d.shape}")
+        shaped("Line: displacement", self.displacement, 3, batch=False)
         _settle(self, duration=real("Line: duration", self.duration, "s", above=0))
 
     def at(self, T0: np.ndarray) -> Bound:

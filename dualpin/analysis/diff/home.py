@@ -15,7 +15,6 @@ from ...functions import fk
 from ...model.robot import Joint, Robot
 from ...spatial.inertia import Inertia
 from ...spatial.pose import Pose
-from ...spatial.vector import Matrix3, Vector3
 
 
 @dataclass(frozen=True)
@@ -90,15 +89,9 @@ def parameters(inertia: Inertia, X: np.ndarray) -> np.ndarray:
     return (Pose.from_matrix(X) @ inertia).array
 
 
-def body(ten: np.ndarray) -> Inertia:
-    """The body of ten parameters; differences of bodies have one too."""
-    m, x, y, z, xx, xy, yy, xz, yz, zz = ten.tolist()
-    return Inertia(m, Vector3(x, y, z), Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz)))
-
-
 def carried(ten: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Ten parameters described in a frame, in the one in which that has the pose X."""
-    return np.array([float(x) for x in (Pose.from_matrix(X) @ body(ten)).parameters])
+    return parameters(Inertia.from_array(ten), X)
 
 
 def moved(screws: np.ndarray, X: np.ndarray) -> np.ndarray:

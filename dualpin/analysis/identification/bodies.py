@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,16 +9,7 @@ import numpy as np
 from ...model.robot import Joint, Link, Robot
 from ...spatial.inertia import ZERO_INERTIA, Inertia
 from ...spatial.pose import Pose
-from ...spatial.rotation import Matrix3
-from ...spatial.vector import Vector3
 from .parameters import Parameters
-
-
-def inertia_of(ten: Sequence[float] | np.ndarray) -> Inertia:
-    """The body of ten parameters m; hx hy hz; Jxx Jxy Jyy Jxz Jyz Jzz."""
-    m, hx, hy, hz, xx, xy, yy, xz, yz, zz = map(float, ten)
-    J = Matrix3(Vector3(xx, xy, xz), Vector3(xy, yy, yz), Vector3(xz, yz, zz))
-    return Inertia(m, Vector3(hx, hy, hz), J)
 
 
 def moved(placement: Pose) -> np.ndarray:
@@ -64,14 +54,16 @@ def robot_of(parameters: Parameters, p: np.ndarray) -> Robot:
         if "coulomb" in said:
             limits = replace(limits, friction=max(0.0, said["coulomb"][0]))
         new[j] = replace(
-            j, parent=new[j.parent], inertia=inertia_of(ten[j.index]), limits=limits,
+            j, parent=new[j.parent], inertia=Inertia.from_array(ten[j.index]), limits=limits,
             armature=armature or tuple(0.0 for _ in j.armature), rotor=None if armature != j.armature else j.rotor,
         )  # fmt: skip
     links, seen = [], set()
     for link in robot.links:
         first = link.joint is not None and link.joint not in seen
         seen.add(link.joint)
-        body = inertia_of(ten[link.joint.index]).moved(link.placement.inverse) if first and link.joint else ZERO_INERTIA
+        body = ZERO_INERTIA
+        if first and link.joint:
+            body = Inertia.from_array(ten[link.joint.index]).moved(link.placement.inverse)
         links.append(Link(link.name, link.inertia if link.joint is None else body, new[link.joint], link.placement))
     frames = tuple(replace(f, joint=new[f.joint]) for f in robot.frames)
     joints = tuple(j for j in new.values() if j is not None)

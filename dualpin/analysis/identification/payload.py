@@ -13,7 +13,7 @@ from ...errors import ArgumentError, ShapeError
 from ...functions import joint_torque_regressor, rnea
 from ...model.robot import Frame, Robot
 from ...spatial.inertia import Inertia
-from .bodies import inertia_of, moved
+from .bodies import moved
 from .consistency import nearest_bodies
 from .fit import _arrays, _noise, _weights
 from .parameters import INERTIAL, Parameters
@@ -72,7 +72,7 @@ class Payload:
 
     @property
     def body(self) -> Inertia:
-        return inertia_of(self.parameters)
+        return Inertia.from_array(self.parameters)
 
     @cached_property
     def robot(self) -> Robot:

@@ -9,6 +9,7 @@ from ...arguments import numbers, real
 from ...call.arguments import check_robot
 from ...errors import ArgumentError, ShapeError
 from ...functions import fk, gravity, jacobian
+from ...model.limits import effort_limits
 from ...model.robot import Frame, Robot
 from ...spatial.inertia import Inertia
 
@@ -144,10 +145,7 @@ def _limits(robot: Robot, effort: ArrayLike | None) -> np.ndarray:
         if x.shape not in ((), (robot.nv,)) or not (x > 0).all():
             raise ShapeError(f"effort: ({robot.nv},) positive numbers [N m, N] expected, got {effort!r}")
         return np.broadcast_to(x, (robot.nv,))
-    found = np.full(robot.nv, np.inf)
-    for j in robot:
-        if j.mimic is None and j.limits.effort > 0:
-            found[j.v] = j.limits.effort
+    found = effort_limits(robot)
     if not np.isfinite(found).any():
         raise ArgumentError(f"{robot.name}: its description has no effort limits; give effort=")
     return found

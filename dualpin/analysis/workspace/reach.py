@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...arguments import choice, count, numbers, real
+from ...arguments import choice, count, real, shaped
 from ...call.arguments import check_robot
 from ...delegates import home
 from ...errors import ArgumentError, ShapeError
@@ -107,9 +107,7 @@ class ReachMap:
 
     def at(self, points: ArrayLike) -> np.ndarray:
         """The index at points (..., 3) in the world; 0 outside the grid."""
-        p = numbers("ReachMap.at: points", points)
-        if p.shape[-1:] != (3,):
-            raise ShapeError(f"ReachMap.at: points of shape (..., 3) expected, got {p.shape}")
+        p = shaped("ReachMap.at: points", points, 3)
         i = np.floor((p - self.origin) / self.cell).astype(int)
         inside = ((i >= 0) & (i < self.shape)).all(axis=-1)
         return np.where(inside, self.index[tuple(np.moveaxis(np.where(inside[..., None], i, 0), -1, 0))], 0.0)

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra import Motor
-from ...arguments import choice, count, real
+from ...arguments import choice, count, real, shaped
 from ...call.arguments import check_robot
-from ...errors import ArgumentError, ShapeError
+from ...errors import ArgumentError
 from ...functions import fk, integrate, jacobian, jacobian_dot
 from ...model.robot import Frame, Robot
 from .ellipsoids import TASKS, characteristic_length, slides
@@ -150,9 +150,7 @@ def nearest_singularity(
     """
     at = robot.frame(frame)
     L = characteristic_length(robot, at) if length is None else real("singularity: length", length, "m", above=0)
-    x = np.asarray(q, float)
-    if x.shape != (robot.nq,):
-        raise ShapeError(f"nearest_singularity: q of shape ({robot.nq},) expected, got {x.shape}")
+    x = shaped("nearest_singularity: q", q, robot.nq, batch=False)
     rank, ever = _rank(robot, at, L, task)
     D, S = np.repeat([1.0, 1 / L], 3), np.where(slides(robot), L, 1.0)
     start, total = x, np.zeros(robot.nv)
