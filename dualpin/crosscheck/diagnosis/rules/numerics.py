@@ -87,4 +87,102 @@ def _coriolis(view: View, h: float, central: bool) -> np.ndarray:
     return np.asarray(0.5 * (rate + by_q - transposed(by_q)))
 
 
-DIFFERENCES = {"jacobian_dot": _jacobian_dot, "gravity": _gravity, "coriolis": _coriolis}
+def _along_each(f: Callable[[np.ndarray], np.ndarray], view: View, h: float, central: bool) -> tuple[np.ndarray, ...]:
+    """f before and after a step of each velocity, and where it stands: (n, ..., nv) twice, in one evaluation."""
+    q = view.states["q"]
+    n, nv = len(q), view.robot.nv
+    steps = np.concatenate([s * np.repeat(np.eye(nv), n, axis=0) for s in (h, -h if central else 0.0)])
+    x = f(integrate(view.robot, np.tile(q, (2 * nv, 1)), steps, engine="numpy"))
+    after, before = np.moveaxis(x.reshape(2, nv, n, *x.shape[1:]), 1, -1)
+    return after, before
+
+
+def _by_columns(term: str) -> Callable[[View, float, bool], np.ndarray]:
+    def differences(view: View, h: float, central: bool) -> np.ndarray:
+        after, before = _along_each(lambda q: view.compute(term, q=q), view, h, central)
+        return np.asarray((after - before) / (2 * h if central else h))
+
+    return differences
+
+
+def _jacobian(view: View, h: float, central: bool) -> np.ndarray:
+    """Of poses: positions, and the skew part of dR R^T."""
+    if view.layout.how.reference != "local_world_aligned":
+        raise ValueError("differences of poses are at the frame, in world axes")
+    after, before = _along_each(lambda q: view.compute("fk", q=q), view, h, central)
+    D = (after - before) / (2 * h if central else h)
+    W = np.einsum("nfijv,nfkj->nfikv", D[:, :, :3, :3], view.compute("fk")[..., :3, :3])
+    w = np.stack([W[:, :, 2, 1] - W[:, :, 1, 2], W[:, :, 0, 2] - W[:, :, 2, 0], W[:, :, 1, 0] - W[:, :, 0, 1]], 2) / 2
+    return np.concatenate([w, D[:, :, :3, 3]], 2)
+
+
+def _frame_velocity(view: View, h: float, central: bool) -> np.ndarray:
+    return np.einsum("nfij,nj->nfi", _jacobian(view, h, central), view.states["v"])
+
+
+def _frame_acceleration(view: View, h: float, central: bool) -> np.ndarray:
+    """Of twists, while the velocity grows with the acceleration."""
+    s = view.states
+
+    def twist(k: float) -> np.ndarray:
+        q = integrate(view.robot, s["q"], k * s["v"], engine="numpy")
+        return view.compute("frame_velocity", view.layout.how.reference, q=q, v=s["v"] + k * s["a"])
+
+    return np.asarray((twist(h) - twist(-h if central else 0.0)) / (2 * h if central else h))
+
+
+DIFFERENCES = {
+    "jacobian_dot": _jacobian_dot, "gravity": _gravity, "coriolis": _coriolis, "jacobian": _jacobian,
+    "frame_velocity": _frame_velocity, "frame_acceleration": _frame_acceleration, "com_jacobian": _by_columns("com"),
+}  # fmt: skip
+
+
+# --- inverses ------------------------------------------------------------------------------------
+
+
+@proposer("damped_inverse", "the inverse of M is damped", "solve with M itself; it has full rank")
+def damped_inverse(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """(M + k 1)^-1, or (M^2 + k 1)^-1 M as damped least squares have it; k from the answers."""
+    M, found = case.predict("crba"), []
+    if M is None:
+        return []
+    for words, extra in DAMPED.items():
+        k = _damping(case, M, extra)
+        if k is not None and np.isfinite(k) and abs(k) > 1e-13:
+            act = _damped(k, extra)
+            terms = ("minv", "aba")
+            found.append(replace(h, terms=terms, place="answer", act=act, values=f"{words}, k = {k:.6g}", cost=1.2))
+    return found
+
+
+DAMPED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "(M + k 1)^-1": lambda M: np.broadcast_to(np.eye(M.shape[-1]), M.shape),
+    "(M^2 + k 1)^-1 M": np.linalg.inv,
+    "(M + k diag M)^-1": lambda M: M * np.eye(M.shape[-1]),
+}
+"""What k times is added to M."""
+
+
+def _damping(case: Case, M: np.ndarray, extra: Callable[[np.ndarray], np.ndarray]) -> float | None:
+    """k by least squares, of x^-1 - M = k E, or of tau - h - M a = k E a."""
+    E = extra(M)
+    for term in ("minv", "aba"):
+        x, right = case.observed.get(term), case.predict(term)
+        if x is None or right is None or not np.isfinite(x).all() or case.score(term).right:
+            continue
+        try:
+            rest = np.linalg.inv(x) - M if term == "minv" else product(M, right - x)
+        except np.linalg.LinAlgError:
+            continue
+        D = E if term == "minv" else product(E, x)
+        return float((D * rest).sum() / (D * D).sum())
+    return None
+
+
+def _damped(k: float, extra: Callable[[np.ndarray], np.ndarray]) -> Callable[[View, str, np.ndarray], np.ndarray]:
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        M = view.layout.answer("matrix", view.compute("crba"), view.states)
+        inverse = np.linalg.inv(M + k * extra(M))
+        return inverse if term == "minv" else product(inverse, product(M, x))
+
+    return act

@@ -128,7 +128,7 @@ def order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     found: dict[tuple[str, ...], Hypothesis] = {tuple(here): h}
     for words, names in orders(case.description, here).items():
         if len(names) == len(here):
-            act = _reordered(here, names)
+            act = reordered(here, names)
             found.setdefault(tuple(names), replace(h, says=f"joints are {words}", terms=ALL, place="word", act=act))
     whole = list(found.values())[1:]
     return whole + (_swapped(h, here) if len(here) <= MOST_SWAPPED else [])
@@ -143,7 +143,7 @@ def _swapped(h: Hypothesis, here: Sequence[str]) -> list[Hypothesis]:
     for i, a in enumerate(here):
         for b in here[i + 1 :]:
             names = [{a: b, b: a}.get(n, n) for n in here]
-            act = _reordered(here, names)
+            act = reordered(here, names)
             out.append(
                 replace(
                     h,
@@ -158,7 +158,7 @@ def _swapped(h: Hypothesis, here: Sequence[str]) -> list[Hypothesis]:
     return out
 
 
-def _reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
+def reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
     to = dict(zip(here, names, strict=True))
 
     def act(w: Wording) -> Wording:
@@ -261,7 +261,9 @@ def angles_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return replace(h, terms=ALL, place="state", act=act, values=words, cost=1.1)
 
-    return [one("-1", -1.0), one("1/2", 0.5), one("2", 2.0), one("180/pi", 180 / np.pi)]
+    coarse = {f"{k} / pi": float(k) / np.pi for k in ("3", "3.14", "3.1416", "3.14159")}
+    scales = {"-1": -1.0, "1/2": 0.5, "2": 2.0, "180/pi": 180 / np.pi, **coarse}
+    return [one(words, k) for words, k in scales.items()]
 
 
 @rule(

@@ -1,0 +1,238 @@
+"""Geometric Jacobians of points, column by column, and their rates, as textbooks write them.
+
+    turning: [z; z x (p_e - p_i)]        rate: [zd; zd x (p_e - p_i) + z x (v_e - v_i)]        zd = w x z
+    sliding: [0; z]                      rate: [0; zd]
+
+A floating base turns about three axes of its own and slides along them.  Arrays have the axes (runs, samples, points,
+axes, ...), see `Steps.together`.
+
+References: Siciliano et al., Robotics (2009), section 3.1.3; Orin and Schrader, Efficient Computation of the Jacobian
+for Robot Manipulators, IJRR 3 (1984).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .poses import Poses, stacked
+from .steps import Steps, cross
+
+
+class Columns:
+    """The axes of a tree in the world, and the Jacobians of points that are on its links.
+
+    Attributes
+    ----------
+    z, o : array
+        (runs, n, axes, 3): directions of the axes, and origins of the links that they move.
+    """
+
+    def __init__(self, poses: Poses, steps: Steps) -> None:
+        self.poses, self.steps, self.axes = poses, steps, poses.axes
+        self.links, self.parents = [a.link for a in self.axes], [max(0, a.parent) for a in self.axes]
+        base = [i for i, a in enumerate(self.axes) if a.base]
+        joints = [i for i, a in enumerate(self.axes) if not a.base]
+        self.groups = [(g, w) for g, w in ((base, "of the base"), (joints, "of joints")) if g]
+        self.turns = np.array([float(a.turns) for a in self.axes])
+        self.order = np.argsort(base + joints)
+        self.before = np.array([self._before(i) for i in range(len(self.axes))], int)
+        self.after = np.array([self._after(i) for i in range(len(self.axes))], int)
+        self.o = stacked(poses.p, self.links, 1)
+        self.z = self._whole([self._directions(g, which) for g, which in self.groups], -2)
+
+    def _whole(self, parts: list[np.ndarray], axis: int) -> np.ndarray:
+        """Base and joints, in the order of the axes."""
+        if len(parts) == 1:
+            return parts[0]
+        return np.take(_joined(parts, axis), self.order, axis)
+
+    def _directions(self, group: list[int], which: str) -> np.ndarray:
+        """z = R a, in world axes."""
+        a = stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)
+        R = stacked(self.poses.R, [self.links[i] for i in group], 2)
+        parents = [self.parents[i] for i in group]
+        others = {"by the parent's rotation, without its own rpy": lambda: stacked(self.poses.R, parents, 2)}
+        site = f"the axis of a column: {which}"
+        if group and self.axes[group[0]].base:
+            return self.steps.turn(site, R, a + 0 * R[..., 0])
+        z = self.steps.turn(site, R, a + 0 * R[..., 0], **others)
+        wrong = {
+            "that of the joint before": lambda: self._moved(group, z, self.before),
+            "that of the next joint": lambda: self._moved(group, z, self.after),
+        }
+        return np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
+
+    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray) -> np.ndarray:
+        """Of every axis, what another axis has; where there is none, the world's z or origin."""
+        out = np.zeros_like(x)
+        if x is not self.o:
+            out[..., 2] = 1.0
+        for k, i in enumerate(group):
+            if to[i] in group:
+                out[..., k, :] = x[..., group.index(to[i]), :]
+        return out
+
+    def _before(self, i: int) -> int:
+        """The axis of the nearest joint below, or -1."""
+        k = self.poses.parent[self.links[i]]
+        while k >= 0:
+            if self.poses.of_link[k]:
+                return self.poses.of_link[k][-1]
+            k = self.poses.parent[k]
+        return -1
+
+    def _after(self, i: int) -> int:
+        return next((j for j in range(len(self.axes)) if j > i and self._before(j) == i), -1)
+
+    # columns
+
+    def at(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> np.ndarray:
+        """(runs, n, points, 6, axes): [w; v] of points (runs, n, points, 3) of links, by the rate of each axis."""
+        J = self._whole([self._columns(points, g, which, whose) for g, which in self.groups], -1)
+        return J * self._moving(links)
+
+    def _columns(self, points: np.ndarray, group: list[int], which: str, whose: str) -> np.ndarray:
+        steps, p = self.steps, points[..., None, :]
+        z, o = self.z[..., None, group, :], self.o[..., None, group, :]
+        r = steps.pick(f"the lever arm of {whose}: {which}", p - o, **self._arms(group, p, o))
+        lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
+        zero = np.zeros_like(lever)
+        z = z + zero
+        column = steps.pick(
+            f"the column of a turning axis: {which}", _six(z, lever),
+            **{"[z; 0], without the lever arm": _six(z, zero), "[0; z x r], without z": _six(zero, lever),
+               "[0; z], as of a sliding one": _six(zero, z), "[z; z]": _six(z, z), "[z x r; z]": _six(lever, z)},
+        )  # fmt: skip
+        slide = _six(zero, z)
+        if not self.turns[group].all():
+            slide = steps.pick(
+                f"the column of a sliding axis: {which}", slide,
+                **{"[z; z x r], as of a turning one": _six(z, cross(z, r)), "[z; z]": _six(z, z), "zero": 0 * slide,
+                   "[0; z x r]": _six(zero, cross(z, r)), "[z; 0]": _six(z, zero), "[0; -z]": -slide},
+            )  # fmt: skip
+        turns = self.turns[group, None]
+        return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+
+    def _arms(self, group: list[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
+        """Other lever arms."""
+        t = self.poses
+        found: dict[str, object] = {"counted from the world's origin": lambda: p + 0 * o}
+        if not self.axes[group[0]].base:
+            parents = [self.parents[i] for i in group]
+            found |= {
+                "counted from the root link": lambda: p - t.p[0][..., None, None, :] + 0 * o,
+                "counted from the joint's parent link": lambda: p - stacked(t.p, parents, 1)[..., None, :, :],
+                "counted from the joint before": lambda: p - self._moved(group, o[..., 0, :, :], self.before)[..., None, :, :],
+                "counted from the next joint": lambda: p - self._moved(group, o[..., 0, :, :], self.after)[..., None, :, :],
+                "that of the joint itself from the world's origin": lambda: o + 0 * p,
+            }  # fmt: skip
+        return found
+
+    def _moving(self, links: Sequence[int]) -> np.ndarray:
+        """(runs, 1, points, 1, axes): whether an axis moves a point."""
+        right = self.poses.carries()[list(links)]
+        base = np.array([a.base for a in self.axes], bool)
+        last = np.array([max(np.flatnonzero(r & ~base), default=-1) for r in right])[:, None]
+        numbers, own = np.arange(len(self.axes)), self.links == np.array(links)[:, None]
+        first = (self.before < 0) | base[self.before]
+        wrong = {
+            "all, also those that do not move it": np.ones_like(right), "all but the last": right & (numbers != last),
+            "all with a smaller number, as in one chain": (numbers <= last) | (right & base),
+            "all but that of its own link": right & (base | ~own), "all but the first": right & (base | ~first),
+            "the last alone": right & (base | (numbers == last)), "the joints, without the base": right & ~base,
+        }  # fmt: skip
+        shaped = {name: x[None, None, :, None] for name, x in wrong.items()}
+        return np.asarray(self.steps.pick("the axes that have a column", right[None, None, :, None], **shaped))
+
+    def rates(
+        self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
+    ) -> np.ndarray:  # fmt: skip
+        """(runs, n, points, 6, axes): d/dt of `at`, for points that move with these velocities."""
+        D = self._whole([self._rates(points, velocities, links, g, which, whose) for g, which in self.groups], -1)
+        return D * self._moving(links)
+
+    def _rates(
+        self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
+    ) -> np.ndarray:  # fmt: skip
+        t, steps, mine = self.poses, self.steps, [self.links[i] for i in group]
+        z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
+        w, u = stacked(t.w, mine, 1)[..., None, :, :], stacked(t.v, mine, 1)[..., None, :, :]
+        frames = stacked(t.w, list(links), 1)[..., :, None, :]
+        w = steps.pick(
+            f"the angular velocity that turns an axis: {which}", w,
+            **{"that of the frame's link": frames + 0 * w, "that of the axis against the frame": w - frames,
+               "that of the root": t.w[0][..., None, None, :] + 0 * w},
+        )  # fmt: skip
+        turned = steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
+        ends = {f"that of {whose}": velocities[..., None, :] + 0 * u, "that of the joint": -u}
+        moving = steps.add(f"the velocity of the lever arm of {whose}: {which}", **ends)
+        zero = np.zeros_like(turned + moving)
+        lever = {"(w x z) x r": cross(turned + zero, p - o), "z x dr/dt": cross(z + zero, moving)}
+        rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
+        column = _six(turned + zero, rate)
+        column = steps.pick(f"the rate of a turning column: {which}", column, **{"[0; its linear part]": _six(zero, rate)})
+        slide = _six(zero, turned + zero)
+        if not self.turns[group].all():
+            wrong = {"zero": 0 * slide, "that of a turning one": column}
+            slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
+        turns = self.turns[group, None]
+        return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+
+    def reduced(self, J: np.ndarray) -> np.ndarray:
+        """The columns of v, of those of the axes; a joint that follows moves with its leader."""
+        S = np.zeros((self.steps.rows, len(self.axes), self.poses.robot.nv))
+        for i, a in enumerate(self.axes):
+            ratio = np.array([a.ratio])
+            if a.follows:
+                wrong = {"taken without its multiplier": np.ones(1), "left out": np.zeros(1)}
+                ratio = self.steps.pick("the column of a joint that follows", ratio, **wrong)
+            S[:, i, a.column] = ratio
+        return J @ S[:, None, None]
+
+
+def referred(
+    steps: Steps, J: np.ndarray, R: np.ndarray, p: np.ndarray, reference: str, what: str = "the Jacobian"
+) -> np.ndarray:  # fmt: skip
+    """From the frame in world axes to a reference; J (..., 6, k), R (..., 3, 3), p (..., 3)."""
+    rows = np.swapaxes(J, -1, -2)
+    w, v = rows[..., :3], rows[..., 3:]
+    if reference == "local":
+        back = np.swapaxes(R, -1, -2)[..., None, :, :]
+        w = steps.turn(f"{what}, brought into the frame's axes: the angular part", back, w)
+        v = steps.turn(f"{what}, brought into the frame's axes: the linear part", back, v)
+    elif reference == "world":
+        terms = {"v": v, "p x w": cross(p[..., None, :] + 0 * w, w)}
+        v = steps.add(f"the linear part of {what}, of the point at the world's origin", **terms)
+    return np.swapaxes(_six(w, v), -1, -2)
+
+
+def referred_rate(
+    steps: Steps, D: np.ndarray, J: np.ndarray, frame: Sequence[np.ndarray], reference: str
+) -> np.ndarray:  # fmt: skip
+    """The rate of `referred`, where D is that of J; `frame` is R, p, w, v of the frames."""
+    R, p, w, v = frame
+    if reference == "local":  # d/dt (R^T J) = R^T (D - w x J)
+        rows = np.swapaxes(J, -1, -2)
+        turning = _six(*(cross(w[..., None, :] + 0 * x, x) for x in (rows[..., :3], rows[..., 3:])))
+        terms = {"dJ/dt": D, "w x J, the turning of the frame": -np.swapaxes(turning, -1, -2)}
+        D = steps.add("the rate of the local Jacobian", **terms)
+    D = referred(steps, D, R, p, reference, "the rate of the Jacobian")
+    if reference == "world":  # d/dt (v + p x w) = vd + p x wd + pd x w
+        angular = np.swapaxes(J, -1, -2)[..., :3]
+        rows = np.swapaxes(D, -1, -2)
+        terms = {"that about a fixed point": rows[..., 3:], "dp/dt x w": cross(v[..., None, :] + 0 * angular, angular)}
+        linear = steps.add("the rate of the world's Jacobian", **terms)
+        D = np.swapaxes(_six(rows[..., :3] + 0 * linear, linear), -1, -2)
+    return D
+
+
+def _six(w: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return _joined([w, v], -1)
+
+
+def _joined(parts: Sequence[np.ndarray], axis: int) -> np.ndarray:
+    """Concatenated, where some have fewer runs."""
+    lead = np.broadcast_shapes(*(x.shape[:2] for x in parts))
+    return np.concatenate([np.broadcast_to(x, (*lead, *x.shape[2:])) for x in parts], axis)

@@ -1,0 +1,228 @@
+"""Poses and velocities of all links of a tree, link by link from the base, as textbooks write them.
+
+    p_j = p_p + R_p xyz          R_j = R_p R(rpy)               the fixed side of a joint
+    p = p_j,  R = R_j R(q)       (turning)        p = p_j + R_j a q,  R = R_j        (sliding)
+    w = w_p + z qd               v = v_p + w_p x r (+ z qd)
+
+Every kind of joint that a description knows is covered, with joints that follow others.  Arrays have the axes
+(runs, samples, ...), see `Steps.together`.
+
+References: Siciliano et al., Robotics (2009), sections 2.8 and 3.1; Craig, Introduction to Robotics (2005), section 5.6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....model.robot import Joint, Robot
+from ...subjects.convention import base_of
+from ...subjects.layout import product, transposed
+from ..description import Description, Part, fixed_axes
+from .steps import Steps, cross
+from .turns import ONE, Turn, of_quaternion, rodrigues
+
+Rpy = Callable[[Steps, np.ndarray], np.ndarray]
+Quaternion = Callable[[Steps, np.ndarray, np.ndarray, str], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Ways:
+    """How rotations are made: of joints, of roll, pitch and yaw (by default as the file was read), of quaternions."""
+
+    turn: Turn = rodrigues
+    rpy: Rpy | None = None
+    quaternion: Quaternion = of_quaternion
+
+    def of_rpy(self, steps: Steps, rpy: np.ndarray, rotation: np.ndarray) -> np.ndarray:
+        """The rotation of an origin, by the way of this formulation where it is that of the file's angles."""
+        if self.rpy is None or not rpy.any() or np.abs(rotation - fixed_axes(rpy)).max() > 1e-14:
+            return rotation[None, None]
+        return self.rpy(steps, rpy)
+
+
+PLAIN = Ways()
+
+
+@dataclass
+class Axis:
+    """One direction in which a joint moves: about it, or along it."""
+
+    link: int
+    parent: int
+    turns: bool
+    direction: np.ndarray
+    """In the axes of the link."""
+    column: int
+    """In v."""
+    ratio: float = 1.0
+    follows: bool = False
+    base: bool = False
+
+
+class Poses:
+    """Poses of all links at positions q (n, nq); with velocities qd (n, nv), their twists too.
+
+    Attributes
+    ----------
+    R, p : list of array
+        Of each link, parents first: (runs, n, 3, 3) and (runs, n, 3).
+    w, v : list of array
+        Angular velocity, and velocity of the origin, in world axes; where velocities were given.
+    axes : list of Axis
+    of_link : list of list of int
+        The axes of the joint that carries each link.
+    """
+
+    def __init__(
+        self, robot: Robot, d: Description, q: np.ndarray, qd: np.ndarray | None, steps: Steps, ways: Ways = PLAIN
+    ) -> None:  # fmt: skip
+        self.robot, self.d, self.steps, self.ways = robot, d, steps, ways
+        self.q, self.qd = q[None], None if qd is None else qd[None]
+        self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
+        self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
+        self.axes: list[Axis] = []
+        self.of_link: list[list[int]] = [[]]
+        zero = np.zeros((1, len(q), 3), q.dtype)
+        self.R: list[np.ndarray] = [ONE[None, None]]
+        self.p, self.w, self.v = [zero], [zero], [zero]
+        base = base_of(robot)
+        if base is not None:
+            self._base(base)
+        joints = {j.name: j for j in robot}
+        for part in d.parts:
+            self._add(part, joints.get(part.joint))
+
+    def _base(self, joint: Joint) -> None:
+        R = self._quaternion(joint, "the base")
+        self.R[0], self.p[0] = R, self.q[..., joint.q.start : joint.q.start + 3]
+        self._six(joint, 0, -1, base=True)
+        if self.qd is not None:
+            k, steps = joint.v.start, self.steps
+            self.w[0] = steps.turn("the base's angular velocity", R, self.qd[..., k : k + 3])
+            self.v[0] = steps.turn("the base's linear velocity", R, self.qd[..., k + 3 : k + 6])
+
+    def _quaternion(self, joint: Joint, whose: str) -> np.ndarray:
+        at = joint.q.start + 3
+        return self.ways.quaternion(self.steps, self.q[..., at], self.q[..., at + 1 : at + 4], whose)
+
+    def _six(self, joint: Joint, link: int, parent: int, base: bool = False) -> None:
+        for k in range(6):
+            self._axis(Axis(link, parent, k < 3, ONE[k % 3], joint.v.start + k, base=base))
+
+    def _axis(self, axis: Axis) -> None:
+        self.of_link[axis.link].append(len(self.axes))
+        self.axes.append(axis)
+
+    def _add(self, part: Part, joint: Joint | None) -> None:
+        """The next link: its pose, its axes and its velocity."""
+        if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
+            raise ValueError("a link that stands where its joint moves it")
+        steps, up, link = self.steps, self.number[part.parent], len(self.R)
+        which = "of a moving joint" if part.moves else "of a fixed joint"
+        Rp, Ro = self.R[up], self.ways.of_rpy(self.steps, part.rpy, part.rotation)
+        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * self.p[up], **{"by its own rpy too": lambda: Rp @ Ro})
+        p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
+        R = steps.pick(
+            f"the orientation of an origin: {which}", Rp @ Ro,
+            **{"multiplied in the other order": lambda: Ro @ Rp, "that of rpy alone": Ro, "that of the parent alone": Rp},
+        )  # fmt: skip
+        self.of_link.append([])
+        if joint is not None and part.axial:
+            R, p = self._axial(part, joint, link, up, R, p, Ro)
+        elif joint is not None and part.type == "floating":
+            k = joint.q.start
+            p = p + steps.turn("the position of a joint that floats", R, self.q[..., k : k + 3])
+            R = R @ self._quaternion(joint, "a joint that floats")
+            self._six(joint, link, up)
+        elif joint is not None and part.type == "planar":
+            R, p = self._planar(joint, link, up, R, p)
+        elif part.moves:
+            raise ValueError(f"a joint of type {part.type}")
+        self.R.append(R)
+        self.p.append(p)
+        if self.qd is not None:
+            self._velocity(link, up)
+
+    def _axial(
+        self, part: Part, joint: Joint, link: int, up: int, R: np.ndarray, p: np.ndarray, Ro: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        steps, Rp, x = self.steps, self.R[up], self.q[..., joint.q.start]
+        ratio, offset = (float(c) for c in joint.coupling)
+        follows = joint.mimic is not None
+        if follows:
+            terms = {"multiplier times q": ratio * x, "offset": offset + 0 * x}
+            x = steps.add("the position of a joint that follows", **terms)
+        axis = part.unit_axis[None, None]
+        if part.axis is not None and np.abs(part.axis - axis).max() > 1e-12:
+            axis = steps.pick("the axis of a joint", axis, **{"not normalised": part.axis[None, None]})
+        if part.slides:
+            others = {"by the parent's rotation, without its own rpy": lambda: Rp}
+            along = steps.turn("the direction of a sliding joint", R, axis + 0 * p, **others)
+            p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": along * x[..., None]})
+        else:
+            T = self.ways.turn(self.steps, axis, x)
+            R = steps.pick(
+                "the rotation of a link", R @ T,
+                **{
+                    "with the joint's turn before its rpy": lambda: Rp @ T @ Ro,
+                    "with the joint's turn multiplied from the left": lambda: T @ R,
+                    "with the joint's turn transposed": lambda: R @ transposed(T),
+                    "without the joint's turn": lambda: R + 0 * T, "that of the joint's turn alone": T,
+                },
+            )  # fmt: skip
+        self._axis(Axis(link, up, part.turns, axis, joint.v.start, ratio, follows))
+        return R, p
+
+    def _planar(
+        self, joint: Joint, link: int, up: int, R: np.ndarray, p: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+        k, v = joint.q.start, joint.v.start
+        flat = np.concatenate([self.q[..., k : k + 2], 0 * self.q[..., :1]], -1)
+        p = p + self.steps.turn("the position of a planar joint", R, flat)
+        for i, (turns, e) in enumerate(((False, ONE[0]), (False, ONE[1]), (True, ONE[2]))):
+            self._axis(Axis(link, up, turns, e, v + i))
+        return R @ self.ways.turn(self.steps, ONE[2][None, None], self.q[..., k + 2]), p
+
+    def _velocity(self, link: int, up: int) -> None:
+        """Of a link, from that of its parent."""
+        steps, r, qd = self.steps, self.p[link] - self.p[up], self.qd
+        assert qd is not None
+        turning = sliding = np.zeros_like(r)
+        for i in self.of_link[link]:
+            a = self.axes[i]
+            rate = product(self.R[link], a.direction + 0 * r) * a.ratio * qd[..., a.column, None]
+            turning, sliding = (turning + rate, sliding) if a.turns else (turning, sliding + rate)
+        own = steps.add("the angular velocity of a link", **{"that of the parent": self.w[up], "z qd": turning})
+        self.w.append(own)
+        w = steps.pick("the angular velocity in w x r", self.w[up], **{"that of the link itself": own})
+        arm = steps.pick("the arm r in w x r", r, **{"not turned into world axes": lambda: product(transposed(self.R[up]), r)})
+        terms = {"that of the parent": self.v[up], "w x r": cross(w, arm), "z qd of a sliding joint": sliding}
+        self.v.append(steps.add("the velocity of a link", **terms))
+
+    # what the formulas take
+
+    def carries(self) -> np.ndarray:
+        """(links, axes): whether an axis moves a link."""
+        out = np.zeros((len(self.R), len(self.axes)), bool)
+        for k in range(len(self.R)):
+            if k:
+                out[k] = out[self.parent[k]]
+            out[k, self.of_link[k]] = True
+        return out
+
+    def pose(self, link: int) -> np.ndarray:
+        """(runs, n, 4, 4)."""
+        R, p = self.R[link], self.p[link]
+        H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
+        H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
+        return H
+
+
+def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:
+    """(runs, n, links, ...): of these links, arrays whose last `tail` axes are their own."""
+    chosen = [arrays[k] for k in links]
+    shape = np.broadcast_shapes(*(x.shape for x in chosen))
+    return np.stack([np.broadcast_to(x, shape) for x in chosen], -1 - tail)

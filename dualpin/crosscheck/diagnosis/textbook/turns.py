@@ -1,0 +1,145 @@
+"""Rotations as textbooks write them: by Rodrigues' formula, by quaternions, by roll, pitch and yaw, entry by entry.
+
+Arrays have the axes (runs, samples, ...), see `Steps.together`.
+
+References: Siciliano et al., Robotics (2009), sections 2.4 to 2.6; Murray, Li and Sastry, A Mathematical Introduction
+to Robotic Manipulation (1994), section 2.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import transposed
+from ..description import turn
+from .steps import Steps
+
+ONE = np.eye(3)
+Turn = Callable[[Steps, np.ndarray, np.ndarray], np.ndarray]
+
+
+def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """R = 1 + sin q K + (1 - cos q) K^2; axis (..., 3), q (...)."""
+    s, c = _sin_cos(steps, q)
+    K, x = cross_matrix(axis), q[..., None, None]
+    K = steps.pick("K in Rodrigues' formula", K, **{"symmetric, with positive entries": lambda: np.abs(K)})
+    f = steps.pick("the factor of K in Rodrigues' formula", s, **{"cos q": c, "1 - cos q": 1 - c, "q": x})
+    g = steps.pick(
+        "the factor of K^2 in Rodrigues' formula", 1 - c,
+        **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s, "q^2 / 2": x**2 / 2},
+    )  # fmt: skip
+    square = steps.pick(
+        "K^2 in Rodrigues' formula", K @ K,
+        **{"K": K, "a a^T": lambda: _outer(axis), "the square of each entry of K": lambda: K * K},
+    )  # fmt: skip
+    terms = {"1": ONE + 0 * f, "sin q K": f * K, "(1 - cos q) K^2": g * square}
+    return np.asarray(steps.add("the rotation of a joint, by Rodrigues' formula", **terms))
+
+
+def by_outer_product(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """R = cos q 1 + sin q K + (1 - cos q) a a^T."""
+    s, c = _sin_cos(steps, q)
+    g = steps.pick("the factor of a a^T", 1 - c, **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s})
+    square = steps.pick("a a^T", _outer(axis), **{"its diagonal alone": lambda: _outer(axis) * ONE})
+    terms = {"cos q 1": c * ONE, "sin q K": s * cross_matrix(axis), "(1 - cos q) a a^T": g * square}
+    return np.asarray(steps.add("the rotation of a joint, by axis and angle", **terms))
+
+
+def by_quaternion(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The unit quaternion (cos q/2, sin q/2 a), and its rotation."""
+    half = steps.pick("the angle in a joint's quaternion", q / 2, **{"q": q, "2 q": 2 * q, "q / 4": q / 4})
+    pair = np.stack([np.cos(half), np.sin(half)], -1)
+    pair = steps.pick("cosine and sine in a joint's quaternion", pair, **{"exchanged": pair[..., ::-1]})
+    return of_quaternion(steps, pair[..., 0], pair[..., 1:] * axis, "a joint")
+
+
+def of_quaternion(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndarray:
+    """R = (w^2 - u.u) 1 + 2 u u^T + 2 w [u]; w (...), u (..., 3)."""
+    w = w[..., None, None]
+    terms = {
+        "w^2 1": w * w * ONE, "-u.u 1": -(u * u).sum(-1)[..., None, None] * ONE, "2 u u^T": 2 * _outer(u),
+        "2 w [u]": 2 * w * cross_matrix(u),
+    }  # fmt: skip
+    return np.asarray(steps.add(f"the rotation of {whose}, from its quaternion", **terms))
+
+
+def entry_by_entry(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndarray:
+    """The nine entries of a quaternion's rotation, each a sum of two or three products."""
+    x, y, z = np.moveaxis(u, -1, 0)
+    one = np.ones_like(w)
+    table: list[list[dict[str, np.ndarray]]] = [
+        [{"1": one, "2 yy": -2 * y * y, "2 zz": -2 * z * z}, {"2 xy": 2 * x * y, "2 wz": -2 * w * z},
+         {"2 xz": 2 * x * z, "2 wy": 2 * w * y}],
+        [{"2 xy": 2 * x * y, "2 wz": 2 * w * z}, {"1": one, "2 xx": -2 * x * x, "2 zz": -2 * z * z},
+         {"2 yz": 2 * y * z, "2 wx": -2 * w * x}],
+        [{"2 xz": 2 * x * z, "2 wy": -2 * w * y}, {"2 yz": 2 * y * z, "2 wx": 2 * w * x},
+         {"1": one, "2 xx": -2 * x * x, "2 yy": -2 * y * y}],
+    ]  # fmt: skip
+    return _matrix(steps, table, f"of the rotation of {whose}")
+
+
+def of_rpy(steps: Steps, rpy: np.ndarray) -> np.ndarray:
+    """Rz(yaw) Ry(pitch) Rx(roll), as the product of three matrices; rpy (3,)."""
+    turns = []
+    for k, (name, angle) in enumerate(zip("xyz", rpy, strict=True)):
+        R = turn(k, angle)[None, None]
+        wrong = {
+            "transposed": transposed(R), "with sine and cosine exchanged": turn(k, np.pi / 2 - angle)[None, None],
+            "with both sines positive": R * ONE + np.sin(angle) * _sines(k),
+            "with both sines negative": R * ONE - np.sin(angle) * _sines(k), "without its 1": R - np.diag(ONE[k]),
+            "1": ONE + 0 * R,
+        }  # fmt: skip
+        turns.append(steps.pick(f"R{name} of roll, pitch and yaw", R, **wrong))
+    x, y, z = turns
+    return np.asarray(
+        steps.pick(
+            "the product of roll, pitch and yaw", z @ y @ x,
+            **{"Rx Ry Rz": lambda: x @ y @ z, "Rz Rx Ry": lambda: z @ x @ y, "Ry Rz Rx": lambda: y @ z @ x,
+               "Ry Rx Rz": lambda: y @ x @ z, "Rx Rz Ry": lambda: x @ z @ y},
+        )  # fmt: skip
+    )
+
+
+def rpy_entries(steps: Steps, rpy: np.ndarray) -> np.ndarray:
+    """The same, entry by entry."""
+    (cr, cp, cy), (sr, sp, sy) = (f(rpy)[:, None, None] for f in (np.cos, np.sin))
+    table = [
+        [{"cy cp": cy * cp}, {"cy sp sr": cy * sp * sr, "sy cr": -sy * cr}, {"cy sp cr": cy * sp * cr, "sy sr": sy * sr}],
+        [{"sy cp": sy * cp}, {"sy sp sr": sy * sp * sr, "cy cr": cy * cr}, {"sy sp cr": sy * sp * cr, "cy sr": -cy * sr}],
+        [{"sp": -sp}, {"cp sr": cp * sr}, {"cp cr": cp * cr}],
+    ]  # fmt: skip
+    return _matrix(steps, table, "of the rotation by roll, pitch and yaw")
+
+
+def _matrix(steps: Steps, table: list[list[dict[str, np.ndarray]]], what: str) -> np.ndarray:
+    """Of sums, entry by entry."""
+    made = [[steps.add(f"entry {i + 1}{j + 1} {what}", **x) for j, x in enumerate(row)] for i, row in enumerate(table)]
+    shape = np.broadcast_shapes(*(x.shape for row in made for x in row))
+    return np.stack([np.stack([np.broadcast_to(x, shape) for x in row], -1) for row in made], -2)
+
+
+def _sin_cos(steps: Steps, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of a joint's angle, (..., 1, 1) each."""
+    x = steps.pick("the angle of a joint", q, **{"half of it": q / 2, "twice it": 2 * q})
+    pair = np.stack([np.sin(x), np.cos(x)], -1)
+    pair = steps.pick(
+        "the sine and cosine of a joint's angle", pair,
+        **{"exchanged": pair[..., ::-1], "q and 1, as for small angles": np.stack([x, 0 * x + 1], -1),
+           "q and 1 - q^2 / 2": np.stack([x, 1 - x * x / 2], -1)},
+    )  # fmt: skip
+    return pair[..., 0, None, None], pair[..., 1, None, None]
+
+
+def _outer(u: np.ndarray) -> np.ndarray:
+    return np.asarray(u[..., :, None] * u[..., None, :])
+
+
+def _sines(k: int) -> np.ndarray:
+    """Where the sines stand in a turn about axis k."""
+    i, j = (k + 1) % 3, (k + 2) % 3
+    E = np.zeros((3, 3))
+    E[i, j] = E[j, i] = 1.0
+    return E

@@ -1,0 +1,185 @@
+"""Sums over bodies: centre of mass, momentum, energies, and the equations of motion by Jacobians.
+
+    G = sum m c / sum m          J_G = sum m J_c / sum m         A_G = sum [I J_w + (c - G) x m J_c;  m J_c]
+    M = sum m J_c^T J_c + J_w^T I J_w                            g = -sum m J_c^T gravity
+    h = sum J_c^T m (J_c' v - gravity) + J_w^T (I J_w' v + w x I w)
+
+References: Siciliano et al., Robotics (2009), section 7.1; Orin, Goswami and Lee, Centroidal Dynamics of a Humanoid
+Robot, Autonomous Robots 35 (2013); Featherstone, Rigid Body Dynamics Algorithms (2008), section 2.14.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ....spatial.inertia import steiner
+from ...subjects.layout import product, transposed
+from .columns import Columns
+from .steps import Steps, cross
+from .poses import Poses, stacked
+
+
+class Sums:
+    """The bodies of a tree in the world, of what joints move; of all links, where the base floats.
+
+    Attributes
+    ----------
+    links : list of int
+        Of the bodies.
+    m : array
+        (runs, 1, bodies).
+    p, R, r, c : array
+        (runs, n, bodies, ...): origins and orientations of the links, the centres of mass from there, and in the world.
+    """
+
+    def __init__(self, poses: Poses, columns: Columns, steps: Steps) -> None:
+        self.poses, self.columns, self.steps = poses, columns, steps
+        d, moves = poses.d, poses.carries().any(axis=1)
+        every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
+        self.grounded = sum(b.mass for k, b in every if not moves[k])
+        bodies = [(k, b) for k, b in every if moves[k]]
+        count, one = len(bodies), np.ones((1, 1))
+        self.counts = stacked([steps.part("the bodies", one, k, count) for k in range(count)], list(range(count)), 0)
+        self.links = [k for k, _ in bodies]
+        self.masses = np.array([b.mass for _, b in bodies])
+        self.m = self.counts * self.masses
+        self.p, self.R = stacked(poses.p, self.links, 1), stacked(poses.R, self.links, 2)
+        turns = [poses.ways.of_rpy(poses.steps, b.rpy, b.rotation) for _, b in bodies]
+        tensors = [R @ b.inertia @ transposed(R) for R, (_, b) in zip(turns, bodies, strict=True)]
+        self.tensors = self.counts[..., None, None] * stacked(tensors, list(range(count)), 2)
+        com = np.array([b.com for _, b in bodies])
+        self.steiner = np.array([steiner(b.mass, b.com) for _, b in bodies])
+        self.r = steps.turn("the centre of mass of a body", self.R, com + 0 * self.p)
+        self.c = steps.add("the place of a body's centre", **{"the link's origin": self.p, "R c": self.r})
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """What sums are divided by, (runs, 1, 1)."""
+        m = self.m[..., None]
+        right = m.sum(-2)
+        wrong = {"the number of bodies": np.full((1, 1, 1), float(len(self.links))), "1": np.ones((1, 1, 1))}
+        if self.grounded:
+            wrong["that of all links, also of those that cannot move"] = right + self.grounded
+        if self.links[0] == 0:
+            wrong["that of all links but the base"] = m[..., 1:, :].sum(-2)
+        return np.asarray(self.steps.pick("the mass that divides the sum", right, **wrong))
+
+    @cached_property
+    def com(self) -> np.ndarray:
+        """(runs, n, 3)."""
+        m = self.steps.pick("the weight of a body's centre", self.m, **{"1": self.counts})
+        return np.asarray((m[..., None] * self.c).sum(-2) / self.mass)
+
+    @cached_property
+    def jacobians(self) -> np.ndarray:
+        """(runs, n, bodies, 6, nv), of the bodies' centres."""
+        wrong = {"the link's origin": self.p, "R c alone, without the link's origin": self.r}
+        c = self.steps.pick("the point of a body's Jacobian", self.c, **wrong)
+        return self.columns.reduced(self.columns.at(c, self.links, "a centre of mass"))
+
+    def com_jacobian(self) -> np.ndarray:
+        m = self.steps.pick("the weight of a body's Jacobian", self.m, **{"1": self.counts})
+        return np.asarray((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) / self.mass[..., None])
+
+    def com_jacobian_by_subtrees(self) -> np.ndarray:
+        """Column by column: z x (c - o) m / M, of all bodies that a joint carries together."""
+        steps, t, cols = self.steps, self.poses, self.columns
+        carries = t.carries()[self.links].astype(float)  # (bodies, axes)
+        own = np.array([[float(k == a.link) for a in t.axes] for k in self.links])
+        first = self.m[..., None] * self.c  # moments
+        moment, mine = (np.swapaxes(x, -1, -2) @ first for x in (carries, own))
+        mass, single = ((self.m @ x)[..., None] for x in (carries, own))
+        c = steps.pick(
+            "the centre of what a joint carries", moment / np.where(mass > 0, mass, 1.0),
+            **{"the centre of the whole robot": self.com[..., None, :] + 0 * moment, "not divided by its mass": moment,
+               "the centre of its own link": mine / np.where(single > 0, single, 1.0)},
+        )  # fmt: skip
+        m = steps.pick(
+            "the mass of what a joint carries", mass,
+            **{"that of the whole robot": 0 * mass + self.m.sum(-1)[..., None, None], "that of its own link": single,
+               "1": 0 * mass + 1},
+        )  # fmt: skip
+        r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
+        lever = steps.cross("the linear velocity of what a joint carries", cols.z, r)
+        turns = cols.turns[:, None]
+        J = m * (turns * lever + (1 - turns) * cols.z) / self.mass
+        return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
+
+    # momentum
+
+    @cached_property
+    def inertia(self) -> np.ndarray:
+        """Of each body about its centre, in world axes (runs, n, bodies, 3, 3)."""
+        wrong = {"that about the link's origin": lambda: self.tensors + self.steiner, "zero, as of a point": 0 * self.tensors}
+        I = self.steps.pick("the tensor of a body", self.tensors, **wrong)
+        return np.asarray(self.steps.congruent("the inertia of a body", self.R, I))
+
+    def momentum(self) -> np.ndarray:
+        """(runs, n, 6, nv): about the centre of mass, in world axes."""
+        steps, rows = self.steps, transposed(self.jacobians)
+        w, v = rows[..., :3], rows[..., 3:]
+        root, G = self.poses.p[0][..., None, :], self.com[..., None, :]
+        arm = steps.add("the arm of a body's momentum", **{"the body's centre": self.c, "the robot's centre of mass": -G})
+        wrong = {"counted from the root link": self.c - root, "that of the link's origin": self.p - G}
+        arm = steps.pick("the whole arm of a body's momentum", arm, **wrong)
+        mv = self.m[..., None, None] * v
+        parts = {"I w": w @ transposed(self.inertia), "r x m v": cross(arm[..., None, :] + 0 * mv, mv)}
+        angular = steps.add("the angular momentum of a body", **parts)
+        return transposed(np.concatenate(np.broadcast_arrays(angular.sum(-3), mv.sum(-3)), -1))
+
+    # energies, by the velocities of links
+
+    def centre_velocities(self) -> tuple[np.ndarray, np.ndarray]:
+        """w of each body, and the velocity of its centre."""
+        w, v = (stacked(x, self.links, 1) for x in (self.poses.w, self.poses.v))
+        terms = {"that of the link's origin": v, "w x R c": cross(w, self.r)}
+        return w, self.steps.add("the velocity of a body's centre", **terms)
+
+    def kinetic_energy(self) -> np.ndarray:
+        w, v = self.centre_velocities()
+        turning = (w * product(self.inertia, w)).sum(-1)
+        parts = {"m v.v / 2": self.m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
+        return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1))
+
+    def potential_energy(self, g: np.ndarray) -> np.ndarray:
+        wrong = {"counted from the root link": self.c - self.poses.p[0][..., None, :], "counted from its link's origin": self.r}
+        c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
+        m = self.steps.pick("the mass in the potential energy", self.m, **{"1": self.counts})
+        return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
+
+    # the equations of motion
+
+    @cached_property
+    def mass_matrix(self) -> np.ndarray:
+        J, m = self.jacobians, self.m[..., None, None]
+        Jw, Jv = J[..., :3, :], J[..., 3:, :]
+        terms = {
+            "m Jv^T Jv": _summed(Jv, m * Jv), "Jw^T I Jw": _summed(Jw, self.inertia @ Jw),
+        }  # fmt: skip
+        return np.asarray(self.steps.add("the mass matrix", **terms))
+
+    def gravity(self, g: np.ndarray) -> np.ndarray:
+        m = self.steps.pick("the mass in gravity's torques", self.m, **{"1": self.counts})
+        torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
+        return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
+
+    def velocity_forces(self) -> np.ndarray:
+        """C v: what velocities need."""
+        steps, qd = self.steps, self.poses.qd
+        assert qd is not None
+        w, v = self.centre_velocities()
+        D = self.columns.reduced(self.columns.rates(self.c, v, self.links, "a centre of mass"))
+        rest = product(D, qd[..., None, :])
+        I, J = self.inertia, transposed(self.jacobians)
+        parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
+        n, f = steps.add("the moment of a body", **parts), self.m[..., None] * rest[..., 3:]
+        forces = {"Jv^T m Jv' v": product(J[..., 3:], f).sum(-2), "Jw^T (I Jw' v + w x I w)": product(J[..., :3], n).sum(-2)}
+        return np.asarray(steps.add("the forces that velocities need", **forces))
+
+
+def _summed(A: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """The sum over bodies of A^T B."""
+    a, b = (np.moveaxis(x, -3, -2).reshape(*x.shape[:-3], -1, x.shape[-1]) for x in (A, B))
+    return transposed(a) @ b
