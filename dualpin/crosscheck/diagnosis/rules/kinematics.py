@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
+from ..description import Description
 from ..textbook import turns
 from ..textbook.columns import Columns, referred, referred_rate
-from ..textbook.poses import PLAIN, Poses, Ways, stacked
+from ..textbook.poses import PLAIN, Poses, Ways, position_rates, rehung, stacked
+from ..textbook.slipped import Run
 from ..textbook.steps import Slip, Steps
 from ..textbook.sums import Sums
-from .formulation import formulation
+from .formulation import COST, formulation
 
+When = Callable[[Case], Any]
+LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 RIGHT = Steps(Slip("", "", ""))
 """Steps at which nothing can go wrong, and nothing is noted."""
 SEEN = (
@@ -29,16 +34,39 @@ MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba")
 
 @dataclass(frozen=True)
 class Made:
-    """One run, or many: the steps of poses and velocities, and those of all the rest."""
+    """One run, or many.
+
+    Attributes
+    ----------
+    poses, rest : Steps
+        Those of poses and velocities, and those of all that is made of them.
+    ways : Ways
+        How rotations are made.
+    fused : bool
+        Whether fixed links are merged into the bodies that carry them.
+    how : str
+        Of the rate of Jacobians: with velocities "from link to link", with those "by Jacobians", or "differentiated".
+    """
 
     view: View
     poses: Steps = RIGHT
     rest: Steps = RIGHT
     ways: Ways = PLAIN
+    fused: bool = False
+    how: str = LINKS
 
-    def tree(self, q: np.ndarray) -> Poses:
+    @cached_property
+    def description(self) -> Description:
+        d = self.view.description
+        if not self.fused:
+            return d
+        if d not in FUSED:
+            FUSED[d] = rehung(d)
+        return FUSED[d]
+
+    def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
-        return Poses(v.robot, v.description, q, v.states.get("v"), self.poses, self.ways)
+        return Poses(v.robot, self.description, q, v.states.get("v") if moving else None, self.poses, self.ways)
 
     @cached_property
     def whole(self) -> Poses:
@@ -48,11 +76,11 @@ class Made:
             return self.tree(v.states["q"])
         known = TREES.setdefault(v.case, [])
         for of, states, tree in known:
-            if of is v.description and states is v.states:
+            if of is self.description and states is v.states:
                 return tree
         tree = self.tree(v.states["q"])
         del known[: len(known) - MOST + 1]
-        known.append((v.description, v.states, tree))
+        known.append((self.description, v.states, tree))
         return tree
 
     def sums(self, tree: Poses) -> Sums:
@@ -64,50 +92,69 @@ class Made:
         if term in OF_FRAMES:
             return self.of_frames(term)
         if term == "coriolis":
-            return christoffel(lambda q: self.sums(self.tree(q)).mass_matrix, s["q"], s["v"])
+            return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
         sums = self.sums(self.whole)
         if term in SUMMED:
             return SUMMED[term](sums, g)
-        M, add = sums.mass_matrix, self.rest.add
+        if term == "kinetic_energy":
+            if self.how == LINKS:
+                return sums.kinetic_energy()
+            return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
+        add = self.rest.add
         if term in ("crba", "minv"):
-            return M if term == "crba" else np.linalg.inv(M)
+            return sums.mass_matrix if term == "crba" else np.linalg.inv(sums.mass_matrix)
         h = add("the bias", **{"what velocities need": sums.velocity_forces(), "gravity": sums.gravity(g)})
         if term == "bias":
             return np.asarray(h)
         if term == "rnea":
-            return np.asarray(add("the torques", **{"M a": product(M, s["a"]), "the bias": h}))
+            return np.asarray(add("the torques", **{"M a": product(sums.mass_matrix, s["a"]), "the bias": h}))
         forces = add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
-        return np.asarray(np.linalg.solve(M, forces[..., None])[..., 0])
+        return np.asarray(np.linalg.solve(sums.mass_matrix, forces[..., None])[..., 0])
 
     def of_frames(self, term: str) -> np.ndarray:
         """Poses, Jacobians and motions of frames."""
-        tree, steps, s = self.whole, self.rest, self.view.states
+        tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states.get("a")
         links = [tree.number[f] for f in self.view.frames]
         if term == "fk":
             return stacked([tree.pose(k) for k in links], list(range(len(links))), 2)
-        columns, reference = Columns(tree, steps), self.view.layout.how.reference
-        R, p = stacked(tree.R, links, 2), stacked(tree.p, links, 1)
-        world = columns.reduced(columns.at(p, links))
-        J = referred(steps, world, R, p, reference)
+        J = self._jacobian(tree, links)
         if term == "jacobian":
             return J
-        v = s["v"][:, None]
         if term == "frame_velocity":
             return product(J, v)
-        frame = R, p, stacked(tree.w, links, 1), stacked(tree.v, links, 1)
-        D = referred_rate(steps, columns.reduced(columns.rates(p, frame[3], links)), world, frame, reference)
-        if term == "jacobian_dot":
+        D = self._rate(tree, links)
+        if term == "jacobian_dot" or a is None:
             return D
-        parts = {"J a": product(J, s["a"][:, None]), "dJ/dt v": product(D, v)}
-        return np.asarray(steps.add("the acceleration of a frame", **parts))
+        parts = {"J a": product(J, a[:, None]), "dJ/dt v": product(D, v)}
+        return np.asarray(self.rest.add("the acceleration of a frame", **parts))
+
+    def _jacobian(self, tree: Poses, links: list[int]) -> np.ndarray:
+        columns, R, p = Columns(tree, self.rest), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
+        J = columns.reduced(columns.at(p, links))
+        return referred(self.rest, J, R, p, self.view.layout.how.reference)
+
+    def _rate(self, tree: Poses, links: list[int]) -> np.ndarray:
+        s, reference = self.view.states, self.view.layout.how.reference
+        if self.how == DIFFERENTIATED:  # by a complex step along the motion
+            h = 1e-30
+            at = s["q"] + 1j * h * position_rates(self.view.robot, s["q"], s["v"])
+            return self._jacobian(self.tree(at, moving=False), links).imag / h
+        columns = Columns(tree, self.rest)
+        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
+        J = columns.reduced(columns.at(p, links))
+        if self.how == JACOBIANS:
+            u = product(J, s["v"][:, None])[..., 3:]
+        D = columns.reduced(columns.rates(p, u, links))
+        return referred_rate(self.rest, D, J, (R, p, w, u), reference)
 
 
 OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
 TREES: WeakKeyDictionary[Case, list[tuple[object, object, Poses]]] = WeakKeyDictionary()
+FUSED: WeakKeyDictionary[Description, Description] = WeakKeyDictionary()
 MOST = 4  # trees of a case that are kept
 SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
     "com": lambda sums, g: sums.com, "com_jacobian": lambda sums, g: sums.com_jacobian(),
-    "centroidal_momentum_matrix": lambda sums, g: sums.momentum(), "kinetic_energy": lambda sums, g: sums.kinetic_energy(),
+    "centroidal_momentum_matrix": lambda sums, g: sums.momentum(),
     "potential_energy": Sums.potential_energy, "gravity": Sums.gravity,
 }  # fmt: skip
 
@@ -129,33 +176,29 @@ def few(case: Case) -> bool:
     return not case.floating and case.robot.nv <= 12
 
 
-def _poses(view: View, term: str, steps: Steps) -> np.ndarray:
-    return Made(view, poses=steps).term(term)
+def poses(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """With slips in poses and velocities."""
+    return Made(view, poses=steps, **how).term(term)
 
 
-def _rest(view: View, term: str, steps: Steps) -> np.ndarray:
-    return Made(view, rest=steps).term(term)
+def jacobians(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """With slips in Jacobians, sums over bodies, and what is made of them."""
+    return Made(view, rest=steps, **how).term(term)
 
 
-formulation("forward kinematics", SEEN, batched=True)(_poses)
-formulation("forward kinematics", MOVED, when=off("fk"), batched=True)(_poses)
-formulation("geometric Jacobians", (*SEEN, *MOVED), batched=True)(_rest)
-formulation("geometric Jacobians", ("coriolis",), when=lambda case: few(case) and off("crba")(case), batched=True)(_rest)
-
-
-@formulation("velocities from link to link", ("frame_velocity",), batched=True)
-def velocities(view: View, term: str, steps: Steps) -> np.ndarray:
-    tree = Made(view, poses=steps).whole
+def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """Twists of frames, from link to link."""
+    tree = Made(view, poses=steps, **how).whole
     links = [tree.number[f] for f in view.frames]
     R, p, w, v = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
     twist = np.concatenate(np.broadcast_arrays(w, v), -1)[..., None]
     return referred(steps, twist, R, p, view.layout.how.reference, "the twist")[..., 0]
 
 
-@formulation("composite bodies", ("com_jacobian", "gravity"), batched=True)
-def subtrees(view: View, term: str, steps: Steps) -> np.ndarray:
+def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
     """Of what each joint carries together."""
-    sums = Made(view, rest=steps).sums(Made(view).whole)
+    made = Made(view, rest=steps, **how)
+    sums = made.sums(made.whole)
     J = sums.com_jacobian_by_subtrees()
     if term == "com_jacobian":
         return J
@@ -178,11 +221,53 @@ WAYS: dict[str, Callable[[Steps], Ways]] = {
 """Other ways to make rotations, with slips there alone."""
 
 
-def _by(ways: Callable[[Steps], Ways]) -> Callable[[View, str, Steps], np.ndarray]:
-    return lambda view, term, steps: Made(view, ways=ways(steps)).term(term)
+def rotations(view: View, term: str, steps: Steps, way: str, **how: Any) -> np.ndarray:
+    """With slips in one of these ways."""
+    return Made(view, ways=WAYS[way](steps), **how).term(term)
 
 
-for _name, _ways in WAYS.items():
-    _run = _by(_ways)
-    formulation(_name, SEEN, batched=True)(_run)
-    formulation(_name, MOVED, when=off("fk"), batched=True)(_run)
+def fuses(case: Case) -> bool:
+    """Whether bodies or joints hang on fixed links."""
+    return any(not p.moves for p in case.description.parts)
+
+
+KNOWN = {
+    ("the linear part of a turning column", "", "step_swapped"): "jacobian_linear_sign",
+    ("the angular momentum of a body", "I w", "step_left_out"): "spin",
+    ("the angular momentum of a body", "r x m v", "step_left_out"): "orbit",
+    ("the angular momentum of a body", "r x m v", "step_sign"): "orbit_sign",
+    ("the centre of mass of a body", "", "step_unturned"): "com_frame",
+    ("the weight of a body's centre", "1", "step_other"): "com_unweighted",
+    ("the axis of a column", "", "step_unturned"): "axis_frame",
+}  # fmt: skip
+"""Slips that have keys of their own."""
+
+
+def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda case: True, **how: Any) -> None:
+    """A formulation, of the links as they are and of bodies merged from fixed links."""
+    variant = how.get("how", "")
+    cost = COST + 0.05 * bool(variant)
+    formulation(name, terms, KNOWN, variant, when, cost, batched=True)(partial(run, **how))
+    values = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
+    both = partial(_both, when)
+    formulation(name, terms, KNOWN, values, both, cost + 0.01, batched=True)(partial(run, fused=True, **how))
+
+
+def _both(when: When, case: Case) -> bool:
+    return fuses(case) and when(case)
+
+
+RATES = ("jacobian_dot", "frame_acceleration")
+_register("forward kinematics", poses, SEEN)
+_register("forward kinematics", poses, MOVED, off("fk"))
+_register("geometric Jacobians", jacobians, (*SEEN, *MOVED))
+_register("geometric Jacobians", jacobians, ("coriolis",), lambda case: few(case) and off("crba")(case))
+for _how in (JACOBIANS, DIFFERENTIATED):
+    _terms = (*RATES, "kinetic_energy") if _how == JACOBIANS else RATES
+    _register("forward kinematics", poses, _terms, how=_how)
+    _register("geometric Jacobians", jacobians, _terms, how=_how)
+_register("velocities from link to link", velocities, ("frame_velocity",))
+_register("composite bodies", subtrees, ("com_jacobian", "gravity"))
+for _name in WAYS:
+    _register(_name, rotations, SEEN, way=_name)
+    _register(_name, rotations, MOVED, off("fk"), way=_name)

@@ -13,14 +13,14 @@ References: Siciliano et al., Robotics (2009), sections 2.8 and 3.1; Craig, Intr
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ....model.robot import Joint, Robot
 from ...subjects.convention import base_of
-from ...subjects.layout import product, transposed
-from ..description import Description, Part, fixed_axes
+from ...subjects.layout import product, rotations, transposed
+from ..description import Description, Part, fixed_axes, merged
 from .steps import Steps, cross
 from .turns import ONE, Turn, of_quaternion, rodrigues
 
@@ -219,6 +219,41 @@ class Poses:
         H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
         H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
         return H
+
+
+def position_rates(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """dq/dt (n, nq): of positions in the parent's axes, and of quaternions by q (0, w) / 2."""
+    out = np.zeros_like(q)
+    for j in robot:
+        if j.mimic is not None:
+            continue
+        if j.model.additive:
+            out[:, j.q] = v[:, j.v]
+            continue
+        x, u = q[:, j.q], v[:, j.v]
+        if x.shape[1] == 7:
+            w, r = x[:, 3:4], x[:, 4:]
+            R = rotations(x[:, 3:])
+            vector = w * u[:, :3] + cross(r, u[:, :3])
+            scalar = -(r * u[:, :3]).sum(-1, keepdims=True)
+            out[:, j.q] = np.concatenate([product(R, u[:, 3:]), scalar / 2, vector / 2], -1)
+        else:  # planar
+            s, c = np.sin(x[:, 2]), np.cos(x[:, 2])
+            out[:, j.q] = np.stack([c * u[:, 0] - s * u[:, 1], s * u[:, 0] + c * u[:, 1], u[:, 2]], -1)
+    return out
+
+
+def rehung(d: Description) -> Description:
+    """The same robot as a chain of moving bodies: fixed links are merged into what carries them, joints hang there."""
+    where, whole = d.carried(), merged(d)
+    carried = {p.joint: where[p.parent] for p in d.parts}
+    still = np.zeros(3)
+
+    def hung(p: Part) -> Part:
+        parent, H = carried[p.joint]
+        return p if parent == p.parent else replace(p.placed(H @ p.pose), parent=parent, rpy=still)
+
+    return replace(whole, parts=tuple(hung(p) for p in whole.parts))
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:
