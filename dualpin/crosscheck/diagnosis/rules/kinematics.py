@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -18,7 +18,7 @@ from ..textbook.columns import Columns, referred, referred_rate
 from ..textbook.poses import PLAIN, Poses, Ways, position_rates, rehung, stacked
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip, Steps
-from ..textbook.sums import Sums
+from ..textbook.weighted import Sums
 from .formulation import COST, formulation
 
 When = Callable[[Case], Any]
@@ -151,6 +151,7 @@ class Made:
 OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
 TREES: WeakKeyDictionary[Case, list[tuple[object, object, Poses]]] = WeakKeyDictionary()
 FUSED: WeakKeyDictionary[Description, Description] = WeakKeyDictionary()
+LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long
 MOST = 4  # trees of a case that are kept
 SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
     "com": lambda sums, g: sums.com, "com_jacobian": lambda sums, g: sums.com_jacobian(),
@@ -247,10 +248,16 @@ def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda cas
     """A formulation, of the links as they are and of bodies merged from fixed links."""
     variant = how.get("how", "")
     cost = COST + 0.05 * bool(variant)
-    formulation(name, terms, KNOWN, variant, when, cost, batched=True)(partial(run, **how))
+    formulation(name, terms, KNOWN, variant, when, cost, batched=True)(_of(run, **how))
     values = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     both = partial(_both, when)
-    formulation(name, terms, KNOWN, values, both, cost + 0.01, batched=True)(partial(run, fused=True, **how))
+    formulation(name, terms, KNOWN, values, both, cost + 0.01, batched=True)(_of(run, fused=True, **how))
+
+
+@cache
+def _of(run: Run, **how: Any) -> Run:
+    """The same object for the same formulation: slips of one are made together."""
+    return partial(run, **how)
 
 
 def _both(when: When, case: Case) -> bool:
@@ -260,7 +267,8 @@ def _both(when: When, case: Case) -> bool:
 RATES = ("jacobian_dot", "frame_acceleration")
 _register("forward kinematics", poses, SEEN)
 _register("forward kinematics", poses, MOVED, off("fk"))
-_register("geometric Jacobians", jacobians, (*SEEN, *MOVED))
+_register("geometric Jacobians", jacobians, SEEN)
+_register("geometric Jacobians", jacobians, MOVED, lambda case: case.robot.nv <= LARGE)
 _register("geometric Jacobians", jacobians, ("coriolis",), lambda case: few(case) and off("crba")(case))
 for _how in (JACOBIANS, DIFFERENTIATED):
     _terms = (*RATES, "kinetic_energy") if _how == JACOBIANS else RATES

@@ -1,0 +1,171 @@
+"""Textbook kinematics and sums over bodies: right without a slip, and their slips are named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.rules import kinematics, rates
+from dualpin.crosscheck.diagnosis.textbook.steps import Steps
+from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, Convention, asking
+from dualpin.crosscheck.subjects.layout import Layout, rotations
+from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.kinematic import SLIPS, Kinematic
+from tests.crosscheck.test_blind import PROBE
+from tests.random_robots import random_urdf
+
+RUNS = {
+    "poses": kinematics.poses, "jacobians": kinematics.jacobians,
+    **{way: partial(kinematics.rotations, way=way) for way in kinematics.WAYS},
+}  # fmt: skip
+HOW = (kinematics.LINKS, kinematics.JACOBIANS, kinematics.DIFFERENTIATED)
+
+
+def silent(ask: Asking, **words: str) -> Answers:
+    """Nobody's answers, in dualpin's columns."""
+    how = replace(Convention.of(ask.robot), **words)
+    return Answers("nobody", "", how, ask, Layout(ask.robot, how).states(ask.states))
+
+
+def apart(x: np.ndarray, y: np.ndarray) -> float:
+    return float(np.abs(x - y).max() / max(1.0, np.abs(y).max()))
+
+
+@pytest.fixture(scope="module")
+def trees(tmp_path_factory) -> list[Asking]:
+    """Random trees with every kind of joint, fixed links, joints that follow others, and floating bases; the probe."""
+    found = [asking(PROBE, 2, 0, tuple(QUESTIONS))]
+    for seed in (3, 4, 5):
+        path = tmp_path_factory.mktemp("trees") / f"tree{seed}.urdf"
+        path.write_text(random_urdf(seed, 8, mimic=True))
+        found.append(asking(str(path), 2, seed, tuple(QUESTIONS), floating=seed % 2 == 0, mimic=seed > 4))
+    return found
+
+
+@pytest.mark.parametrize("fused", [False, True])
+def test_without_a_slip_every_formulation_is_right(trees, fused):
+    for ask in trees:
+        view = Case(silent(ask)).view(())
+        singular = np.linalg.cond(view.compute("crba")).max() > 1e8  # of links without mass
+        for run in RUNS.values():
+            terms = (*kinematics.SEEN, *kinematics.MOVED) if run is kinematics.jacobians else ("fk", "com")
+            for term in terms:
+                if term not in ("minv", "aba") or not singular:
+                    assert apart(run(view, term, Steps(), fused=fused)[0], view.compute(term)) < 1e-10, (ask.name, term)
+        for term in ("com_jacobian", "gravity"):
+            assert apart(kinematics.subtrees(view, term, Steps(), fused=fused)[0], view.compute(term)) < 1e-11
+
+
+@pytest.mark.parametrize("reference", ["local_world_aligned", "local", "world"])
+def test_without_a_slip_every_reference_is_right(trees, reference):
+    for ask in trees:
+        view = Case(silent(ask, reference=reference)).view(())
+        made = {how: partial(kinematics.jacobians, how=how) for how in HOW}
+        for term, run in [("jacobian", made[""]), *(("jacobian_dot", run) for run in made.values()),
+                          ("frame_velocity", made[""]), ("frame_velocity", kinematics.velocities)]:  # fmt: skip
+            assert apart(run(view, term, Steps())[0], view.compute(term, reference)) < 1e-11, (ask.name, term)
+
+
+def test_many_slips_in_one_run_are_those_of_each(trees):
+    """And each says in words of its own what it does."""
+    for ask in trees[:2]:
+        view = Case(silent(ask)).view(())
+        for run, term in ((kinematics.poses, "jacobian_dot"), (kinematics.jacobians, "centroidal_momentum_matrix")):
+            steps = Steps()
+            right = run(view, term, steps)[0]
+            slips = list(steps.found)[::7]
+            together = run(view, term, Steps.together([(s,) for s in slips]))
+            assert len({s.says for s in slips}) == len(slips) > 5
+            changed = 0
+            for slip, x in zip(slips, np.broadcast_to(together, (len(slips), *right.shape)), strict=True):
+                assert apart(x, run(view, term, Steps(slip))[0]) < 1e-13, slip
+                changed += apart(x, right) > 1e-9
+            assert changed > len(slips) / 2
+
+
+def test_angles_and_their_rates():
+    """R = R_a R_b R_c, and w = E (rates), against a small turn."""
+    rng = np.random.default_rng(0)
+    q = rng.standard_normal((20, 4))
+    R, w, h = rotations(q / np.linalg.norm(q, axis=-1, keepdims=True)), np.array([0.3, -0.2, 0.5]), 1e-6
+    turned = rotations(np.array([1.0, *(h * w / 2)]) / np.hypot(1, np.linalg.norm(h * w / 2))) @ R
+    for order in ("zyx", "xyz", "zyz", "yxz", "xyx"):
+        angles, later = (rates._angles(order, x) for x in (R, turned))
+        product = np.eye(3)
+        for k, axis in enumerate(order):
+            product = product @ rates._turned("xyz".index(axis), angles[:, k])
+        assert np.abs(product - R).max() < 1e-12
+        E = rates.euler_matrix(order, R)
+        smooth = np.abs(later - angles).max(-1) < 1e-3  # but where an angle wraps or the middle one is singular
+        moved = np.einsum("nij,nj->ni", E, (later - angles) / h)[smooth]
+        assert smooth.sum() > 15 and np.abs(moved - w).max() < 1e-3
+    assert np.abs(rates.rotation_vector(np.eye(3)[None]) - np.eye(3)).max() < 1e-6
+
+
+# --- slips are named -----------------------------------------------------------------------------
+
+
+def told(slip: str, floating: bool) -> bool | None:
+    """Whether the independent code's slip is named, and nothing else; None where nothing shows."""
+    change, words = SLIPS[slip]
+    ask = asking(PROBE, 8, 0, kinematics.SEEN, floating=floating)
+    code = type("Wrong", (Kinematic,), change)(ask.text, floating)
+    case = Case(ask_here(code, ask, lambda what: None))
+    if all(case.score(t).right for t in case.observed):
+        return None
+    found = diagnose(case)
+    named = [f for f in found.findings if f.key != "follows"]
+    return bool(named) and not found.located and all(words in " ".join([f.says, *f.alternatives]) for f in named)
+
+
+@pytest.mark.parametrize("floating", [False, True])
+def test_the_independent_code_is_right(floating):
+    ask = asking(PROBE, 3, 0, kinematics.SEEN, floating=floating)
+    case = Case(ask_here(Kinematic(ask.text, floating), ask, lambda what: None))
+    assert all(case.score(t).right for t in kinematics.SEEN) and diagnose(case).findings == []
+
+
+@pytest.mark.parametrize("slip", ["no_arm_rate", "slide_with_moment"])
+def test_slips_of_an_independent_code_are_named(slip):
+    assert told(slip, False)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("floating", [False, True])
+@pytest.mark.parametrize("slip", SLIPS)
+def test_every_slip_of_the_independent_code_is_named(slip, floating):
+    assert told(slip, floating) is not False
+
+
+def named_by_itself(ask: Asking, count: int, seed: int) -> tuple[int, int]:
+    """Of a random sample of all slips: how many are named, and how many show."""
+    plain = Case(silent(ask))
+    plain.observed |= {t: plain.predict(t) for t in QUESTIONS}
+    right = dict(plain.observed)
+    slips = [h for rule in RULES if rule.late for h in rule.propose(plain) if set(h.terms) & set(kinematics.SEEN)]
+    named = shown = 0
+    for k in np.random.default_rng(seed).permutation(len(slips))[:count]:
+        h = slips[k]
+        answers = {t: x for t in h.terms if (x := plain.predict(t, (h,))) is not None and np.isfinite(x).all()}
+        case = Case(replace(silent(ask), terms=right | answers))
+        if all(case.score(t).right for t in answers):
+            continue
+        found, shown = diagnose(case), shown + 1
+        named += bool(found.findings) and not found.located
+    return named, shown
+
+
+def test_slips_name_themselves():
+    named, shown = named_by_itself(asking(PROBE, 6, 0, tuple(QUESTIONS)), 3, 1)
+    assert named == shown > 0
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), (PROBE, True), ("panda", False)])
+def test_most_slips_name_themselves(robot, floating):
+    named, shown = named_by_itself(asking(robot, 12, 0, tuple(QUESTIONS), floating=floating), 60, 2)
+    assert named >= 0.95 * shown
