@@ -198,7 +198,9 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "axis_rate_sign": ({"axis_rate": lambda s, w, z: cross(z, w)}, "w x z has the other sign"),
     "no_axis_rate": ({"axis_rate": lambda s, w, z: 0 * z}, "w x z is left out"),
     "no_arm_rate": ({"arm_rate": lambda s, zd, z, r, rd: cross(zd, r)}, "z x dr/dt is left out"),
-    "arm_rate_twice": ({"arm_rate": lambda s, zd, z, r, rd: cross(zd, r) + 2 * cross(z, rd)}, "z x dr/dt is counted twice"),
+    "arm_rate_twice": (
+        {"arm_rate": lambda s, zd, z, r, rd: cross(zd, r) + 2 * cross(z, rd)}, "z x dr/dt is counted twice"
+    ),
     "own_w": ({"carried_velocity": lambda s, v, w, r, own: v + cross(own, r)}, "that of the link itself"),
     "com_not_turned": ({"point_of": lambda s, k, poses: poses[k][1] + s.bodies[k][1]}, "the centre of mass of a body"),
     "com_of_number": ({"divisor": lambda s: float(len(s.moving()))}, "number of bodies"),

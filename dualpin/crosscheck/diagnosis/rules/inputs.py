@@ -14,11 +14,11 @@ from ..hypothesis import Hypothesis
 from .register import ALL, proposer, rule
 from .writing import reordered
 
+MOTION = ("frame_velocity", "jacobian_dot", "frame_acceleration")
 SWAPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "v and a": ("v", "a", ("rnea", "frame_acceleration", "rnea_f_ext", "joint_torque_regressor", "rnea_derivatives")),
     "v and tau": ("v", "tau", ("aba", "aba_f_ext", "aba_derivatives")),
-    "q and v": ("q", "v", ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba",
-                           "coriolis")),
+    "q and v": ("q", "v", (*MOTION, "kinetic_energy", "bias", "rnea", "aba", "coriolis")),
     "q and a": ("q", "a", ("frame_acceleration", "rnea")),
     "q and tau": ("q", "tau", ("aba",)),
 }  # fmt: skip
@@ -49,7 +49,7 @@ INSTEAD: dict[str, tuple[str, Callable[[States], np.ndarray], tuple[str, ...]]] 
 }
 
 
-@proposer("input_instead", "an input is another, or has the other sign", "pass the input that the term is a function of")
+@proposer("input_instead", "an input is another, or has the other sign", "pass the input that it is a function of")
 def input_instead(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(words: str) -> Hypothesis:
         what, made, terms = INSTEAD[words]

@@ -29,6 +29,7 @@ SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
 )  # fmt: skip
+MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
 MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba")
 
 
@@ -248,10 +249,22 @@ def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda cas
     """A formulation, of the links as they are and of bodies merged from fixed links."""
     variant = how.get("how", "")
     cost = COST + 0.05 * bool(variant)
-    formulation(name, terms, KNOWN, variant, when, cost, batched=True)(_of(run, **how))
+    like = LIKE.get(run, _itself)
+    formulation(name, terms, KNOWN, variant, when, cost, batched=True, like=like)(_of(run, **how))
     values = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     both = partial(_both, when)
-    formulation(name, terms, KNOWN, values, both, cost + 0.01, batched=True)(_of(run, fused=True, **how))
+    cost += 0.01
+    formulation(name, terms, KNOWN, values, both, cost, batched=True, like=like)(_of(run, fused=True, **how))
+
+
+LIKE: dict[Run, Callable[[str], str]] = {
+    poses: lambda term: "frame_velocity" if term in MOVING else "fk", rotations: lambda term: "fk",
+}  # fmt: skip
+"""Where all slips of poses show."""
+
+
+def _itself(term: str) -> str:
+    return term
 
 
 @cache

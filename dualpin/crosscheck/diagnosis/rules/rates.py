@@ -22,7 +22,7 @@ Rates = Callable[[np.ndarray], np.ndarray]
 
 
 def _angles(order: str, R: np.ndarray) -> np.ndarray:
-    """The angles (..., 3) of R = R_a R_b R_c, a, b, c the axes in that order; of the two, one with a middle >= -pi/2."""
+    """The angles (..., 3) of R = R_a R_b R_c, a, b, c the axes in that order."""
     i, j, k = ("xyz".index(a) for a in order)
     if i == k:  # as z y z
         k = 3 - i - j

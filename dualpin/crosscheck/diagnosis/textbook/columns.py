@@ -64,11 +64,10 @@ class Columns:
         }
         return np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
 
-    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray) -> np.ndarray:
-        """Of every axis, what another axis has; where there is none, the world's z or origin."""
+    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray, z: float = 1.0) -> np.ndarray:
+        """Of every axis, what another axis has; where there is none, the world's z, or its origin."""
         out = np.zeros_like(x)
-        if x is not self.o:
-            out[..., 2] = 1.0
+        out[..., 2] = z
         for k, i in enumerate(group):
             if to[i] in group:
                 out[..., k, :] = x[..., group.index(to[i]), :]
@@ -121,11 +120,15 @@ class Columns:
         found: dict[str, object] = {"counted from the world's origin": lambda: p + 0 * o}
         if not self.axes[group[0]].base:
             parents = [self.parents[i] for i in group]
+
+            def neighbour(to: np.ndarray) -> np.ndarray:
+                return self._moved(group, o[..., 0, :, :], to, 0.0)[..., None, :, :]
+
             found |= {
                 "counted from the root link": lambda: p - t.p[0][..., None, None, :] + 0 * o,
                 "counted from the joint's parent link": lambda: p - stacked(t.p, parents, 1)[..., None, :, :],
-                "counted from the joint before": lambda: p - self._moved(group, o[..., 0, :, :], self.before)[..., None, :, :],
-                "counted from the next joint": lambda: p - self._moved(group, o[..., 0, :, :], self.after)[..., None, :, :],
+                "counted from the joint before": lambda: p - neighbour(self.before),
+                "counted from the next joint": lambda: p - neighbour(self.after),
                 "that of the joint itself from the world's origin": lambda: o + 0 * p,
             }  # fmt: skip
         return found
@@ -172,7 +175,8 @@ class Columns:
         lever = {"(w x z) x r": cross(turned + zero, p - o), "z x dr/dt": cross(z + zero, moving)}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
         column = _six(turned + zero, rate)
-        column = steps.pick(f"the rate of a turning column: {which}", column, **{"[0; its linear part]": _six(zero, rate)})
+        linear = {"[0; its linear part]": _six(zero, rate)}
+        column = steps.pick(f"the rate of a turning column: {which}", column, **linear)
         slide = _six(zero, turned + zero)
         if not self.turns[group].all():
             wrong = {"zero": 0 * slide, "that of a turning one": column}

@@ -7,7 +7,8 @@
 Every kind of joint that a description knows is covered, with joints that follow others.  Arrays have the axes
 (runs, samples, ...), see `Steps.together`.
 
-References: Siciliano et al., Robotics (2009), sections 2.8 and 3.1; Craig, Introduction to Robotics (2005), section 5.6.
+References: Siciliano et al., Robotics (2009), sections 2.8 and 3.1; Craig, Introduction to Robotics (2005),
+section 5.6.
 """
 
 from __future__ import annotations
@@ -127,7 +128,8 @@ class Poses:
         p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
         R = steps.pick(
             f"the orientation of an origin: {which}", Rp @ Ro,
-            **{"multiplied in the other order": lambda: Ro @ Rp, "that of rpy alone": Ro, "that of the parent alone": Rp},
+            **{"multiplied in the other order": lambda: Ro @ Rp, "that of rpy alone": Ro,
+               "that of the parent alone": Rp},
         )  # fmt: skip
         self.of_link.append([])
         if joint is not None and part.axial:
@@ -198,7 +200,8 @@ class Poses:
         own = steps.add("the angular velocity of a link", **{"that of the parent": self.w[up], "z qd": turning})
         self.w.append(own)
         w = steps.pick("the angular velocity in w x r", self.w[up], **{"that of the link itself": own})
-        arm = steps.pick("the arm r in w x r", r, **{"not turned into world axes": lambda: product(transposed(self.R[up]), r)})
+        unturned = {"not turned into world axes": lambda: product(transposed(self.R[up]), r)}
+        arm = steps.pick("the arm r in w x r", r, **unturned)
         terms = {"that of the parent": self.v[up], "w x r": cross(w, arm), "z qd of a sliding joint": sliding}
         self.v.append(steps.add("the velocity of a link", **terms))
 

@@ -52,7 +52,7 @@ def by_quaternion(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The unit quaternion (cos q/2, sin q/2 a), and its rotation."""
     half = steps.pick("the angle in a joint's quaternion", q / 2, **{"q": q, "2 q": 2 * q, "q / 4": q / 4})
     pair = np.stack([np.cos(half), np.sin(half)], -1)
-    pair = steps.pick("cosine and sine in a joint's quaternion", pair, **{"exchanged": pair[..., ::-1]})
+    pair = steps.pick("cosine and sine in a joint's quaternion", pair, exchanged=pair[..., ::-1])
     return of_quaternion(steps, pair[..., 0], pair[..., 1:] * axis, "a joint")
 
 
@@ -94,21 +94,21 @@ def of_rpy(steps: Steps, rpy: np.ndarray) -> np.ndarray:
         }  # fmt: skip
         turns.append(steps.pick(f"R{name} of roll, pitch and yaw", R, **wrong))
     x, y, z = turns
-    return np.asarray(
-        steps.pick(
-            "the product of roll, pitch and yaw", z @ y @ x,
-            **{"Rx Ry Rz": lambda: x @ y @ z, "Rz Rx Ry": lambda: z @ x @ y, "Ry Rz Rx": lambda: y @ z @ x,
-               "Ry Rx Rz": lambda: y @ x @ z, "Rx Rz Ry": lambda: x @ z @ y},
-        )  # fmt: skip
-    )
+    others = {
+        "Rx Ry Rz": lambda: x @ y @ z, "Rz Rx Ry": lambda: z @ x @ y, "Ry Rz Rx": lambda: y @ z @ x,
+        "Ry Rx Rz": lambda: y @ x @ z, "Rx Rz Ry": lambda: x @ z @ y,
+    }  # fmt: skip
+    return np.asarray(steps.pick("the product of roll, pitch and yaw", z @ y @ x, **others))
 
 
 def rpy_entries(steps: Steps, rpy: np.ndarray) -> np.ndarray:
     """The same, entry by entry."""
     (cr, cp, cy), (sr, sp, sy) = (f(rpy)[:, None, None] for f in (np.cos, np.sin))
     table = [
-        [{"cy cp": cy * cp}, {"cy sp sr": cy * sp * sr, "sy cr": -sy * cr}, {"cy sp cr": cy * sp * cr, "sy sr": sy * sr}],
-        [{"sy cp": sy * cp}, {"sy sp sr": sy * sp * sr, "cy cr": cy * cr}, {"sy sp cr": sy * sp * cr, "cy sr": -cy * sr}],
+        [{"cy cp": cy * cp}, {"cy sp sr": cy * sp * sr, "sy cr": -sy * cr},
+         {"cy sp cr": cy * sp * cr, "sy sr": sy * sr}],
+        [{"sy cp": sy * cp}, {"sy sp sr": sy * sp * sr, "cy cr": cy * cr},
+         {"sy sp cr": sy * sp * cr, "cy sr": -cy * sr}],
         [{"sp": -sp}, {"cp sr": cp * sr}, {"cp cr": cp * cr}],
     ]  # fmt: skip
     return _matrix(steps, table, "of the rotation by roll, pitch and yaw")

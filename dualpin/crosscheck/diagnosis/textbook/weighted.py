@@ -17,8 +17,8 @@ import numpy as np
 from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
 from .columns import Columns
-from .steps import Steps, cross
 from .poses import Poses, stacked
+from .steps import Steps, cross
 
 
 class Sums:
@@ -112,8 +112,9 @@ class Sums:
     @cached_property
     def inertia(self) -> np.ndarray:
         """Of each body about its centre, in world axes (runs, n, bodies, 3, 3)."""
-        wrong = {"that about the link's origin": lambda: self.tensors + self.steiner, "zero, as of a point": 0 * self.tensors}
-        I = self.steps.pick("the tensor of a body", self.tensors, **wrong)
+        tensors = self.tensors
+        wrong = {"that about the link's origin": lambda: tensors + self.steiner, "zero, as of a point": 0 * tensors}
+        I = self.steps.pick("the tensor of a body", tensors, **wrong)
         return np.asarray(self.steps.congruent("the inertia of a body", self.R, I))
 
     def momentum(self) -> np.ndarray:
@@ -121,7 +122,8 @@ class Sums:
         steps, rows = self.steps, transposed(self.jacobians)
         w, v = rows[..., :3], rows[..., 3:]
         root, G = self.poses.p[0][..., None, :], self.com[..., None, :]
-        arm = steps.add("the arm of a body's momentum", **{"the body's centre": self.c, "the robot's centre of mass": -G})
+        ends = {"the body's centre": self.c, "the robot's centre of mass": -G}
+        arm = steps.add("the arm of a body's momentum", **ends)
         wrong = {"counted from the root link": self.c - root, "that of the link's origin": self.p - G}
         arm = steps.pick("the whole arm of a body's momentum", arm, **wrong)
         mv = self.m[..., None, None] * v
@@ -144,7 +146,8 @@ class Sums:
         return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1))
 
     def potential_energy(self, g: np.ndarray) -> np.ndarray:
-        wrong = {"counted from the root link": self.c - self.poses.p[0][..., None, :], "counted from its link's origin": self.r}
+        root = self.poses.p[0][..., None, :]
+        wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
         m = self.steps.pick("the mass in the potential energy", self.m, **{"1": self.counts})
         return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
@@ -175,7 +178,8 @@ class Sums:
         I, J = self.inertia, transposed(self.jacobians)
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
         n, f = steps.add("the moment of a body", **parts), self.m[..., None] * rest[..., 3:]
-        forces = {"Jv^T m Jv' v": product(J[..., 3:], f).sum(-2), "Jw^T (I Jw' v + w x I w)": product(J[..., :3], n).sum(-2)}
+        linear, angular = (product(A, x).sum(-2) for A, x in ((J[..., 3:], f), (J[..., :3], n)))
+        forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
         return np.asarray(steps.add("the forces that velocities need", **forces))
 
 
