@@ -223,7 +223,7 @@ WAYS: dict[str, Callable[[Steps], Ways]] = {
 """Other ways to make rotations, with slips there alone."""
 
 
-def rotations(view: View, term: str, steps: Steps, way: str, **how: Any) -> np.ndarray:
+def rotations(view: View, term: str, steps: Steps, way: str = "", **how: Any) -> np.ndarray:
     """With slips in one of these ways."""
     return Made(view, ways=WAYS[way](steps), **how).term(term)
 

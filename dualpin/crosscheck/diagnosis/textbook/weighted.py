@@ -36,7 +36,7 @@ class Sums:
 
     def __init__(self, poses: Poses, columns: Columns, steps: Steps) -> None:
         self.poses, self.columns, self.steps = poses, columns, steps
-        d, moves = poses.d, poses.carries().any(axis=1)
+        d, moves = poses.d, [bool(row.any()) for row in poses.carries()]
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
         self.grounded = sum(b.mass for k, b in every if not moves[k])
         bodies = [(k, b) for k, b in every if moves[k]]
