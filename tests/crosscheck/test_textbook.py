@@ -116,7 +116,8 @@ def test_a_formulation_that_does_not_cover_a_joint_proposes_nothing(tmp_path):
     path.write_text(f'<robot name="r"><link name="a"/><link name="b">{body}</link>{joint}</robot>')
     ask = asked(str(path))
     assert possible(RUNS["link"], answering(ask), "rnea") == []
-    assert hypotheses(answering(ask, {"gravity": np.zeros((2, ask.robot.nv))})) == []
+    proposed = hypotheses(answering(ask, {"gravity": np.zeros((2, ask.robot.nv))}))
+    assert not any("Newton-Euler" in h.says or "Lagrange" in h.says for h in proposed)  # others cover every joint
 
 
 def named_by_itself(ask: Asking, h: Hypothesis, term: str) -> bool | None:

@@ -10,8 +10,8 @@ so that several compose in one way only, and every one can be tried on every sub
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..subjects.convention import Convention
@@ -29,6 +29,17 @@ class Wording:
     how: Convention
     turned: tuple[str, ...] = ()
     point: tuple[float, ...] | None = None
+
+
+def reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
+    """Columns with the names `here` in the places of `names`."""
+    to = dict(zip(here, names, strict=True))
+
+    def act(w: Wording) -> Wording:
+        q, v = (tuple(to.get(n, n) for n in columns) for columns in (w.how.q, w.how.v))
+        return replace(w, how=replace(w.how, q=q, v=v))
+
+    return act
 
 
 @dataclass(frozen=True, eq=False)

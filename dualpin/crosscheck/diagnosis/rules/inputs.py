@@ -10,9 +10,8 @@ import numpy as np
 
 from ..case import Case, States, View
 from ..description import Description
-from ..hypothesis import Hypothesis
+from ..hypothesis import Hypothesis, reordered
 from .register import ALL, proposer, rule
-from .writing import reordered
 
 MOTION = ("frame_velocity", "jacobian_dot", "frame_acceleration")
 SWAPS: dict[str, tuple[str, str, tuple[str, ...]]] = {

@@ -12,7 +12,7 @@ from ....model.joints import JointModel
 from ...subjects.convention import BASE_V
 from ..case import Case, States, View
 from ..description import Description
-from ..hypothesis import Hypothesis, Wording
+from ..hypothesis import Hypothesis, Wording, reordered
 from .register import ALL, PUSHED, SIX, proposer, rule
 
 OF_FRAMES = (*SIX, "frame_acceleration", *PUSHED)
@@ -156,16 +156,6 @@ def _swapped(h: Hypothesis, here: Sequence[str]) -> list[Hypothesis]:
                 )
             )
     return out
-
-
-def reordered(here: Sequence[str], names: Sequence[str]) -> Callable[[Wording], Wording]:
-    to = dict(zip(here, names, strict=True))
-
-    def act(w: Wording) -> Wording:
-        q, v = (tuple(to.get(n, n) for n in columns) for columns in (w.how.q, w.how.v))
-        return replace(w, how=replace(w.how, q=q, v=v))
-
-    return act
 
 
 def orders(d: Description, wanted: Sequence[str]) -> dict[str, list[str]]:
