@@ -14,6 +14,7 @@ from ...subjects.layout import product, transposed
 from ..case import Case, View
 from ..description import Description
 from ..textbook import turns
+from ..textbook.assembly import solved
 from ..textbook.columns import Columns, referred, referred_rate
 from ..textbook.poses import PLAIN, Poses, Ways, position_rates, rehung, stacked
 from ..textbook.slipped import Run
@@ -30,6 +31,8 @@ SEEN = (
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
 )  # fmt: skip
 MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
+TURNED = ("kinetic_energy", "crba", "minv", "rnea", "aba")
+"""Terms in which the inertia of rotors counts."""
 MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba")
 
 
@@ -94,6 +97,8 @@ class Made:
             return self.of_frames(term)
         if term == "coriolis":
             return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
+        if term in TURNED and any(any(p.armature) for p in self.description.parts):
+            raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term in SUMMED:
             return SUMMED[term](sums, g)
@@ -103,14 +108,15 @@ class Made:
             return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
         add = self.rest.add
         if term in ("crba", "minv"):
-            return sums.mass_matrix if term == "crba" else np.linalg.inv(sums.mass_matrix)
+            M = sums.mass_matrix
+            return M if term == "crba" else solved(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
         h = add("the bias", **{"what velocities need": sums.velocity_forces(), "gravity": sums.gravity(g)})
         if term == "bias":
             return np.asarray(h)
         if term == "rnea":
             return np.asarray(add("the torques", **{"M a": product(sums.mass_matrix, s["a"]), "the bias": h}))
         forces = add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
-        return np.asarray(np.linalg.solve(sums.mass_matrix, forces[..., None])[..., 0])
+        return np.asarray(solved(sums.mass_matrix, forces[..., None])[..., 0])
 
     def of_frames(self, term: str) -> np.ndarray:
         """Poses, Jacobians and motions of frames."""
