@@ -170,3 +170,14 @@ def test_a_slip_in_another_code_is_told():
 @pytest.mark.parametrize("name", PASSES)
 def test_slips_in_another_code_are_told(name):
     assert told(asking(PROBE, 8, 0, tuple(QUESTIONS)), name)
+
+
+def test_two_slips_of_one_formulation_are_made_together():
+    ask = asked(PROBE)
+    case = answering(ask, {"bias": np.zeros((2, ask.robot.nv))})
+    found = [h for h in hypotheses(case) if h.says.startswith("Newton-Euler in link axes") and not h.values]
+    one, two = (next(h for h in found if w in h.says) for w in ("w x I w has the other sign", "w x z qd is left out"))
+    both = RUNS["link"](case.view(()), "bias", Steps(*one.act.slips, *two.act.slips))[0]
+    assert np.abs(case.predict("bias", (one, two)) - both).max() < 1e-13
+    apart = [np.abs(case.predict("bias", (h,)) - both).max() for h in (one, two)]
+    assert min(apart) > 1e-3

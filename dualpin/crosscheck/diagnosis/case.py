@@ -188,8 +188,11 @@ class Case:
         others: list[Any] = [None] * len(together)
         acts = [in_one([h.act for h in story if h.place == "formula"]) for story, _ in together]
         for at in alike(acts, [view for _, view in together]):
-            found = _tried(predicted, [acts[k] for k in at], together[at[0]][1], term)
-            for k, x in zip(at, found or [None] * len(at), strict=True):
+            view = together[at[0]][1]
+            found = _tried(predicted, [acts[k] for k in at], view, term)
+            if found is None:  # one of them makes no sense: each by itself
+                found = [(_tried(predicted, [acts[k]], view, term) or [None])[0] for k in at]
+            for k, x in zip(at, found, strict=True):
                 xs[k] = x
         plain = [k for k, x in enumerate(xs) if x is None]
         forced = [self._with_forces(term, *together[k]) for k in plain]

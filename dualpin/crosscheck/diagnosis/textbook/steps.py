@@ -191,7 +191,7 @@ class Steps:
         possible = [("", how) for how in _TURNS]
 
         def wrong(slips: Sequence[Slip], of: _Row) -> Any:
-            (slip,) = slips
+            slip = slips[0]
             if slip.how == "step_unturned":
                 return of(x)
             return product(of(others[slip.what]()) if slip.how == "step_other_turn" else transposed(of(R)), of(x))
