@@ -81,7 +81,7 @@ class Store:
         with self._spoken():
             if self.path is not None:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = sqlite3.connect(":memory:" if self.path is None else self.path, PATIENCE)
+            self._file = sqlite3.connect(":memory:" if self.path is None else self.path, timeout=PATIENCE)
             self._file.executescript(TABLES)
 
     @contextmanager
