@@ -173,9 +173,10 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
             uses[out.i] += 1
     steps: dict[int, Step] = {}
     for i in order:
-        op, *args = node = nodes[i]
+        node = nodes[i]
+        op = node[0]
         if op == "+" or op == "-":
-            a, b = args
+            _, a, b = node
             p = a if uses[a] == 1 and nodes[a][0] == "*" else None
             if uses[b] == 1 and nodes[b][0] == "*" and (p is None or position[b] > position[a]):
                 p = b  # the later product; the other is still in a register
@@ -193,21 +194,22 @@ def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: i
     """Assign each step to a stage, the latest before all its uses."""
     level = [0] * len(nodes)  # number of rounds of sines and cosines before a value
     for i in order:
-        op, *args = nodes[i]
-        if op not in LEAVES:
-            level[i] = max([level[a] for a in args]) + (op in TRIGONOMETRIC)
+        node = nodes[i]
+        if node[0] not in LEAVES:
+            level[i] = max(map(level.__getitem__, node[1:])) + (node[0] in TRIGONOMETRIC)
     last = max([level[i] for i in order], default=0)
     stage = [last] * len(nodes)
     angles: dict[int, int] = {}  # angle -> the round that computes its sine and cosine
     for i in reversed(order):
-        op, *args = nodes[i]
+        op, n = nodes[i][0], stage[i]
         if op in TRIGONOMETRIC:
-            angles[args[0]] = level[i] - 1
-            stage[args[0]] = min(stage[args[0]], level[i] - 1)
-        elif op not in LEAVES and stage[i] < last:
-            for a in args:
-                if stage[i] < stage[a]:
-                    stage[a] = stage[i]
+            angle = nodes[i][1]
+            angles[angle] = level[i] - 1
+            stage[angle] = min(stage[angle], level[i] - 1)
+        elif n < last and op not in LEAVES:
+            for a in nodes[i][1:]:
+                if n < stage[a]:
+                    stage[a] = n
     stages = []
     for n in range(last + 1):
         line = [steps[i] for i in order if stage[i] == n and i in steps]

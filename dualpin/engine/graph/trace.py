@@ -64,8 +64,8 @@ class Graph:
         return Sym(self, self.node("const", float(x)))
 
     def operands(self, i: int) -> tuple[int, ...]:
-        op, *args = self.nodes[i]
-        return () if op in ("in", "const") else tuple(args)
+        node = self.nodes[i]
+        return () if node[0] in LEAVES else node[1:]
 
     def live(self, outputs: Iterable[Any]) -> list[int]:
         """Nodes the outputs depend on, each after its operands, depth first.
