@@ -33,7 +33,7 @@ def separated(
     if unknown:
         raise ArgumentTypeError(
             f"{term.name}: arrays ({names}) are given in order, and `out` by its name; "
-            f"{', '.join(unknown)} is not known"
+            f"{', '.join(unknown)} {'is' if len(unknown) == 1 else 'are'} not known"
         )
     if len(arrays) == len(term.inputs) + 1 and out is None:
         arrays, out = arrays[:-1], arrays[-1]

@@ -130,7 +130,8 @@ def show_judgement(report: Any) -> None:
 
     out = console()
     for r in report.robots:
-        title = f"{r.label} {r.subject_version}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
+        who = f"{r.label} {r.subject_version}".rstrip()
+        title = f"{who}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
         listing = table("term", "verdict", "max scaled error>", "line>", "n eps cond>", "remark", title=title)
         silent = [t for t, x in r.terms.items() if x.status == "not compared" and x.reason == "not offered"]
         for name, t in r.terms.items():
