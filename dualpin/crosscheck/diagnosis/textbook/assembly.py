@@ -114,16 +114,14 @@ class Dynamics:
         C_v = self.tau(steps, tree, q, v, 0 * v, 0 * tree.gravity)
         known = self.tau(Steps(), tree, q, v, 0 * v, 0 * tree.gravity)
         C = C_v[..., :, None] * v[..., None, :] / (v**2).sum(-1)[..., None, None]
-        wrong = ~same(M, exact)
+        rows = max(len(M), len(C_v))
+        wrong = np.array(np.broadcast_to(~same(M, exact), rows))
         C = np.where(same(C_v, known)[:, None, None, None], np.nan, C)
-        C = np.array(np.broadcast_to(C, (max(len(C), len(wrong)), *C.shape[1:])))
-        if len(C) == 1 and steps.rows > 1:  # no run makes a difference
-            return C
-        if not wrong.any() or tree.floating or tree.nv > MOST_STEPS:
-            C[wrong] = np.nan
-            return C
-        chosen = steps.only(wrong.tolist()) if len(wrong) > 1 else steps
-        C[wrong] = christoffel(lambda x: self.M(chosen, tree, x), q, v)
+        C = np.array(np.broadcast_to(C, (rows, *C.shape[1:])))
+        C[wrong] = np.nan
+        if wrong.any() and not tree.floating and tree.nv <= MOST_STEPS:
+            chosen = steps.only(wrong.tolist()) if rows > 1 else steps
+            C[wrong] = christoffel(lambda x: self.M(chosen, tree, x), q, v)
         return C
 
     # derivatives
