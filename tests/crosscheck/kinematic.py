@@ -182,7 +182,7 @@ def _by_quaternion(s: Kinematic, axis: Array, x: float) -> Array:
 
 
 SLIPS: dict[str, tuple[dict[str, Any], str]] = {
-    "half_angle": ({"turn": _half_angle}, "half"),
+    "half_angle": ({"turn": _half_angle}, "1/2"),
     "cos_for_sin": ({"turn": _rodrigues(math.cos, lambda x: 1 - math.cos(x))}, "cos q"),
     "no_square": ({"turn": _rodrigues(math.sin, lambda x: 0.0)}, "K^2 is left out"),
     "cos_for_one_minus_cos": ({"turn": _rodrigues(math.sin, math.cos)}, "factor of K^2"),
@@ -190,7 +190,7 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "quaternion_exchanged": ({"turn": _by_quaternion}, "exchanged"),
     "slide_in_parent": ({"slide": lambda s, R, axis: axis}, "sliding joint"),
     "arm_from_origin": ({"arm": lambda s, p, o, i, poses: p}, "world's origin"),
-    "arm_from_parent": ({"arm": lambda s, p, o, i, poses: p - poses[s.joints[i - 1].parent][1]}, "the joint before"),
+    "arm_from_parent": ({"arm": lambda s, p, o, i, poses: p - poses[s.joints[i - 1].parent][1]}, "parent link"),
     "slide_as_turning": ({"sliding_column": lambda s, z, r: np.r_[z, cross(z, r)]}, "as of a turning one"),
     "slide_with_moment": ({"sliding_column": lambda s, z, r: np.r_[z, z]}, "[z; z]"),
     "all_joints": ({"chain": lambda s, k: list(range(1, s.n + 1))}, "all, also those that do not move it"),
@@ -201,14 +201,14 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "arm_rate_twice": (
         {"arm_rate": lambda s, zd, z, r, rd: cross(zd, r) + 2 * cross(z, rd)}, "z x dr/dt is counted twice"
     ),
-    "own_w": ({"carried_velocity": lambda s, v, w, r, own: v + cross(own, r)}, "that of the link itself"),
+    "own_w": ({"carried_velocity": lambda s, v, w, r, own: v + cross(own, r)}, ""),
     "com_not_turned": ({"point_of": lambda s, k, poses: poses[k][1] + s.bodies[k][1]}, "the centre of mass of a body"),
     "com_of_number": ({"divisor": lambda s: float(len(s.moving()))}, "number of bodies"),
     "spin_one_side": ({"spin": lambda s, W, I: W @ I}, "left alone"),
     "orbit_from_origin": ({"orbit": lambda s, c, G, poses: c}, ""),
     "orbit_sign": ({"orbit": lambda s, c, G, poses: G - c}, "other sign"),
-    "energy_without_turning": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2)}, "w.I w / 2 is left out"),
-    "energy_twice": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v + w @ W @ I @ W.T @ w / 2)}, "counted twice"),
+    "energy_without_turning": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2)}, "point masses"),
+    "energy_twice": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v + w @ W @ I @ W.T @ w / 2)}, "twice"),
     "energy_unturned": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2 + w @ I @ w / 2)}, "not brought"),
 }  # fmt: skip
 """Slips, and what a finding that names them rightly says; anything at all where that is the word of an older rule."""

@@ -106,6 +106,17 @@ def test_angles_and_their_rates():
     assert np.abs(rates.rotation_vector(np.eye(3)[None]) - np.eye(3)).max() < 1e-6
 
 
+def test_a_matrix_with_the_same_product_is_told_with_its_symmetric_part():
+    """A skew part that v does not feel leaves dM/dt = C + C^T as it is; another part does not."""
+    ask = asking(PROBE, 4, 0, ("coriolis",))
+    C, v = Case(silent(ask)).predict("coriolis"), ask.states["v"]
+    unfelt = np.eye(C.shape[-1]) - v[:, :, None] * v[:, None] / (v**2).sum(-1)[:, None, None]
+    A = np.random.default_rng(0).standard_normal(C.shape)
+    for extra, words in ((unfelt @ (A - np.swapaxes(A, 1, 2)) @ unfelt, "holds"), (A @ unfelt, "does not hold")):
+        (finding,) = diagnose(Case(replace(silent(ask), terms={"coriolis": C + extra}))).findings
+        assert finding.key == "same_cv" and f"dM/dt = C + C^T {words}" in finding.says
+
+
 # --- slips are named -----------------------------------------------------------------------------
 
 

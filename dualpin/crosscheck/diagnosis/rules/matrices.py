@@ -104,14 +104,21 @@ def _momentum_by_q(view: View) -> np.ndarray:
     return np.asarray(by_q[0] - by_q[1])
 
 
-@rule(
-    "same_cv",
-    "another matrix with the same product C v",
-    "nothing where only C v is used",
-    ("coriolis",),
-    "relation",
-    cost=1.5,
-)
+@proposer(
+    "same_cv", "another matrix with the same product C v",
+    "nothing where only C v is used; where dM/dt - 2 C must be skew, C of Christoffel's symbols",
+)  # fmt: skip
+def other_products(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """And whether its symmetric part is right: dM/dt = C + C^T, as passivity needs."""
+    C, right = case.observed.get("coriolis"), case.predict("coriolis")
+    if C is None or right is None or C.shape != right.shape or not np.isfinite(C).all():
+        return []
+    off = C + transposed(C) - right - transposed(right)
+    holds = bool(np.abs(off).max() <= case.tolerance * max(1.0, float(np.abs(right).max())))
+    words = f"dM/dt = C + C^T {'holds' if holds else 'does not hold'} for the robot of the file"
+    return [replace(h, terms=("coriolis",), place="relation", act=same_cv, values=words, cost=1.5)]
+
+
 def same_cv(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     v = view.case.sent["v"]
     lacks = product(x - observed, v)

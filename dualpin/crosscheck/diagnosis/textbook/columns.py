@@ -95,7 +95,7 @@ class Columns:
     def _columns(self, points: np.ndarray, group: list[int], which: str, whose: str) -> np.ndarray:
         steps, p = self.steps, points[..., None, :]
         z, o = self.z[..., None, group, :], self.o[..., None, group, :]
-        r = steps.pick(f"the lever arm of {whose}: {which}", p - o, **self._arms(group, p, o))
+        r = steps.pick(f"the lever arm of a column: to {whose}, {which}", p - o, **self._arms(group, p, o))
         lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
         zero = np.zeros_like(lever)
         z = z + zero
@@ -169,8 +169,8 @@ class Columns:
                "that of the root": t.w[0][..., None, None, :] + 0 * w},
         )  # fmt: skip
         turned = steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
-        ends = {f"that of {whose}": velocities[..., None, :] + 0 * u, "that of the joint": -u}
-        moving = steps.add(f"the velocity of the lever arm of {whose}: {which}", **ends)
+        ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "that of the joint": -u}
+        moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **ends)
         zero = np.zeros_like(turned + moving)
         lever = {"(w x z) x r": cross(turned + zero, p - o), "z x dr/dt": cross(z + zero, moving)}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
