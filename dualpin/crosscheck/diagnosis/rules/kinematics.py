@@ -249,6 +249,13 @@ KNOWN = {
     ("the axis of a column", "", "step_unturned"): "axis_frame",
 }  # fmt: skip
 """Slips that have keys of their own."""
+SAYS = {
+    "spin": "the spin I w of bodies is left out of the momentum",
+    "orbit": "m r x v of bodies is left out of the angular momentum",
+    "orbit_sign": "m r x v of bodies has the other sign in the angular momentum",
+    "com_frame": "centres of mass are not turned into world axes",
+    "com_unweighted": "the centre of mass is the mean of the bodies' centres, without their masses",
+}
 
 
 def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda case: True, **how: Any) -> None:
@@ -256,7 +263,7 @@ def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda cas
     variant = how.get("how", "")
     cost = COST + 0.05 * bool(variant)
     like = LIKE.get(run, _itself)
-    formulation(name, terms, KNOWN, variant, when, cost, batched=True, like=like)(_of(run, **how))
+    formulation(name, terms, KNOWN, variant, when, cost, SAYS, batched=True, like=like)(_of(run, **how))
     values = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     both = partial(_both, when)
     cost += 0.01

@@ -10,7 +10,6 @@ from ....spatial.adjoint import cross_matrix
 from ..case import Case, View
 from ..description import Description
 from ..hypothesis import Hypothesis
-from ..newton_euler import NewtonEuler
 from .register import proposer, rule
 
 
@@ -24,45 +23,6 @@ from .register import proposer, rule
 def about_origin(view: View, term: str, x: np.ndarray) -> np.ndarray:
     out = x.copy()
     out[:, :3] += cross_matrix(view.compute("com")) @ x[:, 3:]
-    return out
-
-
-SUMS = {
-    "spin": "the spin I w of bodies is left out of the momentum",
-    "orbit": "m r x v of bodies is left out of the angular momentum",
-    "orbit_sign": "m r x v of bodies has the other sign in the angular momentum",
-    "com_frame": "centres of mass are not turned into world axes",
-    "com_unweighted": "the centre of mass is the mean of the bodies' centres, without their masses",
-}
-
-
-@proposer("spin, ...", "sums over bodies lack a part", "sum m c, and I w + m r x v, over all bodies", SUMS)
-def sums(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    """Momentum and centre of mass, body by body."""
-    if case.robot.coupled or case.floating or any(p.moves and not p.axial for p in case.description.parts):
-        return []
-    out = []
-    for bodies in (False, True)[: 1 + (case.merged is not case.description)]:
-        for key, says in SUMS.items():
-
-            def act(view: View, term: str, key: str = key, bodies: bool = bodies) -> np.ndarray:
-                model = NewtonEuler(view.robot, view.description, key, bodies)
-                return model.centre(view.states["q"]) if term == "com" else model.momentum(view.states["q"])
-
-            term = "com" if key.startswith("com") else "centroidal_momentum_matrix"
-            values = "of bodies merged from fixed links" if bodies else ""
-            out.append(
-                replace(
-                    h,
-                    key=key,
-                    says=says,
-                    terms=(term,),
-                    place="formula",
-                    act=act,
-                    values=values,
-                    cost=1.0 + 0.05 * bodies,
-                )
-            )
     return out
 
 
