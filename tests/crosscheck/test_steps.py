@@ -50,3 +50,8 @@ def test_two_slips_at_once():
 @pytest.mark.parametrize("slip", [Slip("elsewhere", "a", "step_sign"), Slip("the sum", "c", "step_sign")])
 def test_a_slip_that_no_step_has_changes_nothing(slip):
     assert (algorithm(Steps(slip)) == algorithm(Steps())).all()
+
+
+def test_another_matrix_that_a_place_does_not_have_is_not_taken_there():
+    slip = Slip("the vector", "by twice the matrix", "step_other_turn")
+    assert (Steps(slip).turn("the vector", ROTATION, A) == A @ ROTATION.T).all()

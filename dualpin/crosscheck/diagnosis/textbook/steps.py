@@ -197,6 +197,7 @@ class Steps:
             return product(of(others[slip.what]()) if slip.how == "step_other_turn" else transposed(of(R)), of(x))
 
         mine = self._here(site, lambda: possible + [(name, "step_other_turn") for name in others])
+        mine = [m for m in mine if m[1].how in _TURNS or m[1].what in others]
         return self._done(product(R, x), mine, wrong)
 
     def congruent(self, site: str, R: Any, I: Any) -> Any:
