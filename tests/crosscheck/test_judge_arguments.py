@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.crosscheck.subjects.running import ended
 
 ARM = dp.load("ur5")
 RNEA = partial(dp.rnea, ARM)
@@ -67,3 +68,11 @@ def test_a_matrix_of_another_shape_is_not_put_into_order():
         "not compared", "shape (9, 6) for one state; (6, 9) expected; is it transposed?"
     )  # fmt: skip
     assert only("com", lambda q: dp.com(panda, q)[:, None], panda).status == "agrees"
+
+
+def test_what_a_program_printed_before_it_died_is_text(tmp_path):
+    log = tmp_path / "log.txt"
+    log.write_bytes(b"\x1b[31mbad joint\x1b[0m\x00 name\n\xff\xfe\x00\x01\n")
+    assert ended(3, log) == "ended with exit code 3: bad joint name"
+    log.write_bytes(b"\xff\xfe\x00" * 99)
+    assert ended(-6, log) == "crashed (SIGABRT)"

@@ -38,6 +38,7 @@ IN_PROCESS = "asked in this process, since it cannot be sent to another: a crash
 _WARNED = re.compile(r"^\S+:\d+: \w*Warning: ")
 """A warning says nothing of an end, nor does the line of the source under it, which is indented."""
 _RAISED = re.compile(r"[\w.]*(Error|Exception): ")
+_COLOUR = re.compile(r"\x1b\[[0-9;]*[A-Za-z]")
 Tick = Callable[[str], None]
 
 
@@ -317,7 +318,7 @@ def ended(code: int, log: Path) -> str:
     """How a process ended, and the last thing it said."""
     try:
         lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-        said = [x.strip() for x in lines if x[:1].strip() and not _WARNED.search(x)]
+        said = [_shown(x) for x in lines if x[:1].strip() and _shown(x) and not _WARNED.search(x)]
     except OSError:
         said = []
     if code < 0:
@@ -329,3 +330,8 @@ def ended(code: int, log: Path) -> str:
         how = f"ended with exit code {code}"
     raised = [x for x in said if _RAISED.match(x)]  # libraries print more after it
     return how + (f": {(raised or said)[-1][:300]}" if said else "")
+
+
+def _shown(line: str) -> str:
+    """A line without colours, control characters and bytes that are no text: it stands in a terminal and in XML."""
+    return "".join(c for c in _COLOUR.sub("", line) if c.isprintable() and c != "\N{REPLACEMENT CHARACTER}").strip()
