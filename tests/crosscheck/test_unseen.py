@@ -1,0 +1,33 @@
+"""Codes of other people's kinds agree without their mistakes, and with them are named as `unseen.md` says."""
+
+from __future__ import annotations
+
+import pytest
+
+from dualpin.crosscheck.diagnosis import Case, diagnose
+from dualpin.crosscheck.subjects import asking
+from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, written
+from validation.referee.unseen import PROBE, kept, outcome
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_without_mistakes_they_are_right(code):
+    ask = asking(PROBE, 2, 0, ("fk", "jacobian", "gravity", "crba"), floating=code in FLOATING)
+    case = Case(ask_here(written(code)(ask.text, ask.floating), ask, lambda what: None))
+    assert {t: s.error for t in case.observed if not (s := case.score(t)).right} == {}
+    assert len(case.observed) == 4
+    assert diagnose(case).findings == []
+
+
+def test_each_mistake_changes_its_code():
+    for name, mistake in MISTAKES.items():
+        assert written(mistake.code, name) is not None  # raises where the place is not there, or twice
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("name", MISTAKES)
+def test_no_less_is_named_than_was(name):
+    ranks = ["other", "unnamed", "in part", "named"]
+    before, now = kept()["probe"][name]["verdict"], outcome(name)["verdict"]
+    assert before == now or ranks.index(now) >= ranks.index(before)

@@ -1,0 +1,69 @@
+"""Codes of other people's kinds, each with mistakes: a change of one place (or two) of the source text.
+
+The codes are in `unseen/`, with `mistakes.jsonl`: the name, the code, what is replaced by what, and what was decided
+before any of them was run: the keys that name it rightly, words that do where the key is another one, and the mistake
+itself in words.  None of the hypotheses was known to their author, nor were they to the authors of hypotheses.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).parent / "unseen"
+BESIDES = {"follows", "same_cv", "same_product"}
+"""What may be said besides: neither is a cause."""
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One; `keys` or `words` name it; some show on a floating base only."""
+
+    code: str
+    changes: tuple[tuple[str, str], ...]
+    keys: frozenset[str]
+    words: str
+    says: str
+    floating: bool
+
+    def named_by(self, key: str, says: str) -> bool:
+        return key in self.keys or bool(self.words and re.search(self.words, says, re.IGNORECASE))
+
+
+def _read() -> dict[str, Mistake]:
+    found = {}
+    for line in (HERE / "mistakes.jsonl").read_text().splitlines():
+        m = json.loads(line)
+        changes = tuple((old, new) for old, new in m["changes"])
+        found[m["name"]] = Mistake(
+            m["code"], changes, frozenset(m["keys"].split()), m["words"], m["says"], m["floating"]
+        )
+    return found
+
+
+MISTAKES = _read()
+CODES = ("matlab", "spatial", "lagrange", "simulator", "quat", "legged")
+FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial"}
+"""Codes whose base floats always, and those whose base can."""
+
+
+@cache
+def _source(code: str) -> str:
+    text = (HERE / f"{code}.py").read_text()
+    return re.sub(r"from tests.*import.*\n", lambda _: (HERE / "parts.py").read_text(), text)
+
+
+def written(code: str, *names: str) -> Any:
+    """The class of a code with these mistakes."""
+    text = _source(code)
+    for old, new in (c for n in names for c in MISTAKES[n].changes):
+        if text.count(old) != 1:
+            raise ValueError(f"{code} holds {text.count(old)} times {old!r}")
+        text = text.replace(old, new)
+    space: dict[str, Any] = {"__name__": code}
+    exec(compile(text, code, "exec"), space)
+    return space["Code"]

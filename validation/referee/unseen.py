@@ -1,0 +1,119 @@
+"""How many mistakes are named that nobody knew: `python -m validation.referee.unseen [ROBOT...]`.
+
+Six codes of other people's kinds (`tests/crosscheck/unseen_codes.py`) make one mistake at a time.  What is asked
+already (unseen.json) is kept, so an interrupted run continues; `--again` asks all again.
+Writes unseen.json and unseen.md beside this file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache, partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from dualpin.crosscheck.diagnosis import Case, diagnose
+from dualpin.crosscheck.subjects import QUESTIONS, Asking, asking
+from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.unseen_codes import BESIDES, CAN_FLOAT, MISTAKES, written
+
+HERE = Path(__file__).parent
+FILE = HERE / "unseen.json"
+PROBE = str(HERE.parents[1] / "urdf/probe/probe.urdf")
+ROBOTS = {"probe": PROBE, "panda": "panda", "ur5": "ur5", "solo12": "solo12"}
+ALWAYS_FLOATING = {"solo12"}
+SAMPLES = 8
+MEANINGS = {
+    "invisible": "nothing on this robot depends on it",
+    "named": "by what it is, in all terms, and nothing else is said",
+    "in part": "by what it is, and nothing else is said, but a term stays without a cause",
+    "unnamed": "no cause is given; rows, entries or frames are",
+    "other": "something else is said, alone or besides: wrong, or another description of the same",
+}
+"""The verdicts."""
+
+
+@cache
+def _asked(robot: str, floating: bool) -> Asking:
+    return asking(ROBOTS[robot], SAMPLES, 0, tuple(QUESTIONS), floating=floating)
+
+
+def outcome(name: str, robot: str = "probe") -> dict[str, Any]:
+    """What a mistake leads to on a robot."""
+    mistake = MISTAKES[name]
+    asked = _asked(robot, robot in ALWAYS_FLOATING or mistake.floating)
+    subject = written(mistake.code, name)(asked.text, floating=asked.floating)
+    case = Case(ask_here(subject, asked, lambda what: None))
+    wrong = [t for t in case.observed if not case.score(t).right]
+    found = diagnose(case)
+    causes = [f for f in found.findings if f.key != "partly" and (f.key not in BESIDES or f.key in mistake.keys)]
+    right = [f for f in causes if mistake.named_by(f.key, f.says)]
+    open_terms = [t for t in wrong if not any(f.key != "partly" for f in found.of(t))]
+    if not wrong and not found.findings:
+        verdict = "invisible"
+    elif not causes:
+        verdict = "unnamed"
+    elif len(right) < len(causes):
+        verdict = "other"
+    else:
+        verdict = "in part" if open_terms else "named"
+    said = [f"{f.key}: {f.says}" for f in causes]
+    return {"verdict": verdict, "said": said, "open": open_terms, "seconds": round(found.seconds, 1)}
+
+
+def kept() -> dict[str, dict[str, Any]]:
+    """What is known, by robot and mistake."""
+    return json.loads(FILE.read_text()) if FILE.exists() else {}
+
+
+def main(arguments: list[str]) -> None:
+    results = kept()
+    with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
+        for robot in [a for a in arguments if not a.startswith("-")] or list(ROBOTS):
+            done = results[robot] = {} if "--again" in arguments else results.get(robot, {})
+            tried = [n for n, m in MISTAKES.items() if robot not in ALWAYS_FLOATING or m.code in CAN_FLOAT]
+            names = [n for n in tried if n not in done]
+            for k, (name, found) in enumerate(
+                zip(names, pool.map(partial(outcome, robot=robot), names), strict=True), 1
+            ):
+                done[name] = found
+                said = f"{robot} {k}/{len(names)} {name}: {found['verdict']} ({found['seconds']} s)"
+                print(said, file=sys.stderr, flush=True)
+                FILE.write_text(json.dumps(results, indent=1) + "\n")
+    write(results)
+
+
+def write(results: dict[str, dict[str, Any]]) -> None:
+    """The table, from what is kept."""
+    lines = [
+        "# Mistakes that nobody knew", "",
+        "`python -m validation.referee.unseen` makes one mistake at a time in six codes of other people's kinds",
+        "(tests/crosscheck/unseen: a translated MATLAB script, Featherstone's 6x6 matrices, Lagrange's equations by",
+        "differences, a simulator with principal axes, a legged robot in world velocities, quaternions with second",
+        "derivatives). Codes, mistakes and the words that name each rightly were fixed before any was run, by one",
+        "who did not know the hypotheses.", "",
+        *[f"- *{k}*: {says}" for k, says in MEANINGS.items()], "",
+        f"| robot | asked | visible | {' | '.join(k for k in MEANINGS if k != 'invisible')} | share named |",
+        "|---|" + "---|" * 7,
+    ]  # fmt: skip
+    for robot, found in results.items():
+        n = Counter(x["verdict"] for x in found.values())
+        visible = len(found) - n["invisible"]
+        cells = [n[k] for k in MEANINGS if k != "invisible"]
+        share = f"{100 * n['named'] / visible:.0f} %" if visible else "-"
+        lines.append(f"| {robot} | {len(found)} | {visible} | {' | '.join(map(str, cells))} | {share} |")
+    lines += ["", "| robot | mistake | verdict | said |", "|---|---|---|---|"]
+    for robot, found in results.items():
+        for name, x in found.items():
+            said = "; ".join(x["said"]).replace("<", "&lt;").replace("|", "\\|")
+            lines.append(f"| {robot} | {MISTAKES[name].says} ({MISTAKES[name].code}) | {x['verdict']} | {said} |")
+    (HERE / "unseen.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
