@@ -90,7 +90,8 @@ def test_derivatives_of_derivatives_in_both_modes(kind, name):
 @pytest.mark.parametrize("name", ["rnea", "aba"])
 def test_gradients_with_wrenches_on_the_bodies(name):
     f, given = case(ROBOTS["floating"](), name, 1, forces=True)
-    check_grads(f, given, order=2, modes=["fwd", "rev"], rtol=DIFFERENCES)
+    check_grads(f, given, order=2, modes=["rev"], rtol=DIFFERENCES)
+    check_grads(f, given, order=1, modes=["fwd"], rtol=DIFFERENCES)
 
 
 @pytest.mark.campaign
@@ -99,7 +100,8 @@ def test_a_jacobian_in_both_modes(reference):
     robot = ROBOTS["fixed"]()
     q = jnp.asarray(robot.sample(seed=0)[0])
     f = jax.jit(lambda q: dj.jacobian(robot, q, robot.frame_names[-1], reference))
-    check_grads(f, [q], order=2, modes=["fwd", "rev"], rtol=DIFFERENCES)
+    check_grads(f, [q], order=2, modes=["rev"], rtol=DIFFERENCES)
+    check_grads(f, [q], order=1, modes=["fwd"], rtol=DIFFERENCES)
 
 
 def test_forward_mode_is_analytic_too():

@@ -100,7 +100,10 @@ def rnea_jvp(use: Use, inputs: list[Any], output: Any, w: Any) -> list[Any]:
 
 
 def rnea_hvp(use: Use, inputs: list[Any], output: Any, c: Any) -> list[Any]:
-    """Linear in w, with what unit torques give for coefficients, and in the direction, where it is symmetric."""
+    """Linear in w, with what unit torques give for coefficients, and in the direction, symmetric but for brackets.
+
+    H_jk - H_kj = g . [e_k, e_j] where displacements do not commute, with the gradient g of w . tau.
+    """
     if any(use.needed[:3]) or any(use.needed[7:]):
         raise _without(use.operation)
     q, v, a, w, *direction = inputs[:7]
@@ -113,6 +116,10 @@ def rnea_hvp(use: Use, inputs: list[Any], output: Any, c: Any) -> list[Any]:
         by_w = (each * c[..., None, :, :]).sum(-1).sum(-1)
     if any(use.needed[4:]):
         along = _parts(use(use.robot, _named("rnea_hvp", f), q, v, a, w, *_parts(c), *f))
+        if not all(b.model.additive for b in use.robot):
+            g, brackets = _parts(use(use.robot, _named("rnea_vjp", f), q, v, a, w, *f))[0], _brackets(use.robot)
+            turned = (use.library.constant(brackets, q) * c[..., 0, None, None, :]).sum(-1)
+            along[0] = along[0] + (turned * g[..., :, None]).sum(-2)
     return [None, None, None, by_w, *along, *(None for _ in f)]
 
 
