@@ -9,13 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from ..subjects.layout import product, transposed
-from ..subjects.questions import QUESTIONS
 from .bodies import bodies, residual
 from .case import Case, View
 from .description import Description, Part
 from .hypothesis import Hypothesis, Story, ordered
 from .placements import placements
-from .rules.register import ALL, DERIVED, FORCED, PUSHED, WEIGHED
+from .rules.register import DERIVED, FORCED, PUSHED, WEIGHED
 
 TRAIN = slice(0, None, 2)
 SNAP = 2e-8
@@ -42,7 +41,18 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     if len(train):
         for estimate in (_gravity, _forces, _rotors, _scale, _rows, _columns, _constants, bodies):
             found += estimate(case, term, story, keys, train)
-    return found + placements(case, term, story)
+    try:
+        return found + placements(case, term, story)
+    except np.linalg.LinAlgError:  # a slip may predict poses that have no inverse
+        return found
+
+
+def _alike(term: str) -> tuple[str, ...]:
+    """The terms that a number stands before if it does before this one: forces have one unit, and one sign a joint."""
+    return ALIKE if term in ALIKE else (term,)
+
+
+ALIKE = ("gravity", "bias", "rnea", "rnea_f_ext")
 
 
 def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
@@ -244,8 +254,8 @@ def _scale(case: Case, term: str, story: Story, keys: set[str], train: np.ndarra
         return factor * x
 
     says = "the answer is multiplied by a number (other units, or counted another number of times)"
-    terms = tuple(t for t in ALL if QUESTIONS[t].form != "plain" or t.endswith("energy") or t == "com")
-    return [Hypothesis("scale", says, terms, "answer", act, f"divide by {words}", (), words, 1.05 if known else 1.6)]
+    cost = 1.05 if known else 1.6
+    return [Hypothesis("scale", says, _alike(term), "answer", act, f"divide by {words}", (), words, cost)]
 
 
 def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
@@ -269,9 +279,8 @@ def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray
 
     says = "the forces of some joints are multiplied by a number (a gear, a sign)"
     words = ", ".join(f"{k[i]:.8g}" for i in off[:8])
-    return [
-        Hypothesis("joint_scale", says, WEIGHED, "answer", act, "divide them by it", names, words, 1.3 + 0.2 * len(off))
-    ]
+    cost = 1.3 + 0.2 * len(off)
+    return [Hypothesis("joint_scale", says, _alike(term), "answer", act, "divide them by it", names, words, cost)]
 
 
 def _columns(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
@@ -295,7 +304,7 @@ def _columns(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
 
     return [
         Hypothesis(
-            "column_scale", "columns of some joints are multiplied by a number (a sign, a unit, 0)", jacobians,
+            "column_scale", "columns of some joints are multiplied by a number (a sign, a unit, 0)", _alike(term),
             "answer", act, "look at how these columns are filled", tuple(case.how.v[i] for i in off),
             ", ".join(f"{k[i]:.8g}" for i in off[:8]), 1.3 + 0.2 * len(off),
         )

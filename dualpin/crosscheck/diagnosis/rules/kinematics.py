@@ -247,6 +247,9 @@ KNOWN = {
     ("the centre of mass of a body", "", "step_unturned"): "com_frame",
     ("the weight of a body's centre", "1", "step_other"): "com_unweighted",
     ("the axis of a column", "", "step_unturned"): "axis_frame",
+    ("the inertia of a body", "", "step_unturned"): "inertia_frame",
+    ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
+    ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
 }  # fmt: skip
 """Slips that have keys of their own."""
 SAYS = {

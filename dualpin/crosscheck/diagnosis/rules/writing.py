@@ -323,11 +323,16 @@ def base_turn(view: View) -> States:
     return {**view.states, "q": q}
 
 
-@rule(
-    "single_precision", "the states are rounded to single precision", "pass arrays of doubles", ALL, "state", cost=1.1
-)
-def states_in_single_precision(view: View) -> States:
-    return {k: np.asarray(x, np.float32).astype(float) for k, x in view.states.items()}
+@proposer("single_precision", "the states are rounded to single precision", "pass arrays of doubles")
+def states_in_single_precision(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def rounded(*which: str) -> Callable[[View], States]:
+        return lambda view: {
+            k: np.asarray(x, np.float32).astype(float) if not which or k in which else x for k, x in view.states.items()
+        }
+
+    whole = replace(h, terms=ALL, place="state", cost=1.1, act=rounded())
+    parts = {"positions alone": "q", "velocities alone": "v"}
+    return [whole] + [replace(whole, values=words, act=rounded(k), cost=1.15) for words, k in parts.items()]
 
 
 def _mimics(case: Case) -> bool:
