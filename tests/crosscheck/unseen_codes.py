@@ -29,9 +29,12 @@ class Mistake:
     words: str
     says: str
     floating: bool
+    added: str = ""
+    """Words of keys that came later, found to say the mistake when they were read."""
 
     def named_by(self, key: str, says: str) -> bool:
-        return key in self.keys or bool(self.words and re.search(self.words, says, re.IGNORECASE))
+        words = (w for w in (self.words, self.added) if w)
+        return key in self.keys or any(re.search(w, says, re.IGNORECASE) for w in words)
 
 
 def _read() -> dict[str, Mistake]:
@@ -40,7 +43,7 @@ def _read() -> dict[str, Mistake]:
         m = json.loads(line)
         changes = tuple((old, new) for old, new in m["changes"])
         found[m["name"]] = Mistake(
-            m["code"], changes, frozenset(m["keys"].split()), m["words"], m["says"], m["floating"]
+            m["code"], changes, frozenset(m["keys"].split()), m["words"], m["says"], m["floating"], m.get("added", "")
         )
     return found
 
