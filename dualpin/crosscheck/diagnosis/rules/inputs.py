@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...subjects.convention import BASE_V
+from ...subjects.layout import product, rotations, transposed
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, reordered
-from .register import ALL, proposer, rule
+from .register import ALL, WEIGHED, proposer, rule
 
 MOTION = ("frame_velocity", "jacobian_dot", "frame_acceleration")
 SWAPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
@@ -68,6 +70,28 @@ def wrapped(view: View) -> States:
         if j.mimic is None and j.model.additive and j.model.coordinates == ("length",):
             q[:, j.q] = np.pi - np.mod(np.pi - q[:, j.q], 2 * np.pi)
     return {**view.states, "q": q}
+
+
+@proposer(
+    "stale_base", "forces on the base are in the axes that it had in an earlier call", "set the state in each call",
+)  # fmt: skip
+def stale_base(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """World axes, turned by the attitude of a state that was sent before."""
+
+    def one(words: str, earlier: Callable[[np.ndarray], np.ndarray]) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            R = rotations(view.states["q"][:, 3:7])
+            turn, out, columns = earlier(R) @ transposed(R), x.copy(), list(view.layout.how.v)
+            for three in (BASE_V[:3], BASE_V[3:]):
+                at = [columns.index(name) for name in three]
+                out[:, at] = product(turn, x[:, at])
+            return out
+
+        return replace(h, terms=WEIGHED[:3], place="answer", act=act, values=words, cost=1.2)
+
+    world = case.how.angular == case.how.linear == "world"
+    earlier = {"the first": lambda R: R[:1], "the one before": lambda R: np.concatenate([R[:1], R[:-1]])}
+    return [one(words, of) for words, of in earlier.items()] if case.floating and world else []
 
 
 @proposer("limbs", "two limbs of the same structure stand in each other's place", "list the joints by their names")
