@@ -60,7 +60,7 @@ def _numbers(f: Any) -> dict[str, Any]:
 
 MISTAKES: dict[str, Mistake] = {
     # reading
-    "rpy_xyz": ("rpy_order inertial_rpy_order", {"turned": lambda s, a: _turns(a, (0, 1, 2))}),
+    "rpy_xyz": ("rpy_order inertial_rpy_order step_other", {"turned": lambda s, a: _turns(a, (0, 1, 2))}),
     "joint_rpy_yaw_only": ("rpy_part", _read(lambda s, e: (_turns(_xyz(s, e, "rpy"), (2,)), _xyz(s, e, "xyz")))),
     "origin_backwards": ("origin_inverted", _read(_placed(lambda R, p: (R.T, -R.T @ p)))),
     "xyz_turned": ("xyz_after_rpy", _read(_placed(lambda R, p: (R, R @ p)))),

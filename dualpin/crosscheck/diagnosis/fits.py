@@ -48,8 +48,8 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
 
 
 def _alike(term: str) -> tuple[str, ...]:
-    """The terms that a number stands before if it does before this one: forces have one unit, and one sign a joint."""
-    return ALIKE if term in ALIKE else (term,)
+    """The terms that a number stands before if it does before this one: it, and forces that are made of it."""
+    return ALIKE[ALIKE.index(term) :] if term in ALIKE else (term,)
 
 
 ALIKE = ("gravity", "bias", "rnea", "rnea_f_ext")
