@@ -14,7 +14,7 @@ from .case import Case, View
 from .description import Description, Part
 from .hypothesis import Hypothesis, Story, ordered
 from .placements import placements
-from .rules.register import DERIVED, FORCED, PUSHED, WEIGHED
+from .rules.register import DERIVED, FORCED, PUSHED, SIX, WEIGHED
 
 TRAIN = slice(0, None, 2)
 SNAP = 2e-8
@@ -39,7 +39,7 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
     train = np.flatnonzero(whole)[TRAIN]
     if len(train):
-        for estimate in (_gravity, _forces, _rotors, _scale, _rows, _columns, _constants, bodies):
+        for estimate in (_gravity, _forces, _rotors, _scale, _rows, _halves, _columns, _constants, bodies):
             found += estimate(case, term, story, keys, train)
     try:
         return found + placements(case, term, story)
@@ -283,6 +283,34 @@ def _rows(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray
     return [Hypothesis("joint_scale", says, _alike(term), "answer", act, "divide them by it", names, words, cost)]
 
 
+def _halves(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
+    """The angular or the linear rows of six-vectors in other units, or counted another number of times."""
+    x, p = case.observed[term], case.predict(term, story)
+    if term not in (*SIX, "frame_acceleration", "centroidal_momentum_matrix") or keys & {"half_scale", "scale"}:
+        return []
+    axis = -1 if term in ("frame_velocity", "frame_acceleration") else -2
+    assert p is not None  # `fits` has seen to that
+    found = []
+    for half, names in HALVES.items():
+        at = [case.how.rows.index(n) for n in names]
+        a, b = (np.take(y[train], at, axis).ravel() for y in (p, x))
+        k = float(a @ b / (a @ a)) if a @ a > 0 else 1.0
+        if not np.isfinite(k) or abs(k - 1) < 1e-9:
+            continue
+        k = float(np.round(k)) if abs(k - np.round(k)) < 1e-9 else k
+        factors = np.where(np.isin(case.how.rows, names), k, 1.0)
+
+        def act(view: View, term: str, y: np.ndarray, factors: np.ndarray = factors) -> np.ndarray:
+            return y * (factors if axis == -1 else factors[:, None])
+
+        says = f"the {half} rows are multiplied by a number (a unit, a sign, rates of quaternions)"
+        found.append(Hypothesis("half_scale", says, (term,), "answer", act, "divide by it", (), f"{k:.8g}", 1.2))
+    return found
+
+
+HALVES = {"angular": ("wx", "wy", "wz"), "linear": ("vx", "vy", "vz")}
+
+
 def _columns(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
     """Single columns of a Jacobian with another sign, in other units, or empty."""
     x, p = case.observed[term], case.predict(term, story)
@@ -344,6 +372,7 @@ FITTED = {
         "leave the armature out, or give it to the robot",
     ),
     "column_scale": ("columns of some joints are multiplied by a number", "look at how these columns are filled"),
+    "half_scale": ("the angular or the linear rows are multiplied by a number", "divide them by it"),
     "joint_scale": ("the forces of some joints are multiplied by a number", "divide them by it: a gear, a sign"),
     "constant_entries": (
         "entries of the mass matrix are off by constants",

@@ -165,6 +165,11 @@ def _reads(story: Iterable[Hypothesis]) -> bool:
     return all(h.place == "edit" and h.key not in ESTIMATED for h in story)
 
 
+def _doubtful(h: Hypothesis, story: Story) -> bool:
+    """Whether other terms must not contradict it: numbers, and several readings of the file, imitate much."""
+    return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story) > 1)
+
+
 def _joins(h: Hypothesis, story: Story) -> bool:
     """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
     return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
@@ -197,7 +202,7 @@ class _Search:
                 break
             block = todo[start : start + 200]
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right and not any(self.case.spared(h) for h in story if h.key in ESTIMATED):
+                if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(_near(story, score))

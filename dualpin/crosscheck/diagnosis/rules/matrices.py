@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ...subjects.convention import BASE_V
 from ...subjects.layout import product, transposed
 from ..case import Case, View
 from ..hypothesis import Hypothesis
@@ -67,29 +69,75 @@ def coriolis_momentum(view: View, term: str, C: np.ndarray) -> np.ndarray:
     return B - 0.5 * transposed(B)
 
 
-SYMBOLS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
-    "(dM/dt + d(M v)/dq) / 2": lambda rate, B: (rate + B) / 2,
-    "(dM/dt + d(M v)/dq + (d(M v)/dq)^T) / 2": lambda rate, B: (rate + B + transposed(B)) / 2,
-    "(dM/dt - (d(M v)/dq)^T) / 2": lambda rate, B: (rate - transposed(B)) / 2,
-    "(dM/dt - d(M v)/dq + (d(M v)/dq)^T) / 2": lambda rate, B: (rate - B + transposed(B)) / 2,
-    "d(M v)/dq": lambda rate, B: B,
-    "(d(M v)/dq - (d(M v)/dq)^T) / 2": lambda rate, B: (B - transposed(B)) / 2,
-    "dM/dt - d(M v)/dq / 2": lambda rate, B: rate - B / 2,
-}
+Parts = dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]]
+SYMBOLS: Parts = {
+    "dM/dt": lambda rate, B: rate, "d(M v)/dq": lambda rate, B: B, "(d(M v)/dq)^T": lambda rate, B: transposed(B)
+}  # fmt: skip
+"""What Christoffel's symbols are made of: C is half of the first and the second, less half of the third."""
 
 
 @proposer(
-    "coriolis_symbols", "Christoffel's symbols lack a term, or one has another sign",
+    "coriolis_symbols", "Christoffel's symbols lack a term, or one has another sign, factor or index",
     "C_ij = (1/2) sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) v_k",
 )  # fmt: skip
 def coriolis_symbols(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def one(words: str) -> Hypothesis:
-        def act(view: View, term: str, C: np.ndarray) -> np.ndarray:
-            return SYMBOLS[words](C + transposed(C), _momentum_by_q(view))
+    """How often each part is counted is estimated, and taken for a multiple of one half."""
 
+    def made(counts: Sequence[float]) -> Hypothesis:
+        def act(view: View, term: str, C: np.ndarray) -> np.ndarray:
+            rate, B = C + transposed(C), _momentum_by_q(view)
+            return np.asarray(sum(k * part(rate, B) for k, part in zip(counts, SYMBOLS.values(), strict=True)))
+
+        words = " + ".join(f"{k:g} {name}" for k, name in zip(counts, SYMBOLS, strict=True) if k).replace("+ -", "- ")
         return replace(h, terms=("coriolis",), place="change", act=act, values=words, cost=1.1)
 
-    return [one(words) for words in SYMBOLS]
+    x = case.observed.get("coriolis")
+    if x is None or not np.isfinite(x).all():
+        return []
+    zero, *parts = case.predictions("coriolis", [(made(k),) for k in ((0.0, 0.0, 0.0), *np.eye(3).tolist())])
+    if zero is None or zero.shape != x.shape or any(p is None for p in parts):
+        return []
+    A = np.stack([(p - zero).ravel() for p in parts if p is not None], axis=1)
+    counts = np.round(2 * np.linalg.lstsq(A, (x - zero).ravel(), rcond=None)[0]) / 2
+    return [made(counts.tolist())] if counts.any() and np.abs(counts).max() <= 2 else []
+
+
+SQUARES = {"are left out": -1.0, "are counted twice": 1.0}
+MOST_SYMBOLS = 12
+"""Degrees of freedom up to which the symbols are found one velocity at a time."""
+
+
+@proposer(
+    "coriolis_squares", "centrifugal terms, products of a velocity with itself, count another number of times",
+    "h_i = sum_jk c_ijk v_j v_k, over all j and k",
+)  # fmt: skip
+def coriolis_squares(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """Codes that list centrifugal and Coriolis terms apart: c_ikk v_k^2 beside 2 c_ijk v_j v_k."""
+    if case.robot.nv > MOST_SYMBOLS:
+        return []
+
+    def squares(view: View) -> np.ndarray:
+        """c_ikk v_k, (n, i, k)."""
+        v, unit = view.states["v"], np.eye(case.robot.nv)
+        columns = [view.compute("coriolis", v=np.broadcast_to(e, v.shape))[:, :, k] for k, e in enumerate(unit)]
+        return np.stack(columns, axis=-1) * v[:, None, :]
+
+    out = []
+    for words, k in SQUARES.items():
+        says = f"centrifugal terms, products of a velocity with itself, {words}"
+        matrix = partial(_with_squares, squares, k)
+        out.append(replace(h, says=says, terms=("coriolis",), place="change", act=matrix, cost=1.1))
+        force = partial(_force_of_squares, squares, k)
+        out.append(replace(h, says=says, terms=FORCED, place="force", act=force, cost=1.1))
+    return out
+
+
+def _with_squares(squares: Callable[[View], np.ndarray], k: float, view: View, term: str, C: np.ndarray) -> np.ndarray:
+    return C + k * squares(view)
+
+
+def _force_of_squares(squares: Callable[[View], np.ndarray], k: float, view: View) -> np.ndarray:
+    return k * product(squares(view), view.states["v"])
 
 
 def _momentum_by_q(view: View) -> np.ndarray:
@@ -136,6 +184,24 @@ def coriolis_frozen(view: View, term: str, x: np.ndarray) -> np.ndarray:
     other = Layout(view.case.robot, replace(view.layout.how, angular="world", linear="origin"))
     P = other.matrices(s["q"], s["v"])[0] @ np.linalg.inv(view.layout.matrices(s["q"], s["v"])[0])
     return transposed(P) @ other.answer("coriolis", C, s, M) @ P
+
+
+@rule(
+    "inverse_factors", "the factors of the inverse stand in the other order (L^-1 L^-T of M = L L^T)",
+    "M^-1 = L^-T L^-1", ("minv",), "answer",
+)  # fmt: skip
+def inverse_factors(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    inverse = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(x)))
+    return np.asarray(inverse @ transposed(inverse))
+
+
+@rule(
+    "uncoupled_base", "the blocks of M between the base and the joints are zero", "fill them", ("crba",), "answer",
+    when=lambda case: case.floating,
+)  # fmt: skip
+def uncoupled_base(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    of_base = np.isin(view.layout.how.v, BASE_V)
+    return np.asarray(x * (of_base[:, None] == of_base[None, :]))
 
 
 @rule(

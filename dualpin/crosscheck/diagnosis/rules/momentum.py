@@ -95,3 +95,11 @@ def _ground(d: Description) -> tuple[float, np.ndarray]:
 )
 def potential_offset(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     return x + np.nanmean(observed - x)
+
+
+@rule(
+    "energy_of_base", "all mass is taken at the height of the base", "take the height of the centre of mass",
+    ("potential_energy",), "formula", when=lambda case: case.floating,
+)  # fmt: skip
+def energy_of_base(view: View, term: str) -> np.ndarray:
+    return np.asarray(-view.robot_mass * view.states["q"][:, :3] @ np.array(view.description.gravity))
