@@ -34,7 +34,7 @@ def trained(inverse_dynamics, steps):
         loss = (tau.square() / effort).mean() + 0.1 * (a - wanted).square().mean()
         loss.backward()
         optimiser.step()
-        history.append(float(loss))
+        history.append(loss.item())
         seconds.append(time.perf_counter() - start)
     return history, min(seconds)
 
