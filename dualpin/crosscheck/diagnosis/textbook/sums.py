@@ -138,7 +138,7 @@ def _rnea_derivatives(view: View, steps: Steps) -> np.ndarray:
     s, zero = view.states, np.zeros_like(view.states["v"])
 
     def at(**changed: np.ndarray) -> np.ndarray:
-        return view.compute("rnea_derivatives", **changed)[None]  # type: ignore[arg-type]
+        return view.compute("rnea_derivatives", "local_world_aligned", **changed)[None]
 
     right = at()
     by_q, by_v, by_a = right[:, :, 0], right[:, :, 1], right[:, :, 2]
@@ -168,7 +168,7 @@ def _aba_derivatives(view: View, steps: Steps) -> np.ndarray:
     a, zero = view.compute("aba"), np.zeros_like(s["v"])
 
     def of_tau(**changed: np.ndarray) -> np.ndarray:
-        return view.compute("rnea_derivatives", **changed)[None]  # type: ignore[arg-type]
+        return view.compute("rnea_derivatives", "local_world_aligned", **changed)[None]
 
     others = {
         "that at a = 0": lambda: of_tau(a=zero), "that at a = tau": lambda: of_tau(a=s["tau"]),
