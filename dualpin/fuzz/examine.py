@@ -41,6 +41,16 @@ def examine(spec: Spec, seed: int = 0, samples: int = SAMPLES) -> RobotResult:
     Terms that differ are decided by their definitions in 50 digits.  A failed identity is dualpin's fault:
     its ``nearer`` is "oracle".
 
+    Parameters
+    ----------
+    spec : Spec
+    seed, samples : int
+        Of the random states.
+
+    Returns
+    -------
+    RobotResult
+
     Examples
     --------
     >>> from dualpin.fuzz import examine, random_spec

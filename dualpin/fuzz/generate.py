@@ -37,6 +37,14 @@ def is_large(number: int) -> bool:
 def random_spec(seed: int, number: int) -> Spec:
     """Robot `number` of a seed.
 
+    Parameters
+    ----------
+    seed, number : int
+
+    Returns
+    -------
+    Spec
+
     Examples
     --------
     >>> from dualpin.fuzz import random_spec

@@ -28,8 +28,15 @@ def shrink(spec: Spec, shows: Callable[[Spec], bool], seconds: float = SECONDS) 
 
     Parameters
     ----------
+    spec : Spec
     shows : callable
         Of a robot; it must be true of `spec`.
+    seconds : float
+        After which no more steps are tried.
+
+    Returns
+    -------
+    Spec
 
     Examples
     --------

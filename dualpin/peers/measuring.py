@@ -47,6 +47,12 @@ def run(
         Of `dualpin.peers.NAMES`.
     batch : int
         Samples in one call of the batched cells.
+    terms : str
+        Of `MEASURED`.
+    repetitions : int
+        Alternating runs of both.
+    progress : callable, optional
+        Called with each row.
 
     Returns
     -------
@@ -60,6 +66,13 @@ def run(
     ------
     ArgumentError
         If there is no such peer or term, or a robot cannot be given to peers.
+
+    Examples
+    --------
+    >>> from dualpin import peers
+    >>> rows = peers.run(["ur5"], ["pinocchio"], ["rnea"], batch=64, repetitions=2)
+    >>> sorted({row["batch"] for row in rows})
+    [1, 64]
     """
     for term in terms:
         if term not in MEASURED:

@@ -21,10 +21,28 @@ _MARKUP = re.compile(
 def fixed(checked: Checked) -> str:
     """The file's text with every certain correction.
 
+    Parameters
+    ----------
+    checked : Checked
+        Of `dualpin.check`.
+
+    Returns
+    -------
+    str
+        Empty where there is neither a text nor a correction.
+
     Raises
     ------
     ArgumentError
         If it has no text that can be edited: a robot in memory, MJCF, a file with faults of markup.
+
+    Examples
+    --------
+    >>> from dualpin.analysis.check import Checked, Edit, Finding, fixed
+    >>> text = '<robot name="r"><link name="a"/></robot>'
+    >>> found = Finding("named", "note", "a is no name", edits=[Edit(1, "name", "base")])
+    >>> fixed(Checked("r", [found], text=text))
+    '<robot name="r"><link name="base"/></robot>'
     """
     edits = [e for f in checked.findings for e in f.edits]
     if checked.text is None:
@@ -35,7 +53,31 @@ def fixed(checked: Checked) -> str:
 
 
 def diff(checked: Checked, name: str, new: str) -> str:
-    """The corrections as a unified diff."""
+    r"""The corrections as a unified diff.
+
+    Parameters
+    ----------
+    checked : Checked
+        Of `dualpin.check`.
+    name : str
+        Of the file, in the first lines.
+    new : str
+        Its text with the corrections, of `fixed`.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from dualpin.analysis.check import Checked, diff
+    >>> print(diff(Checked("r", text="a\n"), "r.urdf", "b\n"), end="")
+    --- r.urdf
+    +++ r.urdf
+    @@ -1 +1 @@
+    -a
+    +b
+    """
     old = (checked.text or "").splitlines(keepends=True)
     return "".join(difflib.unified_diff(old, new.splitlines(keepends=True), name, name))
 

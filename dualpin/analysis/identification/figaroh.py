@@ -56,6 +56,11 @@ def to_figaroh(of: Robot | Identification, path: str | PathLike[str] | None = No
     -------
     str
 
+    Raises
+    ------
+    ArgumentError
+        If it is neither a robot nor an identification, or `base` is asked of a robot.
+
     Examples
     --------
     >>> import dualpin as dp
@@ -116,13 +121,50 @@ def from_figaroh(robot: Robot, file: str | PathLike[str]) -> np.ndarray:
     ------
     ArgumentError
         If the file is none of these, or names a joint that the robot does not have.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, dualpin as dp
+    >>> from dualpin.analysis.identification import from_figaroh, to_figaroh
+    >>> robot = dp.load("ur5")
+    >>> file = pathlib.Path(tempfile.mkdtemp(), "ur5.yaml")
+    >>> _ = to_figaroh(robot, file)
+    >>> from_figaroh(robot, file).shape
+    (60,)
     """
     parameters, values = read_figaroh(robot, file)
     return values[: parameters.inertial]
 
 
 def read_figaroh(robot: Robot, file: str | PathLike[str]) -> tuple[Parameters, np.ndarray]:
-    """The parameters that a file of figaroh names, rotors and friction included, and their values."""
+    """The parameters that a file of figaroh names, rotors and friction included, and their values.
+
+    Parameters
+    ----------
+    robot : Robot
+    file : str or path
+
+    Returns
+    -------
+    parameters : Parameters
+    values : ndarray, shape (len(parameters),)
+
+    Raises
+    ------
+    ArgumentError
+        As of `from_figaroh`.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib, dualpin as dp
+    >>> from dualpin.analysis.identification import read_figaroh, to_figaroh
+    >>> robot = dp.load("ur5")
+    >>> file = pathlib.Path(tempfile.mkdtemp(), "ur5.yaml")
+    >>> _ = to_figaroh(robot, file)
+    >>> parameters, values = read_figaroh(robot, file)
+    >>> parameters.names[0], float(values[0])
+    ('m[shoulder_pan_joint]', 3.7)
+    """
     document = _document(file)
     of_base = next((k for k in VALUES if k in document), None)
     listed = next((document[k] for k in NAMES if k in document), None)

@@ -139,6 +139,11 @@ def nearest_singularity(
     distance : float
         inf where none was found.
 
+    Raises
+    ------
+    ArgumentError, ShapeError, FrameNotFoundError
+        If an argument is not as described above.
+
     Examples
     --------
     >>> import numpy as np, dualpin as dp

@@ -11,7 +11,23 @@ from ..checks import Case
 
 
 def all_cases() -> list[Case]:
-    """Every URDF file of example-robot-data, on a fixed and a floating base, and with mimic where it has any."""
+    """Every URDF file of example-robot-data, on a fixed and a floating base, and with mimic where it has any.
+
+    Returns
+    -------
+    list of Case
+
+    Raises
+    ------
+    ArgumentError
+        If example-robot-data is not installed.
+
+    Examples
+    --------
+    >>> from dualpin.crosscheck.campaign import all_cases
+    >>> {case.floating for case in all_cases() if case.name == "panda"}
+    {False, True}
+    """
     names = list(catalogue())
     if not names:
         raise ArgumentError("--all needs the robots of example-robot-data (pip install example-robot-data)")

@@ -97,7 +97,33 @@ def asking(
     floating: bool = False,
     mimic: bool = False,
 ) -> Asking:
-    """Everything a subject is given, of a robot by name or path, or of the robot itself."""
+    """Everything a subject is given, of a robot by name or path, or of the robot itself.
+
+    Parameters
+    ----------
+    robot : str, Path or Robot
+    samples, seed : int
+        Of the random states.
+    terms : tuple of str
+        Keys of `QUESTIONS`.
+    floating, mimic : bool
+        As of `dualpin.load`.
+
+    Returns
+    -------
+    Asking
+
+    Raises
+    ------
+    ArgumentError, UrdfError
+        If the robot is none, or cannot be read.
+
+    Examples
+    --------
+    >>> from dualpin.crosscheck.subjects import asking
+    >>> asking("ur5", 4, 0, ("rnea",)).samples
+    4
+    """
     mjcf = ""
     if not isinstance(robot, (str, Path, Robot)):
         raise ArgumentError(f"judge: a robot, or the name or path of one expected, got {type(robot).__name__}")

@@ -63,7 +63,18 @@ class Environment:
 
 
 def shipped() -> list[str]:
-    """The names of the subjects that come with dualpin."""
+    """The names of the subjects that come with dualpin.
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> from dualpin.crosscheck.subjects import shipped
+    >>> "mujoco" in shipped()
+    True
+    """
     return sorted(p.stem for p in ADAPTERS.glob("*.py") if not p.stem.startswith("_"))
 
 

@@ -49,10 +49,31 @@ class Asker:
 def resolve(subject: Any, *, python: str | None = None, limit: float = 60.0) -> Asker:
     """What asks the subject.
 
+    Parameters
+    ----------
+    subject : str, Path, object, mapping or Command
+        As of `dualpin.judge`.
+    python : str, optional
+        The interpreter of the subject's own environment.
+    limit : float
+        Seconds after which it counts as hanging.
+
+    Returns
+    -------
+    Asker
+
     Raises
     ------
     ArgumentError
         If nothing is known by that name.
+
+    Examples
+    --------
+    >>> from dualpin.crosscheck.subjects import asking, resolve
+    >>> given = asking("ur5", 4, 0, ("gravity",))
+    >>> answers = resolve({"gravity": lambda q: 0 * q})(given, lambda what: None)
+    >>> answers.terms["gravity"].shape
+    (4, 6)
     """
     if isinstance(subject, Command):
         return Asker(

@@ -19,10 +19,30 @@ LANGUAGES = {"c": "answer.c", "cpp": "answer.cpp", "python": "answer.py", "matla
 def write_starter(asking: Asking, folder: Path, language: str) -> Path:
     """A program that reads the states and writes answers, with functions to fill in.
 
+    Parameters
+    ----------
+    asking : Asking
+    folder : Path
+        Where to write it.
+    language : str
+        Of `LANGUAGES`.
+
+    Returns
+    -------
+    Path
+        Of the program.
+
     Raises
     ------
     ArgumentError
         If the language is not one of `LANGUAGES`, or the folder cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> from dualpin.crosscheck.subjects import asking, write_starter
+    >>> write_starter(asking("ur5", 4, 0, ("rnea",)), pathlib.Path(tempfile.mkdtemp()), "python").name
+    'answer.py'
     """
     if language not in LANGUAGES:
         raise ArgumentError(f"ask: language {language!r} is not known; {nearest(language, LANGUAGES, 'languages')}")

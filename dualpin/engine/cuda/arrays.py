@@ -73,6 +73,23 @@ class DeviceArray:
 def to_device(x: np.ndarray, where: Device | str | int = "cuda", stream: int = LEGACY) -> DeviceArray:
     """A copy of a NumPy array on a device.
 
+    Parameters
+    ----------
+    x : ndarray
+    where : Device, str or int
+        As of `device`.
+    stream : int
+        In which it is copied.
+
+    Returns
+    -------
+    DeviceArray
+
+    Raises
+    ------
+    DeviceError
+        If there is no such device.
+
     Examples
     --------
     >>> from dualpin.engine.cuda import to_device

@@ -70,10 +70,19 @@ def plan(
 
     Parameters
     ----------
+    robot : Robot
+    term : Term
+    options : mapping
+        Settled (`Term.settled`).
+    dtype : float64 or float32
     strided : bool
         For arrays with any strides, such as structures of arrays.
     part : int
         Number of operations of one function.
+
+    Returns
+    -------
+    Plan
 
     Raises
     ------
@@ -81,6 +90,13 @@ def plan(
         If the term is not a straight-line program.
     TooLongError
         If it is too long for a GPU.
+
+    Examples
+    --------
+    >>> import dualpin as dp
+    >>> from dualpin.engine.cuda import plan
+    >>> plan(dp.load("ur5"), dp.terms.TERMS["gravity"], {}).layout.sizes
+    (6, 6)
     """
     number = DOUBLE if np.dtype(dtype).itemsize == 8 else SINGLE
     made = program(trace(robot, term, options), NUMBERS[number.size], part)

@@ -214,10 +214,23 @@ _lock = threading.Lock()
 def device(which: str | int = "cuda") -> Device:
     """The device of a number or name: "cuda" is the first, "cuda:1" the second.
 
+    Parameters
+    ----------
+    which : str or int
+
+    Returns
+    -------
+    Device
+
     Raises
     ------
     DeviceError
         If there is no such device.
+
+    Examples
+    --------
+    >>> from dualpin.engine.cuda import device
+    >>> device("cuda:0")                          # doctest: +SKIP
     """
     text = str(which)
     kind, _, number = text.partition(":") if not text.isdigit() else ("cuda", ":", text)
