@@ -9,8 +9,9 @@ import numpy as np
 
 from ..subjects.answers import Answers
 from ..subjects.layout import Layout
-from .case import Case, scaled
+from .case import Case
 from .hypothesis import Story
+from .scores import scaled
 
 TRIED = 64
 

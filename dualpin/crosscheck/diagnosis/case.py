@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +18,7 @@ from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question, pushed
 from .description import Description, Part, built, describe, merged
 from .hypothesis import Hypothesis, Story, Wording, identity
+from .scores import FAR, Score, in_forces, scaled, scored
 from .textbook.slipped import alike, in_one, predicted
 
 States = dict[str, np.ndarray]
@@ -25,24 +26,10 @@ COLUMNS = 100_000
 """How many columns (stories x samples x velocities) are predicted at once: intermediate results stay small."""
 
 
-@dataclass(frozen=True)
-class Score:
-    """How near a prediction comes: worst scaled error, share of entries that are right, root mean square.
-
-    `right` says whether the error is no more than rounding leaves.
-    """
-
-    error: float
-    share: float
-    rms: float
-    right: bool = False
-
-
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
 STEP = 2.0**-12
 """Of velocities: small beside those at which a force changes its sign, and large beside their rounding."""
-FAR = Score(float("inf"), 0.0, float("inf"))
 ROUNDINGS = 64 * float(np.finfo(float).eps)
 """What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
 
@@ -184,24 +171,19 @@ class Case:
     def _evaluated(self, term: str, together: Sequence[tuple[Story, View]]) -> tuple[list[Any], list[Any]]:
         """The term for every story, and the mass matrix or Jacobian that its layout needs besides."""
         question = QUESTIONS[term]
-        xs: list[Any] = [None] * len(together)
-        others: list[Any] = [None] * len(together)
         acts = [in_one([h.act for h in story if h.place == "formula"]) for story, _ in together]
-        for at in alike(acts, [view for _, view in together]):
-            view = together[at[0]][1]
-            found = _tried(predicted, [acts[k] for k in at], view, term)
-            if found is None:  # one of them makes no sense: each by itself
-                found = [(_tried(predicted, [acts[k]], view, term) or [None])[0] for k in at]
-            for k, x in zip(at, found, strict=True):
-                xs[k] = x
+        views = [view for _, view in together]
+        xs = _by_formulas(term, acts, views)
         plain = [k for k, x in enumerate(xs) if x is None]
         forced = [self._with_forces(term, *together[k]) for k in plain]
-        for k, x in zip(plain, self._batch(question, forced), strict=True):
-            xs[k] = x
+        _fill(xs, plain, self._batch(question, forced))
         needs = {"bias": "crba", "coriolis": "crba", "six_rate": "jacobian"}.get(question.form)
-        turning = [k for k, (_, view) in enumerate(together) if view.layout.turns] if needs else []
-        for k, x in zip(turning, self._batch(QUESTIONS[needs or term], [together[k][1] for k in turning]), strict=True):
-            others[k] = x
+        others: list[Any] = [None] * len(together)
+        if needs:  # a slip in forces is one in M too
+            turning = [a if needs == "crba" and v.layout.turns else None for a, v in zip(acts, views, strict=True)]
+            others = _by_formulas(needs, turning, views)
+            plain = [k for k, x in enumerate(others) if x is None and views[k].layout.turns]
+            _fill(others, plain, self._batch(QUESTIONS[needs], [views[k] for k in plain]))
         return xs, others
 
     def _with_forces(self, term: str, story: Story, view: View) -> View:
@@ -223,8 +205,7 @@ class Case:
             same = all(d is descriptions[0] for d in descriptions)
             robot = self.robot_of(descriptions[0]) if same else built(descriptions, self.robot)
             inputs = {k: np.stack([views[i].states[k] for i in at]) for k in question.inputs}
-            for k, x in zip(at, evaluate(robot, question, inputs, self.frames, reference), strict=True):
-                out[k] = x
+            _fill(out, at, evaluate(robot, question, inputs, self.frames, reference))
         return out
 
     def _finished(self, term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None) -> np.ndarray:
@@ -295,6 +276,22 @@ class Case:
         return max(self.tolerance, min(1e-3, ROUNDINGS * (len(self.robot) + 1) * condition))
 
 
+def _by_formulas(term: str, acts: Sequence[Callable[..., Any] | None], views: Sequence[View]) -> list[Any]:
+    """What the acts predict, many in one run; None where there is none, or where it makes no sense."""
+    xs: list[Any] = [None] * len(acts)
+    for at in alike(acts, views):
+        found = _tried(predicted, [acts[k] for k in at], views[at[0]], term)
+        if found is None:  # one of them makes no sense: each by itself
+            found = [(_tried(predicted, [acts[k]], views[at[0]], term) or [None])[0] for k in at]
+        _fill(xs, at, found)
+    return xs
+
+
+def _fill(out: list[Any], at: Sequence[int], values: Iterable[Any]) -> None:
+    for k, x in zip(at, values, strict=True):
+        out[k] = x
+
+
 def _tried(f: Callable[..., Any], *args: Any) -> Any:
     """None where a story makes no sense for this robot."""
     try:
@@ -345,52 +342,3 @@ def evaluate(robot: Robot, question: Question, inputs: States, frames: Sequence[
                 out[:, :, i] = float(value) if type(value) is Exact else value
             answers.append(out.reshape(h, n, *shape))
     return np.stack(answers, axis=2) if question.framed else answers[0]
-
-
-def in_forces(error: float, x: np.ndarray, reference: np.ndarray, load: np.ndarray, tolerance: float) -> Score:
-    """Forces that accelerations need against those that they had; `load` is what adds up in them."""
-    have = np.isfinite(x).all(axis=1)
-    if not have.any():
-        return FAR
-    apart, scale = np.abs(x - reference)[have], np.maximum(1.0, load[have].max(axis=1, keepdims=True))
-    share = float((apart <= tolerance * scale).mean())
-    return Score(error, share, float(np.sqrt(np.mean(apart**2))), share == 1.0)
-
-
-def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance: float) -> Score:
-    """The error of x against p, and share and rms of y against z."""
-    if x.shape != p.shape or not np.isfinite(p).all():
-        return FAR
-    error = scaled(x, p)
-    return Score(error, *_near(y, z, min(tolerance, 1e-7)), error <= tolerance)
-
-
-def scaled(x: np.ndarray, reference: np.ndarray) -> float:
-    """The largest over the samples (and frames) of max|x - ref| / max(1, max|ref|); unanswered ones are left out."""
-    lead = x.ndim - _tail(x)
-    a, b = x.reshape(int(np.prod(x.shape[:lead])), -1), reference.reshape(int(np.prod(x.shape[:lead])), -1)
-    have = ~np.isnan(a).all(axis=1)
-    if not have.any():
-        return float("nan")
-    with np.errstate(all="ignore"):
-        apart = np.where(np.isnan(a), 0.0, np.abs(a - b))  # of some frames there may be no answer
-        e = apart[have].max(axis=1, initial=0.0) / np.maximum(1.0, np.abs(b)[have].max(axis=1, initial=0.0))
-    return float(np.where(np.isfinite(e), e, np.inf).max())
-
-
-def _tail(x: np.ndarray) -> int:
-    """How many axes one answer has: of (n, ...), or (n, frames, a, b)."""
-    return x.ndim - 2 if x.ndim == 4 else x.ndim - 1
-
-
-def _near(x: np.ndarray, reference: np.ndarray, tolerance: float) -> tuple[float, float]:
-    axes = tuple(range(x.ndim - _tail(x), x.ndim))
-    have = ~np.isnan(x)
-    if not have.any():
-        return 0.0, float("inf")
-    with np.errstate(all="ignore"):
-        # of the smaller one: a prediction that is far too large must not make everything look near
-        size = np.fmin(np.abs(x), np.abs(reference))
-        scale = np.maximum(1.0, size.max(axis=axes, keepdims=True) if axes else size)
-        apart = np.abs(x - reference)
-        return float((apart <= tolerance * scale)[have].mean()), float(np.sqrt(np.mean(apart[have] ** 2)))

@@ -88,7 +88,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         first += [s for s in e.stories[:EARLIER] if s not in first]
         first = _united(first)[: 4 * EARLIER]
     picked = cheapest({t: e.stories for t, e in told.items() if e.named})
-    several = len({h.identity for s in picked.values() for h in s}) > 1
+    several = len({h.cause for s in picked.values() for h in s}) > 1
     if len(off) > 1 and (several or lost):  # of several causes: one slip may be behind all of them
         for term in off:
             if time.process_time() < until:
@@ -115,16 +115,20 @@ def _united(stories: Sequence[Story]) -> list[Story]:
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
     picked = cheapest({t: e.stories for t, e in told.items() if e.named})
-    whose: dict[tuple[object, ...], tuple[Hypothesis, list[str]]] = {}
+    whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
-            whose.setdefault(h.identity, (h, []))[1].append(term)
-    for h, terms in whose.values():
+            variants, terms = whose.setdefault(h.cause, ([], []))
+            terms.append(term)
+            if h not in variants:
+                variants.append(h)
+    for variants, terms in whose.values():
+        h = variants[0]
         after = {t: case.score(t, picked[t]).error for t in terms}
         others, apart = _alternatives(case, h, terms, picked, told)
         found.findings.append(
             Finding(
-                h.key, str(h) + _elsewhere(case, h), terms, max(errors[t] for t in terms), max(after.values()),
+                h.key, str(h) + _elsewhere(case, variants), terms, max(errors[t] for t in terms), max(after.values()),
                 list(h.items), others, apart, h.fix, {t: [errors[t], after[t]] for t in terms},
             )
         )  # fmt: skip
@@ -150,9 +154,10 @@ def _add(findings: list[Finding], new: Finding) -> None:
     findings.append(new)
 
 
-def _elsewhere(case: Case, h: Hypothesis) -> str:
-    """Terms that it would have changed, and that are right without."""
-    spared = case.spared(h)
+def _elsewhere(case: Case, variants: Sequence[Hypothesis]) -> str:
+    """Terms that all variants of a cause would have changed, and that are right without."""
+    first, *more = map(case.spared, variants)
+    spared = [t for t in first if all(t in other for other in more)]
     return f"; not in {', '.join(spared)}" if spared else ""
 
 
@@ -163,7 +168,7 @@ def _alternatives(
     others: dict[frozenset[object], Story] = {}
     for t in terms:
         for s in told[t].stories:
-            if identity(s) != identity(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
+            if _causes(s) != _causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
                 others.setdefault(identity(s), s)
     # only what explains all of its terms stands in its place
     whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
@@ -174,6 +179,10 @@ def _alternatives(
         if state:
             return words, state
     return words, {}
+
+
+def _causes(story: Story) -> frozenset[object]:
+    return frozenset(h.cause for h in story)
 
 
 def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
@@ -196,10 +205,10 @@ def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
             return
 
         def more(s: Story) -> tuple[float, float]:
-            return cost(h for h in s if h.identity not in claimed), cost(s)
+            return cost(h for h in s if h.cause not in claimed), cost(s)
 
         for s in sorted(likely[terms[k]], key=more):
-            branch(k + 1, {**claimed, **{h.identity: h.cost for h in s}}, told + cost(s), (*chosen, s))
+            branch(k + 1, {**claimed, **{h.cause: h.cost for h in s}}, told + cost(s), (*chosen, s))
 
     branch(0, {}, 0.0, ())
     return picked

@@ -73,6 +73,8 @@ class Hypothesis:
         Whether it is about one link or joint of several.
     most : float
         The largest scaled error that it makes: it is not tried on larger ones.
+    variant : str
+        What tells two computations of one cause apart, which are told in the same words.
     """
 
     key: str
@@ -86,9 +88,15 @@ class Hypothesis:
     cost: float = 1.0
     single: bool = False
     most: float = math.inf
+    variant: str = ""
 
     @property
     def identity(self) -> tuple[Any, ...]:
+        return *self.cause, self.variant
+
+    @property
+    def cause(self) -> tuple[Any, ...]:
+        """What is told: variants of one cause claim no more than one of them."""
         return self.key, self.says, self.items, self.values
 
     def __str__(self) -> str:

@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 
 from ..subjects.questions import QUESTIONS
-from .case import Case, Score
+from .case import Case
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
-from .textbook.slipped import made_of
+from .scores import Score
+from .textbook.slipped import Slipped, made_of
 
 DEPTH = 3
 BEAM = 8
@@ -92,6 +93,18 @@ class Catalogue:
         right: list[Story] = [(h,) for same, score in told if score.error <= FEW for h in same]
         return right or _kept([_near((same[0],), x) for same, x in told if np.isfinite(x.error)])
 
+    def variants(self, stories: Iterable[Story]) -> list[Story]:
+        """The same causes by other computations: what one variant explains of a term, another may of the next."""
+        slips = [s[0] for s in stories if len(s) == 1 and isinstance(s[0].act, Slipped)]
+        return [(h,) for one in slips for h in self._by_cause[one.cause] if h is not one]
+
+    @cached_property
+    def _by_cause(self) -> dict[Any, list[Hypothesis]]:
+        groups: dict[Any, list[Hypothesis]] = {}
+        for h in self.late:
+            groups.setdefault(h.cause, []).append(h)
+        return groups
+
     def _few(self, samples: int) -> Case:
         if samples not in self._cases:
             self._cases[samples] = self.case.few(samples)
@@ -121,7 +134,8 @@ def explain(
     """
     search = _Search(case, term, time.process_time() + budget)
     found = Explanation(term, case.score(term))
-    mine = [t for s in first if (t := tuple(h for h in s if term in h.terms))]
+    known = [*first, *catalogue.variants(first)]
+    mine = [t for s in known if (t := tuple(h for h in s if term in h.terms))]
     search.consider([*mine, *(catalogue.slips(term) if slips else [])])
     whole, single = (catalogue.of(term, one, found.before.error) for one in (False, True))
     alike = [h for h in whole if h.key in SAME]

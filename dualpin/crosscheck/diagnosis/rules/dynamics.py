@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..case import Case, View
-from ..textbook import composite, lagrange, link_axes, spatial, sums, world_axes
+from ..textbook import body_coriolis, composite, lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
-from ..textbook.assembly import Dynamics, by_columns, right
+from ..textbook.assembly import Dynamics, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
 from ..textbook.steps import EVERYWHERE, Steps
 from ..textbook.tree import tree_of
@@ -104,8 +104,9 @@ FORCES = ("gravity", "bias", "rnea", "rnea_f_ext")
 MASSES = ("crba", "minv", "kinetic_energy", "coriolis")
 FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
 ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
-OF_FORCES = (*FORCES, "rnea_derivatives", "coriolis", *FORWARD)
 FUSED = "of bodies merged from fixed links"
+SPATIAL = "spatial vectors"
+COLUMNS, SYMBOLS = "M by columns", "C from Christoffel's symbols"
 
 
 def merges(case: Case) -> bool:
@@ -140,22 +141,29 @@ register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_a
 register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
 for _name, _forces in {
     "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
-    "Newton-Euler by spatial vectors": spatial.forces,
+    SPATIAL: spatial.forces,
 }.items():  # fmt: skip
-    register(_name, Dynamics(_forces, by_columns(_forces)), ALL)
-    register(_name, Dynamics(_forces, right(spatial.mass)), OF_FORCES, "M is right")
+    _by_columns = Dynamics(_forces, by_columns(_forces))
+    register(_name, _by_columns, ALL if _name != SPATIAL else (*MASSES, *FORWARD), "" if _name != SPATIAL else COLUMNS)
+    register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right")
+    register(_name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}")
 register(
-    "Newton-Euler in world axes", Dynamics(world_axes.forces, lagrange.mass_of_habits), (*FORCES, *MASSES, "aba"),
+    "Newton-Euler in world axes",
+    Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),
     "M from Jacobians",
 )  # fmt: skip
-register("composite rigid bodies", Dynamics(right(spatial.forces), spatial.mass), (*MASSES, *FORWARD))
-_composite = Dynamics(right(spatial.forces), composite.mass)
-register("composite bodies by mass, moment and inertia", _composite, (*MASSES, *FORWARD))
+register(SPATIAL, Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix), ALL)
+register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
+_masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
+register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")
+register(
+    "composite bodies by mass, moment and inertia",
+    Dynamics(right(spatial.forces), composite.mass, symbols(composite.mass)), (*MASSES, *FORWARD),
+)  # fmt: skip
 register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",))
-register("articulated bodies", Articulated(), (*FORWARD, "minv"))
 register("Lagrange", Lagrange(spatial.forces, lagrange.mass), (*FORCES, *MASSES, *FORWARD, "potential_energy"))
 register(
-    "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), (*MASSES, "aba", "aba_f_ext"),
+    "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), ("aba", "aba_f_ext"),
     "M in itself and in forward dynamics",
 )  # fmt: skip
 formulation("sums of right parts", sums.TERMS, KNOWN, batched=True)(sums.run)

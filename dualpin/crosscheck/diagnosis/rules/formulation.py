@@ -26,8 +26,12 @@ COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
 
 
+Terms = Sequence[str] | Callable[[Case], Sequence[str]]
+"""The terms that a formulation predicts, of all cases or of one."""
+
+
 def formulation(
-    name: str, terms: Sequence[str], known: Mapping[tuple[str, str, str], str] | None = None, values: str = "",
+    name: str, terms: Terms, known: Mapping[tuple[str, str, str], str] | None = None, variant: str = "",
     when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
     batched: bool = False, like: Callable[[str], str] = lambda term: term,
 ) -> Callable[[Run], Run]:  # fmt: skip
@@ -37,12 +41,12 @@ def formulation(
     ----------
     name : str
         As it is called in the field: "Newton-Euler in link axes".
-    terms : sequence of str
+    terms : sequence of str, or a function of the case
         What it predicts, of `QUESTIONS`.
     known : mapping
         Keys of slips (site, what, how) that have one of their own in the table of keys.
-    values : str
-        What tells this variant of the formulation from others ("of bodies merged from fixed links").
+    variant : str
+        What tells this variant of the formulation from others ("of bodies merged from fixed links"); it is not told.
     when : callable
         Whether it covers the robot of a case.
     cost : float
@@ -60,7 +64,7 @@ def formulation(
             if not when(case):
                 return []
             touched: dict[Slip, list[str]] = {}
-            asked = [t for t in terms if t in case.observed]
+            asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
             slips = {t: possible(run, case, t) for t in dict.fromkeys(map(like, asked))}
             for term in asked:
                 for slip in slips[like(term)]:
@@ -68,7 +72,7 @@ def formulation(
             return [
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
-                    Slipped(run, (slip,), batched), slip.fix, values=values, cost=cost,
+                    Slipped(run, (slip,), batched), slip.fix, variant=variant, cost=cost,
                 )
                 for slip, shown in touched.items()
             ]  # fmt: skip

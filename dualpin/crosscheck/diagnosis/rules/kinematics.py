@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import Any
@@ -20,9 +20,8 @@ from ..textbook.poses import PLAIN, Poses, Ways, position_rates, rehung, stacked
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip, Steps
 from ..textbook.weighted import Sums
-from .formulation import COST, formulation
+from .formulation import COST, Terms, formulation
 
-When = Callable[[Case], Any]
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 RIGHT = Steps(Slip("", "", ""))
 """Steps at which nothing can go wrong, and nothing is noted."""
@@ -33,7 +32,7 @@ SEEN = (
 MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
 TURNED = ("kinetic_energy", "crba", "minv", "rnea", "aba")
 """Terms in which the inertia of rotors counts."""
-MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba")
+MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba", "coriolis")
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class Made:
     fused : bool
         Whether fixed links are merged into the bodies that carry them.
     how : str
-        Of the rate of Jacobians: with velocities "from link to link", with those "by Jacobians", or "differentiated".
+        Velocities are found "from link to link" or "by Jacobians"; or Jacobians, and M, are "differentiated".
     """
 
     view: View
@@ -88,18 +87,24 @@ class Made:
         return tree
 
     def sums(self, tree: Poses) -> Sums:
-        return Sums(tree, Columns(tree, self.rest), self.rest)
+        return Sums(tree, self.columns(tree), self.rest)
+
+    def columns(self, tree: Poses) -> Columns:
+        columns = Columns(tree, self.rest)
+        return columns.by_jacobians() if self.how == JACOBIANS and tree.qd is not None else columns
 
     def term(self, term: str) -> np.ndarray:
         """The answer to a question, (runs, n, ...)."""
         s, g = self.view.states, np.array(self.view.description.gravity)
         if term in OF_FRAMES:
             return self.of_frames(term)
-        if term == "coriolis":
+        if term == "coriolis" and self.how == DIFFERENTIATED:
             return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
         if term in TURNED and any(any(p.armature) for p in self.description.parts):
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
+        if term == "coriolis":
+            return sums.coriolis()
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":
@@ -146,11 +151,9 @@ class Made:
             h = 1e-30
             at = s["q"] + 1j * h * position_rates(self.view.robot, s["q"], s["v"])
             return self._jacobian(self.tree(at, moving=False), links).imag / h
-        columns = Columns(tree, self.rest)
-        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
+        columns = self.columns(tree)
+        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (columns.w, 1), (columns.v, 1)))
         J = columns.reduced(columns.at(p, links))
-        if self.how == JACOBIANS:
-            u = product(J, s["v"][:, None])[..., 3:]
         D = columns.reduced(columns.rates(p, u, links))
         return referred_rate(self.rest, D, J, (R, p, w, u), reference)
 
@@ -261,16 +264,15 @@ SAYS = {
 }
 
 
-def _register(name: str, run: Run, terms: Sequence[str], when: When = lambda case: True, **how: Any) -> None:
+def _register(name: str, run: Run, terms: Terms, **how: Any) -> None:
     """A formulation, of the links as they are and of bodies merged from fixed links."""
     variant = how.get("how", "")
     cost = COST + 0.05 * bool(variant)
     like = LIKE.get(run, _itself)
-    formulation(name, terms, KNOWN, variant, when, cost, SAYS, batched=True, like=like)(_of(run, **how))
-    values = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
-    both = partial(_both, when)
+    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True, like=like)(_of(run, **how))
+    both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     cost += 0.01
-    formulation(name, terms, KNOWN, values, both, cost, batched=True, like=like)(_of(run, fused=True, **how))
+    formulation(name, terms, KNOWN, both, fuses, cost, batched=True, like=like)(_of(run, fused=True, **how))
 
 
 LIKE: dict[Run, Callable[[str], str]] = {
@@ -289,22 +291,27 @@ def _of(run: Run, **how: Any) -> Run:
     return partial(run, **how)
 
 
-def _both(when: When, case: Case) -> bool:
-    return fuses(case) and when(case)
+def _terms(*always: str, **sometimes: Callable[[Case], bool]) -> Callable[[Case], list[str]]:
+    """Terms, and groups of terms that are predicted where something holds."""
+    return lambda case: [*always, *(t for group, holds in sometimes.items() if holds(case) for t in GROUPS[group])]
+
+
+def not_large(case: Case) -> bool:
+    return case.robot.nv <= LARGE
+
+
+def symbols(case: Case) -> bool:
+    """Whether Christoffel's symbols may explain C: of a wrong M."""
+    return few(case) and off("crba")(case)
 
 
 RATES = ("jacobian_dot", "frame_acceleration")
-_register("forward kinematics", poses, SEEN)
-_register("forward kinematics", poses, MOVED, off("fk"))
-_register("geometric Jacobians", jacobians, SEEN)
-_register("geometric Jacobians", jacobians, MOVED, lambda case: case.robot.nv <= LARGE)
-_register("geometric Jacobians", jacobians, ("coriolis",), lambda case: few(case) and off("crba")(case))
-for _how in (JACOBIANS, DIFFERENTIATED):
-    _terms = (*RATES, "kinetic_energy") if _how == JACOBIANS else RATES
-    _register("forward kinematics", poses, _terms, how=_how)
-    _register("geometric Jacobians", jacobians, _terms, how=_how)
+GROUPS = {"moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",)}
+for _name, _run, _moved in (("forward kinematics", poses, off("fk")), ("geometric Jacobians", jacobians, not_large)):
+    _register(_name, _run, _terms(*SEEN, moved=_moved))
+    _register(_name, _run, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
+    _register(_name, _run, _terms(*RATES, matrix=symbols), how=DIFFERENTIATED)
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
 for _name in WAYS:
-    _register(_name, rotations, SEEN, way=_name)
-    _register(_name, rotations, MOVED, off("fk"), way=_name)
+    _register(_name, rotations, _terms(*SEEN, moved=off("fk")), way=_name)

@@ -83,8 +83,10 @@ def steiner_wrong(h: Hypothesis, case: Case) -> list[Hypothesis]:
                 lambda b: b.turned(b.in_link - steiner(b.mass, b.com) + WRONG_STEINER[words](b.mass, b.com)), items
             )
 
-        values = words + (", of bodies merged from fixed links" if bodies else "")
-        return replace(h, place="edit", act=edit, terms=MASSIVE, values=values, cost=1.0 + 0.05 * bodies)
+        variant = "of bodies merged from fixed links" if bodies else ""
+        return replace(
+            h, place="edit", act=edit, terms=MASSIVE, values=words, variant=variant, cost=1.0 + 0.05 * bodies
+        )
 
     merges = case.merged is not case.description
     return [one(words, bodies) for words in WRONG_STEINER for bodies in (False, True)[: 1 + merges]]

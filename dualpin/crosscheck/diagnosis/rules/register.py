@@ -78,7 +78,7 @@ class _Family:
         lumped = case.merged
         if self.of_bodies and lumped is not case.description and self.items(lumped):
             yield replace(
-                whole, act=lambda d, i: self.edit(merged(d), i), values="of bodies merged from fixed links",
+                whole, act=lambda d, i: self.edit(merged(d), i), variant="of bodies merged from fixed links",
                 cost=self.cost + 0.05,
             )  # fmt: skip
 

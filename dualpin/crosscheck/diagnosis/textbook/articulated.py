@@ -18,7 +18,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .link_axes import gathered
-from .spatial import HAVE, crf, crm, inertia, subspace, to_parent, transform
+from .spatial import HAVE, crf, crm, inertia, next_velocity, subspace, to_parent, transform
 from .steps import Steps
 from .tree import Link, Tree, tree_of
 
@@ -50,21 +50,17 @@ def _first(
     vs, c = [v[..., :6] + zero if tree.floating else zero], [zero]
     for k in tree.links[1:]:
         x = X[k.number]
-        v_k = steps.turn("the parent's velocity", x, vs[k.parent], **{"by the inverse": lambda x=x: np.linalg.inv(x)})
-        c_k = zero
+        v_k, c_k = next_velocity(steps, k, x, vs[k.parent], v), zero
         if k.moves:
-            S_qd = subspace(k) * v[..., k.column, None]
-            v_k = steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd})
-            v_c = steps.pick("the velocity in c = v x S qd", v_k, **{"the parent's, in its axes": vs[k.parent]})
-            c_k = crm(steps, "c = v x S qd", v_c, S_qd)
+            S_qd = subspace(steps, k) * v[..., k.column, None]
+            v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": vs[k.parent]})
+            c_k = crm(steps, "v x S qd", v_c, S_qd)
         vs.append(v_k)
         c.append(c_k)
     I = [inertia(steps, k) + np.zeros((*zero.shape[:-1], 6, 6)) for k in tree.links]
     p = []
     for k in tree.links:
-        Iv = product(I[k.number], vs[k.number])
-        other = {"the cross product of motions, v x I v": lambda x=vs[k.number], y=Iv: crm(Steps(), "", x, y)}
-        spin = steps.pick("the product v x* I v", crf(steps, "v x* I v", vs[k.number], Iv), **other)
+        spin = crf(steps, "v x* I v", vs[k.number], product(I[k.number], vs[k.number]))
         p.append(steps.add("the bias force p^A", **{"v x* I v": spin}))
     return c, p, I
 
@@ -76,7 +72,7 @@ def _inward(
     IA, pA = I[k.number], p[k.number]
     Ia, pa = IA, pA
     if k.moves:
-        S = subspace(k)
+        S = subspace(steps, k)
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
         u = steps.add("u", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]})
@@ -115,7 +111,7 @@ def _last(
             needed = steps.add("D qdd", **{"u": b.u, "-U^T a'": -(b.U * a_k).sum(-1)[..., None]})
             qdd = needed / b.D
             columns[k.column] = qdd[..., 0]
-            a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(k) * qdd})
+            a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(steps, k) * qdd})
         acc.append(a_k)
     return gathered(columns, base, tau)
 

@@ -18,12 +18,11 @@ from .tree import Tree, tree_of
 
 Forces = Callable[[Steps, Tree, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 Mass = Callable[[Steps, Tree, np.ndarray], np.ndarray]
+Matrix = Callable[[Steps, Tree, np.ndarray, np.ndarray], np.ndarray]
 MOST_STEPS = 12
 """Degrees of freedom up to which matrices are differentiated."""
 OF_FORCES = ("gravity", "bias", "rnea", "rnea_f_ext", "rnea_derivatives")
 STEP = 1e-30
-UNCHANGED = 1e-10
-"""Relative: a slip that changes something by less has nothing to do with it."""
 
 
 def by_columns(forces: Forces) -> Mass:
@@ -40,12 +39,30 @@ def right(algorithm: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
     return lambda steps, *given: algorithm(Steps(), *given)
 
 
+def symbols(mass: Mass) -> Matrix:
+    """C from Christoffel's symbols of a mass matrix that is differentiated, of few joints on a fixed base."""
+
+    def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        if tree.floating or tree.nv > MOST_STEPS:
+            raise ValueError("few joints on a fixed base only")
+        return christoffel(lambda x: mass(steps, tree, x), q, v)
+
+    return matrix
+
+
 @dataclass(frozen=True)
 class Dynamics:
-    """Answers to all terms, from two algorithms; `fused` as of `Tree`."""
+    """Answers to all terms, from two algorithms; `fused` as of `Tree`.
+
+    Attributes
+    ----------
+    matrix : callable, optional
+        Makes C; by default it is made of the forces of unit velocities.
+    """
 
     forces: Forces
     mass: Mass
+    matrix: Matrix | None = None
     fused: bool = False
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
@@ -56,7 +73,9 @@ class Dynamics:
 
     def made_of(self, term: str) -> Any:
         """Variants with the same forces answer alike to what is made of forces alone."""
-        return (self.forces, self.fused) if type(self) is Dynamics and term in OF_FORCES else self
+        if type(self) is not Dynamics or term not in (*OF_FORCES, "coriolis"):
+            return self
+        return self.matrix or self.forces if term == "coriolis" else self.forces, self.fused
 
     def tau(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
         """The forces, with those that turn the rotors."""
@@ -107,22 +126,22 @@ class Dynamics:
         needed = left[:, :, None] + torques(view)
         return transposed(solved(M, transposed(needed)))
 
-    def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
-        """Christoffel's symbols of a wrong mass matrix; of a right one, nothing is known but C v."""
-        q, v = s["q"], s["v"]
-        M, exact = self.M(steps, tree, q), self.M(Steps(), tree, q)
-        C_v = self.tau(steps, tree, q, v, 0 * v, 0 * tree.gravity)
-        known = self.tau(Steps(), tree, q, v, 0 * v, 0 * tree.gravity)
-        C = C_v[..., :, None] * v[..., None, :] / (v**2).sum(-1)[..., None, None]
-        rows = max(len(M), len(C_v))
-        wrong = np.array(np.broadcast_to(~same(M, exact), rows))
-        C = np.where(same(C_v, known)[:, None, None, None], np.nan, C)
-        C = np.array(np.broadcast_to(C, (rows, *C.shape[1:])))
-        C[wrong] = np.nan
-        if wrong.any() and not tree.floating and tree.nv <= MOST_STEPS:
-            chosen = steps.only(wrong.tolist()) if rows > 1 else steps
-            C[wrong] = christoffel(lambda x: self.M(chosen, tree, x), q, v)
-        return C
+    def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
+        """By default by the forces of unit velocities: C = (1/2) d(C v)/dv.
+
+        On a floating base that is no C of Christoffel's symbols, so what a slip changes is added to the right one.
+        """
+        if self.matrix is not None:
+            return self.matrix(steps, tree, s["q"], s["v"])
+
+        q = np.repeat(s["q"], tree.nv, axis=1)
+
+        def by_v(steps: Steps) -> np.ndarray:
+            return 0.5 * by_coordinates(
+                lambda v: self.tau(steps, tree, q, v, np.zeros((1, 1, tree.nv)), 0 * tree.gravity), s["v"]
+            )
+
+        return view.compute("coriolis")[None] + by_v(steps) - by_v(Steps())
 
     # derivatives
 
@@ -137,12 +156,6 @@ class Dynamics:
             return self._forward(steps, tree, q, v, tau)
 
         return None if tree.floating or tree.nv > MOST_STEPS else derivatives(f, s["q"], s["v"], s["tau"])
-
-
-def same(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Of each run: whether it is that of y."""
-    axes = tuple(range(1, x.ndim))
-    return np.asarray(np.abs(x - y).max(axes) < UNCHANGED * np.maximum(1.0, np.abs(y).max()))
 
 
 def torques(view: View) -> np.ndarray:

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...subjects.layout import product
 from .poses import Poses, stacked
 from .steps import Steps, cross
 
@@ -27,6 +28,8 @@ class Columns:
     ----------
     z, o : array
         (runs, n, axes, 3): directions of the axes, and origins of the links that they move.
+    w, v : list of array
+        Motions of the links: from link to link, or `by_jacobians`.
     """
 
     def __init__(self, poses: Poses, steps: Steps) -> None:
@@ -41,6 +44,17 @@ class Columns:
         self.after = np.array([self._after(i) for i in range(len(self.axes))], int)
         self.o = stacked(poses.p, self.links, 1)
         self.z = self._whole([self._directions(g, which) for g, which in self.groups], -2)
+        self.w, self.v, self.by_product = poses.w, poses.v, False
+
+    def by_jacobians(self) -> Columns:
+        """With the motions of links as the product of their Jacobians and the velocity."""
+        t, qd = self.poses, self.poses.qd
+        assert qd is not None
+        links = list(range(len(t.p)))
+        J = self.reduced(self.at(stacked(t.p, links, 1), links))
+        motion = np.moveaxis(product(J, qd[..., None, :]), -2, 0)
+        self.w, self.v, self.by_product = list(motion[..., :3]), list(motion[..., 3:]), True
+        return self
 
     def _whole(self, parts: list[np.ndarray], axis: int) -> np.ndarray:
         """Base and joints, in the order of the axes."""
@@ -159,14 +173,14 @@ class Columns:
     def _rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
     ) -> np.ndarray:  # fmt: skip
-        t, steps, mine = self.poses, self.steps, [self.links[i] for i in group]
+        steps, mine = self.steps, [self.links[i] for i in group]
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
-        w, u = stacked(t.w, mine, 1)[..., None, :, :], stacked(t.v, mine, 1)[..., None, :, :]
-        frames = stacked(t.w, list(links), 1)[..., :, None, :]
+        w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
+        frames = stacked(self.w, list(links), 1)[..., :, None, :]
         w = steps.pick(
             f"the angular velocity that turns an axis: {which}", w,
             **{"that of the frame's link": frames + 0 * w, "that of the axis against the frame": w - frames,
-               "that of the root": t.w[0][..., None, None, :] + 0 * w},
+               "that of the root": self.w[0][..., None, None, :] + 0 * w},
         )  # fmt: skip
         turned = steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
         ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "that of the joint": -u}

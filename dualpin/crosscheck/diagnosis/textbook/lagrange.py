@@ -154,7 +154,7 @@ class Lagrange(Dynamics):
     def _rnea(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._sum(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
 
-    def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
+    def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return coriolis(steps, tree, s["q"], s["v"])
 
     def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:

@@ -11,6 +11,8 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
@@ -56,27 +58,37 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
 def _next(
     steps: Steps, k: Link, X: np.ndarray, v_up: np.ndarray, a_up: np.ndarray, v: np.ndarray, a: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    inverse = {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
-    v_k = steps.turn("the parent's velocity", X, v_up, **inverse)
-    a_k = steps.turn("the parent's acceleration", X, a_up, **inverse)
+    v_k = next_velocity(steps, k, X, v_up, v)
+    a_k = steps.turn("the parent's acceleration", X, a_up, **_inverses(X))
     if not k.moves:
         return v_k, a_k
-    S = subspace(k)
+    S = subspace(steps, k)
     S_qd, S_qdd = S * v[..., k.column, None], S * a[..., k.column, None]
-    v_k = steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd})
     v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
     turning = crm(steps, "v x S qd", v_c, S_qd)
     terms = {"X a of the parent": a_k, "v x S qd": turning, "S qdd": S_qdd}
     return v_k, steps.add("the acceleration of a link", **terms)
 
 
+def next_velocity(steps: Steps, k: Link, X: np.ndarray, v_up: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """The velocity of a link, of its parent's."""
+    v_k = steps.turn("the parent's velocity", X, v_up, **_inverses(X))
+    if not k.moves:
+        return v_k
+    S_qd = subspace(steps, k) * v[..., k.column, None]
+    return np.asarray(steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd}))
+
+
+def _inverses(X: np.ndarray) -> dict[str, Callable[[], np.ndarray]]:
+    """What may stand in the place of X."""
+    return {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
+
+
 def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[np.ndarray]) -> np.ndarray:
     I, v_k = inertia(steps, k), vs[k.number]
     v_up = vs[max(0, k.parent)]
     v_I = steps.pick("the velocity in v x* I v", v_k, **{"the parent's": v_up})
-    Iv = product(I, v_I)
-    other = {"the cross product of motions, v x I v": lambda: crm(Steps(), "", v_I, Iv)}
-    spin = steps.pick("the product v x* I v", crf(steps, "v x* I v", v_I, Iv), **other)
+    spin = crf(steps, "v x* I v", v_I, product(I, v_I))
     f = steps.add("the force of a body", **{"I a": product(I, accs[k.number]), "v x* I v": spin})
     return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
 
@@ -85,7 +97,7 @@ def _along(steps: Steps, k: Link, f: np.ndarray) -> np.ndarray:
     other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
     site = "the force along a joint's axis, S^T f," + (": of sliding joints" if k.slides else ": of turning joints")
     return np.asarray(
-        steps.pick(site, (subspace(k) * f).sum(-1), **{"that of the other half of f": (other * f).sum(-1)})
+        steps.pick(site, (subspace(steps, k) * f).sum(-1), **{"that of the other half of f": (other * f).sum(-1)})
     )
 
 
@@ -101,8 +113,10 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     entries: dict[tuple[int, int], np.ndarray] = {}
     base = I[0]
     for k in (k for k in tree.links if k.moves):
-        F = product(steps.pick("the inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}), subspace(k))
-        entries[k.column, k.column] = (subspace(k) * F).sum(-1)
+        F = product(
+            steps.pick("the inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}), subspace(steps, k)
+        )
+        entries[k.column, k.column] = (subspace(steps, k) * F).sum(-1)
         step, at = "of the first step", k
         while at.parent >= 0:
             turned = to_parent(steps, f"F, carried down as X^T F: {step}", X[at.number], F)
@@ -111,7 +125,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             )
             step, at = "of further steps", tree.links[at.parent]
             if at.moves:
-                entries[k.column, at.column] = entries[at.column, k.column] = (subspace(at) * F).sum(-1)
+                entries[k.column, at.column] = entries[at.column, k.column] = (subspace(steps, at) * F).sum(-1)
         if tree.floating:
             for i in range(6):
                 entries[k.column, i] = entries[i, k.column] = F[..., i]
@@ -150,8 +164,14 @@ def to_parent(steps: Steps, site: str, X: np.ndarray, f: np.ndarray) -> np.ndarr
     return steps.turn(site, transposed(X), f, **others)
 
 
-def subspace(k: Link) -> np.ndarray:
-    return np.concatenate([0 * k.z, k.z] if k.slides else [k.z, 0 * k.z], -1)
+def subspace(steps: Steps, k: Link) -> np.ndarray:
+    """S: [z; 0] of a turning joint, [0; z] of a sliding one."""
+    turning, sliding = (np.concatenate(x, -1) for x in ((k.z, 0 * k.z), (0 * k.z, k.z)))
+    if k.slides:
+        others = {"[z; 0], as of a turning one": turning, "[z; z]": turning + sliding, "-[0; z]": -sliding}
+        return np.asarray(steps.pick("S of a sliding joint", sliding, **others))
+    others = {"[0; z], as of a sliding one": sliding, "[z; z]": turning + sliding, "-[z; 0]": -turning}
+    return np.asarray(steps.pick("S of a turning joint", turning, **others))
 
 
 def inertia(steps: Steps, k: Link) -> np.ndarray:
@@ -169,14 +189,18 @@ def inertia(steps: Steps, k: Link) -> np.ndarray:
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
     """v x m of motions."""
     w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
-    linear = steps.add(
-        f"the linear part of {site}", **{"w x the linear part": cross(w, b), "v x the angular part": cross(u, a)}
-    )
-    return np.concatenate(np.broadcast_arrays(cross(w, a), linear), -1)
+    parts = {"w x the linear part": cross(w, b), "v x the angular part": cross(u, a)}
+    linear = steps.add(f"the linear part of v x: in {site}", **parts)
+    x = np.concatenate(np.broadcast_arrays(cross(w, a), linear), -1)
+    others = {"with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m)}
+    return np.asarray(steps.pick(f"the cross product of motions, v x: in {site}", x, **others))
 
 
 def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
     """v x* f of forces."""
     w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
-    angular = steps.add(f"the angular part of {site}", **{"w x the moment": cross(w, n), "v x the force": cross(u, b)})
-    return np.concatenate(np.broadcast_arrays(angular, cross(w, b)), -1)
+    parts = {"w x the moment": cross(w, n), "v x the force": cross(u, b)}
+    angular = steps.add(f"the angular part of v x*: in {site}", **parts)
+    x = np.concatenate(np.broadcast_arrays(angular, cross(w, b)), -1)
+    others = {"with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f)}
+    return np.asarray(steps.pick(f"the cross product of forces, v x*: in {site}", x, **others))

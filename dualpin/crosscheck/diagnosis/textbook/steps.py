@@ -117,10 +117,6 @@ class Steps:
         steps._take(rows)
         return steps
 
-    def only(self, chosen: Sequence[bool]) -> Steps:
-        """The chosen ones of many runs."""
-        return Steps.together([row for row, take in zip(self._rows, chosen, strict=True) if take])
-
     def through(self, words: Words, algorithm: Callable[[Steps], T]) -> T:
         """Run another algorithm, in which the same slips have other words: `words[site, what]` are those there."""
         if self._right:

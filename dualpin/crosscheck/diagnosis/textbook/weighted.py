@@ -2,6 +2,7 @@
 
     G = sum m c / sum m          J_G = sum m J_c / sum m         A_G = sum [I J_w + (c - G) x m J_c;  m J_c]
     M = sum m J_c^T J_c + J_w^T I J_w                            g = -sum m J_c^T gravity
+    C = sum m J_c^T J_c' + J_w^T (I J_w' + B J_w)        B = ([w] I - I [w] - [I w]) / 2
     h = sum J_c^T m (J_c' v - gravity) + J_w^T (I J_w' v + w x I w)
 
 References: Siciliano et al., Robotics (2009), section 7.1; Orin, Goswami and Lee, Centroidal Dynamics of a Humanoid
@@ -14,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ....spatial.adjoint import cross_matrix
 from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
 from .columns import Columns
@@ -135,7 +137,11 @@ class Sums:
 
     def centre_velocities(self) -> tuple[np.ndarray, np.ndarray]:
         """w of each body, and the velocity of its centre."""
-        w, v = (stacked(x, self.links, 1) for x in (self.poses.w, self.poses.v))
+        if self.columns.by_product:
+            assert self.poses.qd is not None
+            motion = product(self.jacobians, self.poses.qd[..., None, :])
+            return motion[..., :3], motion[..., 3:]
+        w, v = (stacked(x, self.links, 1) for x in (self.columns.w, self.columns.v))
         terms = {"that of the link's origin": v, "w x R c": cross(w, self.r)}
         return w, self.steps.add("the velocity of a body's centre", **terms)
 
@@ -168,13 +174,33 @@ class Sums:
         torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
+    @cached_property
+    def rates(self) -> np.ndarray:
+        """(runs, n, bodies, 6, nv): d/dt of `jacobians`."""
+        _, v = self.centre_velocities()
+        return self.columns.reduced(self.columns.rates(self.c, v, self.links, "a centre of mass"))
+
+    def coriolis(self) -> np.ndarray:
+        """C = sum m Jv^T Jv' + Jw^T (I Jw' + B Jw), with B w = w x I w."""
+        steps, J, D, I = self.steps, self.jacobians, self.rates, self.inertia
+        w, _ = self.centre_velocities()
+        W, H = cross_matrix(w), cross_matrix(product(I, w))
+        B = 0.5 * (W @ I - I @ W - H)
+        others = {"[w] I": W @ I, "-[I w]": -H + 0 * B, "not halved": 2 * B, "without -[I w]": B + 0.5 * H}
+        B = steps.pick("B, ([w] I - I [w] - [I w]) / 2,", B, **others)
+        Jw, Jv, m = J[..., :3, :], J[..., 3:, :], self.m[..., None, None]
+        terms = {
+            "m Jv^T Jv'": _summed(Jv, m * D[..., 3:, :]), "Jw^T I Jw'": _summed(Jw, I @ D[..., :3, :]),
+            "Jw^T B Jw": _summed(Jw, B @ Jw),
+        }  # fmt: skip
+        return np.asarray(steps.add("the Coriolis matrix", **terms))
+
     def velocity_forces(self) -> np.ndarray:
         """C v: what velocities need."""
         steps, qd = self.steps, self.poses.qd
         assert qd is not None
-        w, v = self.centre_velocities()
-        D = self.columns.reduced(self.columns.rates(self.c, v, self.links, "a centre of mass"))
-        rest = product(D, qd[..., None, :])
+        w, _ = self.centre_velocities()
+        rest = product(self.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
         n, f = steps.add("the moment of a body", **parts), self.m[..., None] * rest[..., 3:]

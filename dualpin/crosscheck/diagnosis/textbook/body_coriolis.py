@@ -1,0 +1,95 @@
+"""The Coriolis matrix by composite bodies, in six-vectors.
+
+    B = (1/2) (v x* I + (I v) bar - I v x)      h bar u = u x* h      S' = v x S
+    I^C, B^C are summed from the tips:  I^C_p += X^T I^C X,  B^C_p += X^T B^C X
+    f1 = I^C S' + B^C S     f2 = I^C S     f3 = B^C^T S     C_ii = S^T f1
+    f = X^T f  down to the root:   C_ji = S_j^T f1     C_ij = S'_j^T f2 + S_j^T f3
+
+References: Echeandia and Wensing, Numerical methods to compute the Coriolis matrix and Christoffel symbols for
+rigid-body systems, Journal of Computational and Nonlinear Dynamics 16 (2021), algorithm 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...subjects.layout import product, transposed
+from .spatial import HAVE, crf, crm, inertia, next_velocity, subspace, to_parent, transform
+from .steps import Steps
+from .tree import Link, Tree
+
+ONE = np.eye(6)
+
+
+def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C (runs, samples, nv, nv)."""
+    X = [transform(steps, p) for p in tree.poses(q)]
+    zero = np.zeros((*q.shape[:-1], 6))
+    vs = [v[..., :6] + zero if tree.floating else zero]
+    for k in tree.links[1:]:
+        vs.append(next_velocity(steps, k, X[k.number], vs[k.parent], v))
+    I = [inertia(steps, k) + zero[..., None] for k in tree.links]
+    B = [_of_body(steps, x, u) for x, u in zip(I, vs, strict=True)]
+    last, count = tree.links[-1].number - 1, len(tree.links) - 1
+    for k in reversed(tree.links[1:]):
+        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
+        x = steps.part("the links that hand on their inertia", x, k.number - 1, count)
+        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+        y = steps.congruent("a child's B, X^T B X,", transposed(X[k.number]), B[k.number])
+        y = steps.part("the links that hand on their B", y, k.number - 1, last + 1)
+        B[k.parent] = steps.add("the composite B", **{HAVE: B[k.parent], "X^T B X of the child": y})
+    rows: dict[tuple[int, int], np.ndarray] = {}
+    rates = {k.number: rate(steps, vs[k.number], subspace(steps, k)) for k in tree.links if k.moves}
+    for k in (k for k in tree.links if k.moves):
+        _column(steps, tree, k, X, I[k.number], B[k.number], rates, vs[0], rows)
+    if tree.floating:
+        S_rate = transposed(rate(steps, vs[0][..., None, :], ONE))
+        block = steps.add("I^C S' + B S", **{"I^C S'": I[0] @ S_rate, "B S": B[0]})
+        rows |= {(i, j): block[..., i, j] for i in range(6) for j in range(6)}
+    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in rows.values()))
+    C = np.zeros((*lead, tree.nv, tree.nv))
+    for (i, j), entry in rows.items():
+        C[..., i, j] = entry
+    return C
+
+
+def rate(steps: Steps, v: np.ndarray, S: np.ndarray) -> np.ndarray:
+    """S' = v x S."""
+    return crm(steps, "S' = v x S", v, S)
+
+
+def _of_body(steps: Steps, I: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """B of a body, with B v = v x* I v."""
+    by_columns = transposed(crf(steps, "B", v[..., None, :], transposed(I)))  # v x* I
+    motion = transposed(crm(steps, "B", v[..., None, :], ONE + 0 * I))
+    bar = transposed(crf(Steps(), "", ONE + 0 * I, product(I, v)[..., None, :]))
+    terms = {"v x* I": 0.5 * by_columns, "(I v) bar": 0.5 * bar, "-I v x": -0.5 * I @ motion}
+    B = steps.add("B of a body", **terms)
+    others = {"v x* I, with the same C v": by_columns, "(I v) bar, with the same C v": bar, "not halved": 2 * B}
+    return np.asarray(steps.pick("the matrix B", B, **others))
+
+
+def _column(
+    steps: Steps, tree: Tree, k: Link, X: list[np.ndarray], I: np.ndarray, B: np.ndarray,
+    rates: dict[int, np.ndarray], v_base: np.ndarray, rows: dict[tuple[int, int], np.ndarray],
+) -> None:  # fmt: skip
+    """The entries of a joint with itself and with those below it."""
+    S = subspace(steps, k) + 0 * I[..., 0]
+    forces = {"I^C S'": product(I, rates[k.number]), "B S": product(B, S)}
+    f1, f2 = steps.add("I^C S' + B S", **forces), product(I, S)
+    f3 = product(steps.transpose("B in B^T S", B), S)
+    rows[k.column, k.column] = (subspace(steps, k) * f1).sum(-1)
+    at = k
+    while at.parent >= 0:
+        f1, f2, f3 = (to_parent(steps, f"f, carried down as X^T f: {n}", X[at.number], f) for n, f in
+                      (("I^C S' + B S", f1), ("I^C S", f2), ("B^T S", f3)))  # fmt: skip
+        at = tree.links[at.parent]
+        if at.moves:
+            rows[at.column, k.column] = (subspace(steps, at) * f1).sum(-1)
+            left = {"S'^T I^C S": (rates[at.number] * f2).sum(-1), "S^T B^T S": (subspace(steps, at) * f3).sum(-1)}
+            rows[k.column, at.column] = steps.add("C below the diagonal", **left)
+    if tree.floating:
+        S_rate = rate(steps, v_base[..., None, :], ONE)
+        left = {"S'^T I^C S": product(S_rate, f2), "S^T B^T S": f3}
+        below = steps.add("C below the diagonal", **left)
+        rows |= {(i, k.column): f1[..., i] for i in range(6)} | {(k.column, i): below[..., i] for i in range(6)}
