@@ -207,76 +207,43 @@ def _bodies(robot: Robot, document: Document | None) -> Iterator[Body]:
             tensor = R @ written @ R.T
             printed = _printed(elements.get(link.name))
         at = None if checked is None else (inertial if inertial is not None else checked).sourceline
+        given = any(ten) if document is None else inertial is not None
         yield Body(
-            link.name,
-            ten[0],
-            com.array,
-            tensor,
-            written,
-            R,
-            link.joint,
-            link.placement.array,
-            any(ten) if document is None else inertial is not None,
-            printed,
-            at,
+            link.name, ten[0], com.array, tensor, written, R, link.joint, link.placement.array, given, printed, at,
             elements.get(link.name),
-        )
+        )  # fmt: skip
 
 
 def _hinges(robot: Robot, document: Document | None) -> Iterator[Hinge]:
     if document is None:
+        links = {k.joint: k.name for k in reversed(robot.links)}
         for j in robot:
-            lower, upper = (
-                x[0] if x and j.model.nq == 1 else d for x, d in ((j.limits.lower, -inf), (j.limits.upper, inf))
-            )
+            x, single = j.limits, j.model.nq == 1
+            lower, upper = (v[0] if v and single else d for v, d in ((x.lower, -inf), (x.upper, inf)))
             yield Hinge(
-                j.name,
-                j.kind,
-                "",
-                next((k.name for k in robot.links if k.joint is j), ""),
-                j.placement.position.array,
-                np.zeros(3),
-                lower,
-                upper,
-                j.limits.velocity,
-                j.limits.effort,
-                j.limits.damping,
-                j.limits.friction,
-                joint=j,
-            )
+                j.name, j.kind, "", links.get(j, ""), j.placement.position.array, np.zeros(3), lower, upper,
+                x.velocity, x.effort, x.damping, x.friction, joint=j,
+            )  # fmt: skip
         return
     moving = {j.name: j for j in robot}
     elements = _named(document, "joint")
     for name, e in document.joints.items():
-        limit, dynamics, mimic, kind = e.find("limit"), e.find("dynamics"), e.find("mimic"), e.get("type")
-        bounded = kind in ("revolute", "prismatic") and limit is not None
-        lower, upper = (float(limit.get(k) or 0) if bounded else d for k, d in (("lower", -inf), ("upper", inf)))
-        velocity, effort = (inf if limit is None else float(limit.get(k, "inf")) for k in ("velocity", "effort"))
-        damping, friction = (0.0 if dynamics is None else float(dynamics.get(k) or 0) for k in ("damping", "friction"))
-        target = None if mimic is None else mimic.get("joint")
-        multiplier = 1.0 if mimic is None else float(mimic.get("multiplier", 1))
-        offset = 0.0 if mimic is None else float(mimic.get("offset", 0))
-        origin = e.find("origin")
+        limit, mimic, kind, origin = e.find("limit"), e.find("mimic"), e.get("type"), e.find("origin")
+        span = limit if kind in ("revolute", "prismatic") else None
+        dynamics = e.find("dynamics")
         yield Hinge(
-            name,
-            kind,
-            e.find("parent").get("link"),
-            e.find("child").get("link"),
-            _numbers(origin, "xyz"),
-            _numbers(origin, "rpy"),
-            lower,
-            upper,
-            velocity,
-            effort,
-            damping,
-            friction,
-            target,
-            multiplier,
-            offset,
-            moving.get(name),
-            e.sourceline,
-            elements.get(name),
-        )
+            name, kind, e.find("parent").get("link"), e.find("child").get("link"),
+            _numbers(origin, "xyz"), _numbers(origin, "rpy"), _number(span, "lower", -inf), _number(span, "upper", inf),
+            _number(limit, "velocity", inf, inf), _number(limit, "effort", inf, inf),
+            _number(dynamics, "damping"), _number(dynamics, "friction"), None if mimic is None else mimic.get("joint"),
+            _number(mimic, "multiplier", 1.0, 1.0), _number(mimic, "offset"),
+            moving.get(name), e.sourceline, elements.get(name),
+        )  # fmt: skip
+
+
+def _number(e: Any, attribute: str, without: float = 0.0, unsaid: float = 0.0) -> float:
+    """The value of an attribute, where there is no element, or no such attribute of it."""
+    return without if e is None else float(e.get(attribute) or unsaid)
 
 
 def _named(document: Document, tag: str) -> dict[str, Any]:
@@ -301,8 +268,7 @@ def _rotation(rpy: np.ndarray) -> np.ndarray:
 
 
 def _tensor(inertial: Any) -> np.ndarray:
-    e = inertial.find("inertia")
-    xx, xy, xz, yy, yz, zz = (0.0 if e is None else float(e.get(k, 0)) for k in TENSOR)
+    xx, xy, xz, yy, yz, zz = (_number(inertial.find("inertia"), k) for k in TENSOR)
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 

@@ -11,7 +11,7 @@ from ...io.remarks import MOST_DEGREES, TURNS
 from ...model.limits import HUGE
 from .description import Hinge, half_digit
 from .findings import ERROR, NOTE, WARNING, Effect, Finding
-from .rules import Case, Rule, finding, rules
+from .rules import Case, Rule, rules
 
 QUARTER = pi / 2
 EXACT = 1e-9  # rad; smaller deviations from a quarter turn count as exact: a nanometre in a metre
@@ -34,16 +34,9 @@ def almost_square(case: Case) -> Iterator[Finding]:
         value = " ".join(repr(n * QUARTER) if n else w for w, n in zip(words, whole, strict=True))
         effect = _swing(case, h, off)
         dh = "" if h.type == "fixed" else "; a DH table gets a row more, or parameters that are almost singular"
-        yield finding(
-            case,
-            "near-right-angle",
-            h,
-            f'rpy="{text}" is off a quarter turn by {off:.2g} rad',
-            effect=effect,
-            why=f"{effect.says}{dh}",
-            fix=f'rpy="{value}"',
-            edits=case.about.edit(origin, "rpy", value),
-        )
+        says, edits = f'rpy="{text}" is off a quarter turn by {off:.2g} rad', case.about.edit(origin, "rpy", value)
+        why, fix = f"{effect.says}{dh}", f'rpy="{value}"'
+        yield case.found("near-right-angle", h, says, why, fix, effect=effect, edits=edits)
 
 
 def _quarters(word: str) -> int:
@@ -84,13 +77,19 @@ def _is_below(case: Case, joint: str, link: str) -> bool:
 
 
 @rules(
-    Rule("limits-crossed", ERROR, "The lower limit is above the upper one."),
-    Rule("limits-empty", NOTE, "Both limits are the same: the joint cannot move."),
-    Rule("limits-huge", NOTE, "A limit is a placeholder: farther than any joint goes."),
-    Rule("degrees", ERROR, "Angles are in degrees, radians are expected."),
+    Rule("limits-crossed", ERROR, "The lower limit is above the upper one.", "exchange them, or correct a sign"),
+    Rule(
+        "limits-empty", NOTE, "Both limits are the same: the joint cannot move.",
+        "give its range, or make the joint fixed",
+    ),
+    Rule(
+        "limits-huge", NOTE, "A limit is a placeholder: farther than any joint goes.",
+        "give the true range, or make it continuous",
+    ),
+    Rule("degrees", ERROR, "Angles are in degrees, radians are expected.", "convert the limits to radians"),
     Rule("no-effort", NOTE, "The effort or velocity limit is 0: controllers will not move the joint."),
     Rule("negative-limit", ERROR, "An effort or velocity limit is negative."),
-)
+)  # fmt: skip
 def limits(case: Case) -> Iterator[Finding]:
     for h in case.about.hinges:
         if h.type in ("fixed", "floating", "planar"):
@@ -98,73 +97,39 @@ def limits(case: Case) -> Iterator[Finding]:
         slides = h.type == "prismatic"
         unit, force = ("m", "N") if slides else ("rad", "N m")
         low, high = h.lower, h.upper
+        idle = "samplers, planners and IK"
         if low > high:
-            yield finding(
-                case,
-                "limits-crossed",
-                h,
-                f"lower {low:g} above upper {high:g} {unit}",
-                why=f"no q is allowed: samplers, planners and IK have an empty range of {high - low:.3g} {unit}",
-                fix="exchange them, or correct a sign",
-            )
+            why = f"no q is allowed: {idle} have an empty range of {high - low:.3g} {unit}"
+            yield case.found("limits-crossed", h, f"lower {low:g} above upper {high:g} {unit}", why)
         elif low == high and isfinite(low):
-            yield finding(
-                case,
-                "limits-empty",
-                h,
-                f"both limits are {low:g} {unit}",
-                why=f"q has a range of 0 {unit}: samplers, planners and IK keep it there",
-                fix="give its range, or make the joint fixed",
-            )
+            why = f"q has a range of 0 {unit}: {idle} keep it there"
+            yield case.found("limits-empty", h, f"both limits are {low:g} {unit}", why)
         largest = max((abs(x) for x in (low, high) if isfinite(x)), default=0.0)
         tenths = all(float(x) % 5 == 0 for x in (low, high) if isfinite(x))
+        span = f"limits {low:g} to {high:g}"
         if h.type == "revolute" and TURNS < largest <= MOST_DEGREES and largest % 100 and tenths:
-            yield finding(
-                case,
-                "degrees",
-                h,
-                f"limits {low:g} to {high:g}",
-                why=f"read as radians the joint turns {largest / 2 / pi:.3g} times; {largest:g} degrees are "
-                f"{np.radians(largest):.3g} rad",
-                fix="convert the limits to radians",
-            )
+            why = f"read as radians the joint turns {largest / 2 / pi:.3g} times; {largest:g} degrees are "
+            yield case.found("degrees", h, span, f"{why}{np.radians(largest):.3g} rad")
         elif isfinite(largest) and largest > HUGE["length" if slides else "angle"]:
-            yield finding(
-                case,
-                "limits-huge",
-                h,
-                f"limits {low:g} to {high:g} {unit}",
-                why=f"{largest:.3g} {unit} is no stop: sampling and IK count it as none, and planners that do not "
-                f"draw states {largest:.3g} {unit} away",
-                fix="give the true range, or make it continuous",
-            )
+            far = f"{largest:.3g} {unit}"
+            why = f"{far} is no stop: sampling and IK count it as none, and planners that do not draw states {far} away"
+            yield case.found("limits-huge", h, f"{span} {unit}", why)
         for what, value, of in (("effort", h.effort, force), ("velocity", h.velocity, f"{unit}/s")):
             if value < 0:
-                yield finding(
-                    case,
-                    "negative-limit",
-                    h,
-                    f"{what} limit {value:g} {of}",
-                    why=f"Pinocchio refuses the file; others allow no {what}, or any",
-                    fix=f"write {-value:g}",
-                )
+                why = f"Pinocchio refuses the file; others allow no {what}, or any"
+                yield case.found("negative-limit", h, f"{what} limit {value:g} {of}", why, f"write {-value:g}")
             elif value == 0 and low < high:
-                yield finding(
-                    case,
-                    "no-effort",
-                    h,
-                    f"{what} limit 0 {of}",
-                    why=f"a controller that respects it gives at most 0 {of}; 0 is also what exporters "
-                    "write for "
-                    "unknown",
-                    fix=f"give the true {what} limit",
-                )
+                why = f"a controller that respects it gives at most 0 {of}; 0 is also what exporters write for unknown"
+                yield case.found("no-effort", h, f"{what} limit 0 {of}", why, f"give the true {what} limit")
 
 
 @rules(
     Rule("negative-friction", ERROR, "Damping or friction is negative: the joint gains energy."),
-    Rule("damping-above-effort", WARNING, "Damping at the velocity limit takes more than the effort limit gives."),
-)
+    Rule(
+        "damping-above-effort", WARNING, "Damping at the velocity limit takes more than the effort limit gives.",
+        "one of damping, effort and velocity is wrong, or a placeholder",
+    ),
+)  # fmt: skip
 def friction(case: Case) -> Iterator[Finding]:
     for h in case.about.hinges:
         if h.type == "fixed":
@@ -172,34 +137,28 @@ def friction(case: Case) -> Iterator[Finding]:
         force, speed = ("N", "m/s") if h.type == "prismatic" else ("N m", "rad/s")
         for what, value in (("damping", h.damping), ("friction", h.friction)):
             if value < 0:
-                yield finding(
-                    case,
-                    "negative-friction",
-                    h,
-                    f"{what} {value:g}",
-                    why=f"at 1 {speed} it adds {-value:g} W: simulations gain energy",
-                    fix=f"write {-value:g}",
-                )
+                why = f"at 1 {speed} it adds {-value:g} W: simulations gain energy"
+                yield case.found("negative-friction", h, f"{what} {value:g}", why, f"write {-value:g}")
         lost = h.damping * h.velocity if h.damping > 0 and 0 < h.velocity < inf else 0.0
         if 0 < h.effort < lost < UNKNOWN:
             effect = Effect("rnea", lost, force, f"damping takes {lost:.3g} {force} at {h.velocity:g} {speed}")
-            yield finding(
-                case,
-                "damping-above-effort",
-                h,
-                f"damping {h.damping:g}, effort {h.effort:g} {force}",
-                effect=effect,
-                why=f"{effect.says}, the motor gives {h.effort:g}: it reaches {h.effort / h.damping:.3g} {speed}",
-                fix="one of damping, effort and velocity is wrong, or a placeholder",
-            )
+            says, reached = f"damping {h.damping:g}, effort {h.effort:g} {force}", h.effort / h.damping
+            why = f"{effect.says}, the motor gives {h.effort:g}: it reaches {reached:.3g} {speed}"
+            yield case.found("damping-above-effort", h, says, why, effect=effect)
 
 
 @rules(
-    Rule("mimic-undefined", ERROR, "A joint follows one that does not exist."),
-    Rule("mimic-fixed", ERROR, "A joint follows one that does not move, or itself."),
+    Rule("mimic-undefined", ERROR, "A joint follows one that does not exist.", "name the joint that leads"),
+    Rule(
+        "mimic-fixed", ERROR, "A joint follows one that does not move, or itself.",
+        "make it fixed, or name the joint that leads",
+    ),
     Rule("mimic-chain", NOTE, "A joint follows one that follows another."),
-    Rule("mimic-limits", WARNING, "A follower's limits and its leader's do not fit."),
-)
+    Rule(
+        "mimic-limits", WARNING, "A follower's limits and its leader's do not fit.",
+        "make multiplier, offset and both limits fit",
+    ),
+)  # fmt: skip
 def mimics(case: Case) -> Iterator[Finding]:
     hinges = {h.name: h for h in case.about.hinges}
     for h in case.about.hinges:
@@ -208,46 +167,22 @@ def mimics(case: Case) -> Iterator[Finding]:
         leader = hinges.get(h.mimic)
         says = f"follows {h.mimic!r}"
         if leader is None:
-            yield finding(
-                case,
-                "mimic-undefined",
-                h,
-                says,
-                why="readers refuse it, or leave the joint free: nv is 1 more",
-                fix="name the joint that leads",
-            )
+            yield case.found("mimic-undefined", h, says, "readers refuse it, or leave the joint free: nv is 1 more")
         elif leader.type == "fixed" or _leads_back(hinges, h):
-            yield finding(
-                case,
-                "mimic-fixed",
-                h,
-                says,
-                why="its coordinate is a constant or undefined: nv is 1 less or more",
-                fix="make it fixed, or name the joint that leads",
-            )
+            yield case.found("mimic-fixed", h, says, "its coordinate is a constant or undefined: nv is 1 less or more")
         elif leader.mimic is not None:
             product = h.multiplier * leader.multiplier
-            yield finding(
-                case,
-                "mimic-chain",
-                h,
-                f"{says}, which follows {leader.mimic!r}",
-                why=f"Pinocchio refuses it, others follow one step only and miss the factor {product:g}",
-                fix=f'follow {leader.mimic!r} with multiplier="{product:g}"',
-            )
+            why = f"Pinocchio refuses it, others follow one step only and miss the factor {product:g}"
+            fix = f'follow {leader.mimic!r} with multiplier="{product:g}"'
+            yield case.found("mimic-chain", h, f"{says}, which follows {leader.mimic!r}", why, fix)
         elif all(map(isfinite, (h.lower, h.upper, leader.lower, leader.upper))) and h.lower < h.upper:
-            ends = sorted(h.multiplier * x + h.offset for x in (leader.lower, leader.upper))
-            over = max(h.lower - ends[0], ends[1] - h.upper)
-            if over > 0.01 * (ends[1] - ends[0]) and ends[0] < ends[1]:
+            low, high = sorted(h.multiplier * x + h.offset for x in (leader.lower, leader.upper))
+            over = max(h.lower - low, high - h.upper)
+            if over > 0.01 * (high - low) and low < high:
                 unit = "m" if h.type == "prismatic" else "rad"
-                yield finding(
-                    case,
-                    "mimic-limits",
-                    h,
-                    f"led from {ends[0]:.4g} to {ends[1]:.4g}, its limits are {h.lower:.4g} and {h.upper:.4g} {unit}",
-                    why=f"the leader stops {over:.3g} {unit} early, or the follower passes its limit",
-                    fix="make multiplier, offset and both limits fit",
-                )
+                says = f"led from {low:.4g} to {high:.4g}, its limits are {h.lower:.4g} and {h.upper:.4g} {unit}"
+                why = f"the leader stops {over:.3g} {unit} early, or the follower passes its limit"
+                yield case.found("mimic-limits", h, says, why)
 
 
 def _leads_back(hinges: dict[str, Hinge], h: Hinge) -> bool:

@@ -10,9 +10,9 @@ import numpy as np
 
 from .description import Body
 from .findings import NOTE, WARNING, Finding
-from .rules import Case, Rule, finding, rules
+from .rules import Case, Rule, rules
 from .shapes import box
-from .tensors import LIGHT
+from .tensors import LIGHT, NOTHING
 
 ALIKE = 0.05  # relative difference of lengths up to which two shapes are the same part
 SIDES = (("left", "right"), ("l", "r"), ("lf", "rf"), ("lh", "rh"), ("fl", "fr"), ("rl", "rr"), ("bl", "br"))
@@ -21,7 +21,12 @@ SAME = 0.02  # relative: masses of mirrored links
 PARTS = 0.1  # of a link's size: motors are equal, not mirrored, on both sides, which changes centres and tensors
 
 
-@rules(Rule("not-mirrored", WARNING, "A link's mass or tensor is not the mirror image of that of the other side."))
+@rules(
+    Rule(
+        "not-mirrored", WARNING, "A link's mass or tensor is not the mirror image of that of the other side.",
+        "a sign of xyz, ixy, ixz or iyz was kept in copying, or one side is wrong",
+    ),
+)  # fmt: skip
 def mirrored(case: Case) -> Iterator[Finding]:
     """Compare in the world frame at zero, independent of the frames of both sides."""
     pairs = list(_pairs(case.about.bodies))
@@ -48,24 +53,13 @@ def mirrored(case: Case) -> Iterator[Finding]:
         shifted = off > 2 * PLANE + PARTS * size
         if mass <= SAME and not shifted and tensor <= 3 * PARTS:
             continue
-        wanted = R.T @ (c - Y[:3, 3]), R.T @ J @ R
-        effect = case.effects.of_body(right, left.mass, *wanted)
-        what = (
-            f"mass {right.mass:g} kg beside {left.mass:g}"
-            if mass > SAME
-            else f"centre of mass {1e3 * off:.3g} mm off"
-            if shifted
-            else f"tensor {tensor:.0%} off"
-        )
-        yield finding(
-            case,
-            "not-mirrored",
-            right,
-            f"{what}: not the mirror image of link {left.name!r} (plane {'xyz'[plane]} = const)",
-            effect=effect,
-            why=f"mirrored from there, {effect.says}",
-            fix="a sign of xyz, ixy, ixz or iyz was kept in copying, or one side is wrong",
-        )
+        if mass > SAME:
+            what = f"mass {right.mass:g} kg beside {left.mass:g}"
+        else:
+            what = f"centre of mass {1e3 * off:.3g} mm off" if shifted else f"tensor {tensor:.0%} off"
+        says = f"{what}: not the mirror image of link {left.name!r} (plane {'xyz'[plane]} = const)"
+        image = left.mass, R.T @ (c - Y[:3, 3]), R.T @ J @ R
+        yield case.found("not-mirrored", right, says, "mirrored from there,", instead=image)
 
 
 def _pairs(bodies: list[Body]) -> Iterator[tuple[Body, Body]]:
@@ -118,8 +112,11 @@ def _relative(x: np.ndarray, y: np.ndarray) -> float:
 
 
 @rules(
-    Rule("duplicate-inertial", NOTE, "Links of different shape have the same mass, centre and tensor, to the digit.")
-)
+    Rule(
+        "duplicate-inertial", NOTE, "Links of different shape have the same mass, centre and tensor, to the digit.",
+        "export the inertial of each link",
+    ),
+)  # fmt: skip
 def duplicated(case: Case) -> Iterator[Finding]:
     if case.about.document is None:
         return  # without shapes a copy cannot be distinguished from a second equal part
@@ -133,12 +130,9 @@ def duplicated(case: Case) -> Iterator[Finding]:
             why = _unlike(case, first, other)
             if not why:
                 continue
-            effect = case.effects.of_body(other, 0.0, np.zeros(3), np.zeros((3, 3)))
-            yield finding(
-                case, "duplicate-inertial", other, f"the same {first.mass:g} kg and tensor as link {first.name!r}",
-                effect=effect, why=f"{why}, so one is a copy; what is at stake is all of it: without it, {effect.says}",
-                fix="export the inertial of each link",
-            )  # fmt: skip
+            says = f"the same {first.mass:g} kg and tensor as link {first.name!r}"
+            why = f"{why}, so one is a copy; what is at stake is all of it: without it,"
+            yield case.found("duplicate-inertial", other, says, why, instead=NOTHING)
             break
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from ...errors import ArgumentError, nearest
 from .description import Body, Description, Hinge
 from .effects import Effects
-from .findings import Finding
+from .findings import Edit, Effect, Finding
 
 
 @dataclass(frozen=True)
@@ -23,11 +25,14 @@ class Rule:
         "error", "warning" or "note".
     says : str
         What is wrong, in one sentence.
+    fix : str
+        What to change, where that is always the same.
     """
 
     id: str
     severity: str
     says: str
+    fix: str = ""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,31 @@ class Case:
 
     about: Description
     effects: Effects
+
+    def found(
+        self, rule: str, at: Body | Hinge | None, says: str, why: str = "", fix: str = "", *,
+        instead: tuple[float, np.ndarray, np.ndarray] | None = None, effect: Effect | None = None,
+        edits: Sequence[Edit] = (),
+    ) -> Finding:  # fmt: skip
+        """A finding of a rule about a link, a joint or the whole robot.
+
+        Parameters
+        ----------
+        why : str
+            Why it matters; the effect by default.
+        fix : str
+            What to change; by default as the rule says.
+        instead : (mass, com, tensor), optional
+            What the link might have instead: the effect on the torques is said after `why`.
+        """
+        if instead is not None:
+            assert isinstance(at, Body)
+            effect = self.effects.of_body(at, *instead)
+            why = f"{why} {effect.says}"
+        item, line = ("", None) if at is None else (at.item, at.line)
+        of = RULES[rule]
+        why = why or (effect.says if effect else "")
+        return Finding(rule, of.severity, says, item, self.about.file, line, why, effect, fix or of.fix, edits)
 
 
 Looker = Callable[[Case], Iterable[Finding]]
@@ -53,16 +83,6 @@ def rules(*table: Rule) -> Callable[[Looker], Looker]:
         return look
 
     return enter
-
-
-def finding(case: Case, rule: str, at: Body | Hinge | None, says: str, **more: object) -> Finding:
-    """A finding of a rule about a link, a joint or the whole robot."""
-    effect = more.get("effect")
-    why = str(more.pop("why", "") or (effect.says if effect else ""))  # type: ignore[attr-defined]
-    item, line = ("", None) if at is None else (at.item, at.line)
-    return Finding(
-        rule, RULES[rule].severity, says, item, case.about.file, line, why, **more,  # type: ignore[arg-type]
-    )  # fmt: skip
 
 
 def wanted(names: Iterable[str] | None, what: str) -> set[str]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from itertools import permutations, product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from ...io.meshes import Shape, find
 from ...spatial.inertia import steiner
 from .description import Body
 from .findings import ERROR, NOTE, WARNING, Finding
-from .rules import Case, Rule, finding, rules
+from .rules import Case, Rule, rules
 from .tensors import LIGHT, OSMIUM, physical
 
 MARGIN = 0.2  # of a box's diagonal: motors and cables outside of the shape
@@ -29,61 +28,43 @@ APART = 0.5  # relative difference from which it is another orientation or point
 
 
 @rules(
-    Rule("missing-mesh", WARNING, "The file of a mesh is not there."),
-    Rule("package-not-found", NOTE, "A package of meshes is nowhere: its meshes were not looked at."),
-    Rule("mesh-absolute", NOTE, "A mesh is named by an absolute path: it is there on one machine only."),
-)
+    Rule("missing-mesh", WARNING, "The file of a mesh is not there.", "add the file, or correct the name"),
+    Rule(
+        "package-not-found", NOTE, "A package of meshes is nowhere: its meshes were not looked at.",
+        "put the package beside the file, or its folder into ROS_PACKAGE_PATH",
+    ),
+    Rule(
+        "mesh-absolute", NOTE, "A mesh is named by an absolute path: it is there on one machine only.",
+        "a path relative to the file, or package://",
+    ),
+)  # fmt: skip
 def files(case: Case) -> Iterator[Finding]:
     path = case.about.path
     if path is None or case.about.document is None:
         return
-    nowhere: dict[str, list[str]] = {}
+    nowhere: dict[str, int] = {}
     for b in case.about.bodies:
         for mesh in () if b.element is None else b.element.iter("mesh"):
             name = mesh.get("filename") or ""
             absolute = name.startswith(("/", "file:///")) and not name.startswith("file:///tmp")
-            if find(path, name) is not None:
-                if absolute and not path.name.startswith("stdin"):
-                    yield _file(
-                        case,
-                        "mesh-absolute",
-                        b,
-                        mesh,
-                        f"{name!r}",
-                        "elsewhere the link has no shape: no term changes",
-                        "a path relative to the file, or package://",
-                    )
-                continue
+            there = find(path, name) is not None
             package = name.removeprefix("package://").partition("/")[0] if name.startswith("package://") else ""
-            if package and not _is_there(path, package):
-                nowhere.setdefault(package, []).append(name)
-            elif name:
-                yield _file(
-                    case,
-                    "missing-mesh",
-                    b,
-                    mesh,
-                    f"no file {name!r}",
-                    "the link has no shape in "
-                    "viewers, contacts "
-                    "and planners, and its mass cannot be compared with a volume: 0 shapes instead of 1",
-                    "add the file, or correct the name",
-                )
-    for package, names in nowhere.items():
-        yield finding(
-            case,
-            "package-not-found",
-            None,
-            f"package {package!r} with {len(names)} meshes",
-            why=f"the {len(names)} meshes were not compared with masses, and viewers show none of them",
-            fix="put the package beside the file, or its folder into ROS_PACKAGE_PATH",
-        )
-
-
-def _file(case: Case, rule: str, b: Body, mesh: Any, says: str, why: str, fix: str) -> Finding:
-    found = finding(case, rule, b, says, why=why, fix=fix)
-    found.line = mesh.sourceline
-    return found
+            if there and absolute and not path.name.startswith("stdin"):
+                why = "elsewhere the link has no shape: no term changes"
+                found = case.found("mesh-absolute", b, repr(name), why)
+            elif there or not name:
+                continue
+            elif package and not _is_there(path, package):
+                nowhere[package] = nowhere.get(package, 0) + 1
+                continue
+            else:
+                why = "the link has no shape in viewers, contacts and planners, and its mass cannot be compared with a "
+                found = case.found("missing-mesh", b, f"no file {name!r}", f"{why}volume: 0 shapes instead of 1")
+            found.line = mesh.sourceline
+            yield found
+    for package, count in nowhere.items():
+        why = f"the {count} meshes were not compared with masses, and viewers show none of them"
+        yield case.found("package-not-found", None, f"package {package!r} with {count} meshes", why)
 
 
 def _is_there(path: Path, package: str) -> bool:
@@ -91,34 +72,42 @@ def _is_there(path: Path, package: str) -> bool:
 
 
 @rules(
-    Rule("com-outside", WARNING, "The centre of mass is outside of the link's shapes."),
-    Rule("inertia-beyond-shape", WARNING, "No mass within the link's shapes has this tensor."),
-    Rule("too-dense", WARNING, "The mass is more than the shapes' volume of the densest element."),
-    Rule("too-light", NOTE, "The mass is less than that of foam in the shapes' volume."),
-    Rule("mesh-millimetres", ERROR, "A mesh is a thousand times too large: millimetres without a scale."),
-)
+    Rule(
+        "com-outside", WARNING, "The centre of mass is outside of the link's shapes.",
+        "the origin of <inertial> may be in another frame, unit or sign",
+    ),
+    Rule(
+        "inertia-beyond-shape", WARNING, "No mass within the link's shapes has this tensor.",
+        "export the tensor again, in kg m^2",
+    ),
+    Rule(
+        "too-dense", WARNING, "The mass is more than the shapes' volume of the densest element.",
+        "the mass is in grams or a placeholder, or the shape is only part of the link",
+    ),
+    Rule(
+        "too-light", NOTE, "The mass is less than that of foam in the shapes' volume.",
+        "the mass is a placeholder, or in tonnes",
+    ),
+    Rule(
+        "mesh-millimetres", ERROR, "A mesh is a thousand times too large: millimetres without a scale.",
+        'scale="0.001 0.001 0.001"',
+    ),
+)  # fmt: skip
 def against_shapes(case: Case) -> Iterator[Finding]:
-    if case.about.document is None or not find_spec("trimesh"):
-        return
-    for b in case.about.bodies:
-        shapes = case.about.shapes.get(b.name)
-        if not shapes:
-            continue
+    for b, shapes in _shaped(case):
         low, high = box(shapes)
         diagonal = float(np.linalg.norm(high - low))
         if diagonal > 20 and not all(s.solid for s in shapes):
-            yield finding(
-                case,
-                "mesh-millimetres",
-                b,
-                f"its shapes are {diagonal:.3g} m across",
-                why=f"as millimetres they are {diagonal / 1e3:.2g} m: contacts and volumes are 1e9 times too large",
-                fix='scale="0.001 0.001 0.001"',
-            )
-            continue
-        if b.mass <= LIGHT or diagonal == 0:
-            continue
-        yield from _masses(case, b, shapes, low, high, diagonal)
+            why = f"as millimetres they are {diagonal / 1e3:.2g} m: contacts and volumes are 1e9 times too large"
+            yield case.found("mesh-millimetres", b, f"its shapes are {diagonal:.3g} m across", why)
+        elif b.mass > LIGHT and diagonal:
+            yield from _masses(case, b, low, high, diagonal)
+
+
+def _shaped(case: Case) -> Iterator[tuple[Body, list[Shape]]]:
+    """Links whose shapes are known."""
+    if case.about.document is not None and find_spec("trimesh"):
+        yield from ((b, case.about.shapes[b.name]) for b in case.about.bodies if case.about.shapes.get(b.name))
 
 
 def box(shapes: list[Shape]) -> tuple[np.ndarray, np.ndarray]:
@@ -132,107 +121,62 @@ def _corners(s: Shape) -> np.ndarray:
     return np.asarray(corners @ s.placement[:3, :3].T + s.placement[:3, 3])
 
 
-def _masses(
-    case: Case, b: Body, shapes: list[Shape], low: np.ndarray, high: np.ndarray, diagonal: float
-) -> Iterator[Finding]:
-    margin = MARGIN * diagonal + LEAST_MARGIN
+def _masses(case: Case, b: Body, low: np.ndarray, high: np.ndarray, diagonal: float) -> Iterator[Finding]:
+    margin, sides = MARGIN * diagonal + LEAST_MARGIN, high - low
     out = float(np.linalg.norm(np.maximum(np.maximum(low - b.com, b.com - high), 0)))
-    middle = (low + high) / 2
     if out > margin:
-        effect = case.effects.of_body(b, b.mass, middle, b.tensor)
-        yield finding(
-            case,
-            "com-outside",
-            b,
-            f"centre of mass {1e3 * out:.3g} mm outside of shapes {1e3 * diagonal:.3g} mm across",
-            effect=effect,
-            why=f"with the centre in the middle of its shapes, {effect.says}",
-            fix="the origin of <inertial> may be in another frame, unit or sign",
-        )
+        says = f"centre of mass {1e3 * out:.3g} mm outside of shapes {1e3 * diagonal:.3g} mm across"
+        middle = b.mass, (low + high) / 2, b.tensor
+        yield case.found("com-outside", b, says, "with the centre in the middle of its shapes,", instead=middle)
         return
     far = np.maximum(high + margin - b.com, b.com - (low - margin))
-    most = b.mass * np.array([far[1] ** 2 + far[2] ** 2, far[0] ** 2 + far[2] ** 2, far[0] ** 2 + far[1] ** 2])
-    ratio = float((np.diag(b.tensor) / most).max())
+    ratio = float((np.diag(b.tensor) / (b.mass * _others(far))).max())
     if ratio > 1:
-        sides = high - low
-        solid = b.mass / 12 * np.diag([(sides**2).sum() - x**2 for x in sides])
-        effect = case.effects.of_body(b, b.mass, b.com, solid)
-        yield finding(
-            case,
-            "inertia-beyond-shape",
-            b,
-            f"a moment is {ratio:.3g} times what all mass at the shapes' edge has",
-            effect=effect,
-            why=f"as a solid box of its size, {effect.says}",
-            fix="export the tensor again, in kg m^2",
-        )
-    volume = float(np.prod(np.maximum(high - low, 1e-4)))
+        says = f"a moment is {ratio:.3g} times what all mass at the shapes' edge has"
+        solid = b.mass, b.com, b.mass / 12 * np.diag(_others(sides))
+        yield case.found("inertia-beyond-shape", b, says, "as a solid box of its size,", instead=solid)
+    volume = float(np.prod(np.maximum(sides, 1e-4)))
+    density = f"{b.mass / volume:.2g} kg/m^3"
     if b.mass / volume > OSMIUM and diagonal > DUMMY:
-        effect = case.effects.of_body(b, 2700 * volume, b.com, b.tensor)
-        yield finding(
-            case,
-            "too-dense",
-            b,
-            f"{b.mass:g} kg in a box of {1e6 * volume:.3g} cm^3: {b.mass / volume:.2g} kg/m^3",
-            effect=effect,
-            why=f"osmium has {OSMIUM:g}; with the density of aluminium, {effect.says}",
-            fix="the mass is in grams or a placeholder, or the shape is only part of the link",
-        )
+        says = f"{b.mass:g} kg in a box of {1e6 * volume:.3g} cm^3: {density}"
+        why = f"osmium has {OSMIUM:g}; with the density of aluminium,"
+        yield case.found("too-dense", b, says, why, instead=(2700 * volume, b.com, b.tensor))
     elif b.mass / volume < EMPTY and diagonal > 0.05:
-        effect = case.effects.of_body(b, 100 * volume, b.com, b.tensor)
-        yield finding(
-            case,
-            "too-light",
-            b,
-            f"{b.mass:g} kg in a box of {1e3 * volume:.3g} l: {b.mass / volume:.2g} kg/m^3",
-            effect=effect,
-            why=f"foam has 20 kg/m^3; with a light structure of 100, {effect.says}",
-            fix="the mass is a placeholder, or in tonnes",
-        )
+        says = f"{b.mass:g} kg in a box of {1e3 * volume:.3g} l: {density}"
+        why = "foam has 20 kg/m^3; with a light structure of 100,"
+        yield case.found("too-light", b, says, why, instead=(100 * volume, b.com, b.tensor))
+
+
+def _others(x: np.ndarray) -> np.ndarray:
+    """The sums of squares of the two other components: (y^2 + z^2, x^2 + z^2, x^2 + y^2)."""
+    return np.asarray((x**2).sum() - x**2)
 
 
 @rules(
     Rule(
-        "tensor-about-wrong-point", WARNING, "The tensor is that of the shape about the link's origin, not its centre."
+        "tensor-about-wrong-point", WARNING, "The tensor is that of the shape about the link's origin, not its centre.",
+        "give the tensor about the centre of mass",
     ),
     Rule("tensor-turned", WARNING, "The tensor is that of the shape in other axes."),
-)
+)  # fmt: skip
 def wrong_frame(case: Case) -> Iterator[Finding]:
-    if case.about.document is None or not find_spec("trimesh"):
-        return
-    for b in case.about.bodies:
-        shapes = case.about.shapes.get(b.name)
-        if not shapes or b.mass <= LIGHT or b.point or not physical(b.tensor):
+    for b, shapes in _shaped(case):
+        if b.mass <= LIGHT or b.point or not physical(b.tensor):
             continue
         solid = uniform(shapes, b.mass)
         if solid is None or _off(b.tensor, solid) < APART:
             continue
-        moved = b.tensor - steiner(b.mass, b.com)
+        moved, off = b.tensor - steiner(b.mass, b.com), f"{_off(b.tensor, solid):.0%} off a uniform solid of its shape"
         if _off(moved, solid) < CLOSE:
-            effect = case.effects.of_body(b, b.mass, b.com, moved)
-            yield finding(
-                case,
-                "tensor-about-wrong-point",
-                b,
-                f"{_off(b.tensor, solid):.0%} off a uniform solid of its shape, "
-                f"{_off(moved, solid):.0%} after Steiner's terms are subtracted",
-                effect=effect,
-                why=f"about the centre of mass {effect.says}",
-                fix="give the tensor about the centre of mass",
-            )
+            says = f"{off}, {_off(moved, solid):.0%} after Steiner's terms are subtracted"
+            centred = b.mass, b.com, moved
+            yield case.found("tensor-about-wrong-point", b, says, "about the centre of mass", instead=centred)
             continue
         turned, words = _turned(b, solid)
         if turned is not None:
-            effect = case.effects.of_body(b, b.mass, b.com, turned)
-            yield finding(
-                case,
-                "tensor-turned",
-                b,
-                f"{_off(b.tensor, solid):.0%} off a uniform solid of its shape, {_off(turned, solid):.0%} if {words}",
-                effect=effect,
-                why=f"then {effect.says}",
-                fix=f"{words[0].upper()}{words[1:]}: correct rpy of the inertial, or the entries",
-            )
+            says, fix = f"{off}, {_off(turned, solid):.0%} if {words}", f"{words[0].upper()}{words[1:]}"
+            fix += ": correct rpy of the inertial, or the entries"
+            yield case.found("tensor-turned", b, says, "then", fix, instead=(b.mass, b.com, turned))
 
 
 def uniform(shapes: list[Shape], mass: float) -> np.ndarray | None:
@@ -256,21 +200,14 @@ def _off(J: np.ndarray, solid: np.ndarray) -> float:
 def _turned(b: Body, solid: np.ndarray) -> tuple[np.ndarray | None, str]:
     """The tensor in axes in which it is close to the solid's, and these axes."""
     R = b.rotation
-    candidates = [
-        (b.written, "it is in the link's axes already, and rpy of the inertial turns it"),
-        (R.T @ b.written @ R, "rpy of the inertial turns it the other way"),
-    ]
-    if np.allclose(R, np.eye(3), atol=1e-9):
-        candidates = []
+    candidates = []
+    if not np.allclose(R, np.eye(3), atol=1e-9):
+        candidates.append((b.written, "it is in the link's axes already, and rpy of the inertial turns it"))
+        candidates.append((R.T @ b.written @ R, "rpy of the inertial turns it the other way"))
     for order in permutations(range(3)):
         if order != (0, 1, 2):
             P = np.eye(3)[list(order)]
-            candidates.append(
-                (
-                    P @ b.tensor @ P.T,
-                    "its axes are exchanged: "
-                    + ", ".join(f"{'xyz'[i]} is {'xyz'[k]}" for i, k in enumerate(order) if i != k),
-                )
-            )
+            exchanged = ", ".join(f"{'xyz'[i]} is {'xyz'[k]}" for i, k in enumerate(order) if i != k)
+            candidates.append((P @ b.tensor @ P.T, f"its axes are exchanged: {exchanged}"))
     best = min(candidates, key=lambda x: _off(x[0], solid))
     return best if _off(best[0], solid) < CLOSE else (None, "")

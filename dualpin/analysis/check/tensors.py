@@ -20,11 +20,12 @@ import numpy as np
 from ...spatial.inertia import steiner
 from .description import TENSOR, Body
 from .findings import ERROR, NOTE, WARNING, Finding
-from .rules import Case, Rule, finding, rules
+from .rules import Case, Rule, rules
 
 PRINTED = 1e-6  # relative: six printed digits are common
 FEW = 0.05  # the largest relative tolerance for a tensor printed with one or two digits
 OSMIUM = 22_590.0  # kg/m^3, the densest element
+NOTHING = 0.0, np.zeros(3), np.zeros((3, 3))  # mass, centre and tensor of no body
 LIGHT = 1e-3  # kg; placeholders below a gram change no torque that matters
 FLAT = 0.01  # of the largest second moment: thinner than a tenth of its length, an idealised plate or rod
 
@@ -57,51 +58,31 @@ def impossible(case: Case) -> Iterator[Finding]:
         if not definite and lacking <= rounding:
             continue
         repaired = nearest_physical(b.tensor)
-        effect = case.effects.of_body(b, b.mass, b.com, repaired)
-        about = (
-            f"the smallest principal moment is {low:.3g} kg m^2, so turning about its axis has negative energy"
-            if definite
-            else f"the second moment along the axis of the largest is {-lacking / 2:.3g} kg m^2 "
-            f"({_share(lacking, high)} of "
-            "that moment), as if mass there were negative"
-        )
-        rule = "not-positive-definite" if definite else "triangle-inequality"
+        if definite:
+            rule = "not-positive-definite"
+            about = f"the smallest principal moment is {low:.3g} kg m^2, so turning about its axis has negative energy"
+        else:
+            rule, share = "triangle-inequality", f"{100 * lacking / 2 / high:.2g} % of that moment"
+            about = f"the second moment along the axis of the largest is {-lacking / 2:.3g} kg m^2 ({share}), "
+            about += "as if mass there were negative"
         says = f"principal moments {low:.3g}, {middle:.3g}, {high:.3g} kg m^2"
-        yield finding(
-            case,
-            rule,
-            b,
-            says,
-            effect=effect,
-            why=f"{about}; with the nearest tensor that a body can have, {effect.says}",
-            fix=_remedy(b, repaired),
-        )
-
-
-def _share(part: float, whole: float) -> str:
-    return f"{100 * part / 2 / whole:.2g} %"
+        why = f"{about}; with the nearest tensor that a body can have,"
+        yield case.found(rule, b, says, why, _remedy(b, repaired), instead=(b.mass, b.com, repaired))
 
 
 def _remedy(b: Body, repaired: np.ndarray) -> str:
     """A correction that makes it physical: other signs of the products, Steiner's terms, or the nearest tensor."""
     flipped = np.where(np.eye(3, dtype=bool), b.written, -b.written)
-    c = b.com
-    added = steiner(b.mass, c)
-    if c.any() and physical(b.tensor - added):
+    if b.com.any() and physical(b.tensor - steiner(b.mass, b.com)):
         return (
-            "it becomes a body's if it is about the link's origin, not the centre of mass: subtract m (c c 1 - c "
-            "c^T), or "
-            "export it about the centre"
+            "it becomes a body's if it is about the link's origin, not the centre of mass: "
+            "subtract m (c c 1 - c c^T), or export it about the centre"
         )
     if not np.array_equal(flipped, b.written) and physical(flipped):
         return "it becomes a body's if ixy, ixz and iyz change their signs: CAD programs count products of inertia so"
-    R = b.rotation.T
-    written = R @ repaired @ R.T
-    values = ", ".join(f"{k}={float(written[i, j]):.6g}" for k, (i, j) in zip(TENSOR, _ENTRIES, strict=True))
+    written = b.rotation.T @ repaired @ b.rotation
+    values = ", ".join(f"{k}={x:.6g}" for k, x in zip(TENSOR, written[np.triu_indices(3)].tolist(), strict=True))
     return f"export the tensor again; the nearest that a body can have is {values}"
-
-
-_ENTRIES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def physical(J: np.ndarray) -> bool:
@@ -111,37 +92,29 @@ def physical(J: np.ndarray) -> bool:
 
 
 @rules(
-    Rule("inertia-without-mass", ERROR, "A link turns heavily and weighs nothing."),
-    Rule("zero-inertia", NOTE, "A link with mass has no rotational inertia: a point."),
-)
+    Rule(
+        "inertia-without-mass", ERROR, "A link turns heavily and weighs nothing.", "give the mass, or remove the tensor"
+    ),
+    Rule(
+        "zero-inertia", NOTE, "A link with mass has no rotational inertia: a point.",
+        "export the tensor; a point mass is right only far from the axis",
+    ),
+)  # fmt: skip
 def lacking(case: Case) -> Iterator[Finding]:
     for b in case.about.bodies:
         if b.mass == 0 and b.tensor.any():
-            effect = case.effects.of_body(b, 0.0, np.zeros(3), np.zeros((3, 3)))
-            why = f"a body without mass has no moments either; without them {effect.says}"
-            yield finding(
-                case,
-                "inertia-without-mass",
-                b,
-                f"mass 0, largest moment {b.moments[-1]:.3g} kg m^2",
-                effect=effect,
-                why=why,
-                fix="give the mass, or remove the tensor",
-            )
+            says = f"mass 0, largest moment {b.moments[-1]:.3g} kg m^2"
+            why = "a body without mass has no moments either; without them"
+            yield case.found("inertia-without-mass", b, says, why, instead=NOTHING)
         elif b.mass > LIGHT and b.given and b.point:
-            r = sphere(b.mass)
-            J = 0.4 * b.mass * r * r * np.eye(3)
-            effect = case.effects.of_body(b, b.mass, b.com, J)
-            why = f"as a ball of water (radius {r:.2g} m) it would have {J[0, 0]:.3g} kg m^2, and {effect.says}"
-            yield finding(
-                case,
-                "zero-inertia",
-                b,
-                f"{b.mass:g} kg in a point",
-                effect=effect,
-                why=why,
-                fix="export the tensor; a point mass is right only far from the axis",
-            )
+            J = ball(b.mass)
+            why = f"as a ball of water (radius {sphere(b.mass):.2g} m) it would have {J[0, 0]:.3g} kg m^2, and"
+            yield case.found("zero-inertia", b, f"{b.mass:g} kg in a point", why, instead=(b.mass, b.com, J))
+
+
+def ball(mass: float) -> np.ndarray:
+    """The tensor of a ball of water."""
+    return np.asarray(0.4 * mass * sphere(mass) ** 2 * np.eye(3))
 
 
 def sphere(mass: float, density: float = 1000.0) -> float:
@@ -150,12 +123,19 @@ def sphere(mass: float, density: float = 1000.0) -> float:
 
 
 @rules(
-    Rule("placeholder-inertia", WARNING, "The tensor is a power of ten times the identity: a placeholder."),
-    Rule("denser-than-matter", WARNING, "No body of this mass and tensor is less dense than the densest element."),
     Rule(
-        "wider-than-robots", ERROR, "The radius of gyration is beyond ten metres: another unit, kg mm^2 for instance."
+        "placeholder-inertia", WARNING, "The tensor is a power of ten times the identity: a placeholder.",
+        "export mass and tensor from CAD, or compute them from the link's shape",
     ),
-)
+    Rule(
+        "denser-than-matter", WARNING, "No body of this mass and tensor is less dense than the densest element.",
+        "the tensor may be a placeholder, or in another unit than kg m^2",
+    ),
+    Rule(
+        "wider-than-robots", ERROR, "The radius of gyration is beyond ten metres: another unit, kg mm^2 for instance.",
+        "convert the tensor to kg m^2",
+    ),
+)  # fmt: skip
 def unlikely(case: Case) -> Iterator[Finding]:
     for b in case.about.bodies:
         if b.mass <= LIGHT or b.point or not physical(b.tensor):
@@ -163,44 +143,19 @@ def unlikely(case: Case) -> Iterator[Finding]:
         J, isotropic = b.written, np.array_equal(b.written, b.written[0, 0] * np.eye(3))
         radius = sqrt(float(b.moments[-1]) / b.mass)
         if radius > FAR:
-            scaled = b.tensor * 1e-6
-            effect = case.effects.of_body(b, b.mass, b.com, scaled)
-            yield finding(
-                case,
-                "wider-than-robots",
-                b,
-                f"radius of gyration {radius:.3g} m",
-                effect=effect,
-                why=f"robots are smaller; if the tensor is in kg mm^2, {effect.says}",
-                fix="convert the tensor to kg m^2",
-            )
+            says, why = f"radius of gyration {radius:.3g} m", "robots are smaller; if the tensor is in kg mm^2,"
+            yield case.found("wider-than-robots", b, says, why, instead=(b.mass, b.com, b.tensor * 1e-6))
             continue
-        density = _density(b)
-        r = sphere(b.mass)
-        ball = 0.4 * b.mass * r * r * np.eye(3)
-        if isotropic and _power_of_ten(J[0, 0]) and not 0.2 < J[0, 0] / ball[0, 0] < 5:
-            effect = case.effects.of_body(b, b.mass, b.com, ball)
-            yield finding(
-                case,
-                "placeholder-inertia",
-                b,
-                f"ixx = iyy = izz = {J[0, 0]:g} kg m^2 for {b.mass:g} kg",
-                effect=effect,
-                why=f"a ball of this mass and the density of water has {ball[0, 0]:.2g} kg m^2; with that, "
-                f"{effect.says}",
-                fix="export mass and tensor from CAD, or compute them from the link's shape",
-            )
+        density, water = _density(b), ball(b.mass)
+        like_water = b.mass, b.com, water
+        if isotropic and _power_of_ten(J[0, 0]) and not 0.2 < J[0, 0] / water[0, 0] < 5:
+            says = f"ixx = iyy = izz = {J[0, 0]:g} kg m^2 for {b.mass:g} kg"
+            why = f"a ball of this mass and the density of water has {water[0, 0]:.2g} kg m^2; with that,"
+            yield case.found("placeholder-inertia", b, says, why, instead=like_water)
         elif density > OSMIUM:
-            effect = case.effects.of_body(b, b.mass, b.com, ball)
-            yield finding(
-                case,
-                "denser-than-matter",
-                b,
-                f"{b.mass:g} kg with moments up to {b.moments[-1]:.3g} kg m^2 are {density:.2g} kg/m^3 or more",
-                effect=effect,
-                why=f"osmium has {OSMIUM:g} kg/m^3; as a ball of the density of water {effect.says}",
-                fix="the tensor may be a placeholder, or in another unit than kg m^2",
-            )
+            says = f"{b.mass:g} kg with moments up to {b.moments[-1]:.3g} kg m^2 are {density:.2g} kg/m^3 or more"
+            why = f"osmium has {OSMIUM:g} kg/m^3; as a ball of the density of water"
+            yield case.found("denser-than-matter", b, says, why, instead=like_water)
 
 
 FAR = 10.0  # m; the parts of robots are closer together
@@ -219,27 +174,23 @@ def _power_of_ten(x: float) -> bool:
 
 
 @rules(
-    Rule("no-mass", WARNING, "Nothing that moves has mass: there are no dynamics."),
-    Rule("massless-joint", WARNING, "A joint moves no mass: the mass matrix is singular."),
-)
+    Rule("no-mass", WARNING, "Nothing that moves has mass: there are no dynamics.", "give the links their inertials"),
+    Rule(
+        "massless-joint", WARNING, "A joint moves no mass: the mass matrix is singular.",
+        "give what it carries an inertial, or make the joint fixed",
+    ),
+)  # fmt: skip
 def nothing_moves(case: Case) -> Iterator[Finding]:
     robot = case.about.robot
     if not robot.nv:
         return
     if not case.effects.parameters.any():
-        yield finding(
-            case,
-            "no-mass",
-            None,
-            f"none of the {len(robot.links)} links that move has <mass> or a tensor",
-            why="M, gravity and torques are 0 and forward dynamics has no answer",
-            fix="give the links their inertials",
-        )
+        says = f"none of the {len(robot.links)} links that move has <mass> or a tensor"
+        yield case.found("no-mass", None, says, "M, gravity and torques are 0 and forward dynamics has no answer")
         return
-    carried = {j.index: j.inertia for j in robot}
     heavy: dict[int, bool] = {}
     for j in reversed(robot):
-        heavy[j.index] = heavy.get(j.index, False) or any(float(x) for x in carried[j.index].parameters)
+        heavy[j.index] = heavy.get(j.index, False) or any(float(x) for x in j.inertia.parameters)
         if j.parent is not None and heavy[j.index]:
             heavy[j.parent.index] = True
     inner = {j.parent.index for j in robot if j.parent is not None and heavy[j.index]}
@@ -247,11 +198,6 @@ def nothing_moves(case: Case) -> Iterator[Finding]:
     for j in robot:
         still = any(float(s.dot(j.inertia(s)).dual) == 0 for s in j.model.screws)
         if j.index not in inner and still:
-            yield finding(
-                case,
-                "massless-joint",
-                hinges.get(j.name),
-                "nothing that it moves has mass or inertia about it",
-                why="its row of M is 0, so forward dynamics has no answer for the whole robot",
-                fix="give what it carries an inertial, or make the joint fixed",
-            )
+            says = "nothing that it moves has mass or inertia about it"
+            why = "its row of M is 0, so forward dynamics has no answer for the whole robot"
+            yield case.found("massless-joint", hinges.get(j.name), says, why)
