@@ -161,7 +161,9 @@ register(
     Dynamics(right(spatial.forces), composite.mass, symbols(composite.mass)), (*MASSES, *FORWARD),
 )  # fmt: skip
 register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",))
-register("Lagrange", Lagrange(spatial.forces, lagrange.mass), (*FORCES, *MASSES, *FORWARD, "potential_energy"))
+_lagrange = Lagrange(spatial.forces, lagrange.mass)
+register("Lagrange", _lagrange, (*FORCES, *MASSES, *FORWARD, "potential_energy"))
+register("Lagrange", replace(_lagrange, factored=True), ("minv", *FORWARD), "M by its Cholesky factor")
 register(
     "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), ("aba", "aba_f_ext"),
     "M in itself and in forward dynamics",

@@ -18,7 +18,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .link_axes import gathered
-from .spatial import HAVE, crf, crm, inertia, next_velocity, subspace, to_parent, transform
+from .spatial import HAVE, crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transform
 from .steps import Steps
 from .tree import Link, Tree, tree_of
 
@@ -41,7 +41,7 @@ def forward(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndar
     bodies: dict[int, Body] = {}
     for k in reversed(tree.links[1:]):
         _inward(steps, tree, k, X[k.number], c[k.number], p, I, tau, bodies)
-    return _last(steps, tree, X, bodies, p, I, tau, np.concatenate([0 * g, g], -1) + zero)
+    return _last(steps, tree, X, bodies, p, I, tau, gravity(steps, g) + zero)
 
 
 def _first(
@@ -84,7 +84,9 @@ def _inward(
     last, count = k.number - 1, len(tree.links) - 1
     I_up = steps.congruent("a child's inertia, X^T I^a X,", transposed(X), Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
+    I_up = steps.pick("the children that hand on their inertia", I_up, **tree.alone(k, I_up))
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
+    p_up = steps.pick("the children that hand on their bias force", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
     I[k.parent] = steps.add("I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
     p[k.parent] = steps.add("p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})

@@ -64,6 +64,8 @@ class Dynamics:
     mass: Mass
     matrix: Matrix | None = None
     fused: bool = False
+    factored: bool = False
+    """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         tree = tree_of(view, self.fused)
@@ -107,8 +109,12 @@ class Dynamics:
         return self.M(steps, tree, s["q"])
 
     def _minv(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M = self.M(steps, tree, s["q"])
+        M = self.to_invert(steps, tree, s["q"])
         return solved(M, np.broadcast_to(np.eye(tree.nv), M.shape))
+
+    def to_invert(self, steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+        M = self.M(steps, tree, q)
+        return np.tril(M) + transposed(np.tril(M, -1)) if self.factored else M
 
     def _kinetic_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return np.asarray(0.5 * (s["v"] * product(self.M(steps, tree, s["q"]), s["v"])).sum(-1))
@@ -116,13 +122,13 @@ class Dynamics:
     # both
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        return solved(self.M(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]
+        return solved(self.to_invert(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]
 
     def _aba(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._forward(steps, tree, s["q"], s["v"], s["tau"])
 
     def _aba_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M, left = self.M(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
+        M, left = self.to_invert(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
         needed = left[:, :, None] + torques(view)
         return transposed(solved(M, transposed(needed)))
 

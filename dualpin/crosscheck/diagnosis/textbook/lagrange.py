@@ -68,7 +68,8 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         Jv, Jw, _ = jacobians(steps, tree, q, k)
         given = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
         I = steps.congruent("the inertia in world axes", poses[k.number].R0, given)
-        m = steps.pick("the mass in m Jv^T Jv", k.mass + np.zeros((1, 1, 1, 1)), **{"left out": np.ones((1, 1, 1, 1))})
+        m = k.mass + np.zeros((1, 1, 1, 1))
+        m = steps.pick("the mass in m Jv^T Jv", m, **tree.masses(k, m))
         terms = {"m Jv^T Jv": m * (Jv @ transposed(Jv)), "Jw^T I Jw": Jw @ (I @ transposed(Jw))}
         of_body = steps.add("the mass matrix of a body", **terms)
         M = M + steps.part("the bodies of the mass matrix", of_body, i, len(tree.carried))
@@ -79,7 +80,8 @@ def gravity(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarra
     out: np.ndarray = np.zeros((1, 1, tree.nv))
     for i, k in enumerate(tree.carried):
         Jv, _, _ = jacobians(steps, tree, q, k)
-        m = steps.pick("the mass in m Jv^T g", k.mass + np.zeros((1, 1, 1)), **{"left out": np.ones((1, 1, 1))})
+        m = k.mass + np.zeros((1, 1, 1))
+        m = steps.pick("the mass in m Jv^T g", m, **tree.masses(k, m))
         down = product(Jv, g + np.zeros((*q.shape[:-1], 3)))
         term = steps.add("the gravity of a body", **{"-m Jv^T g": -m * down})
         out = out + steps.part("the bodies whose gravity counts", term, i, len(tree.carried))
@@ -93,7 +95,8 @@ def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndar
         pose = poses[k.number]
         at = pose.p0 + steps.turn("the arm to the centre of mass", pose.R0, k.c)
         at = steps.pick("the height of a body", at, **{"that of the link's origin": pose.p0 + 0 * at})
-        m = steps.pick("the mass in -m g . c", k.mass + np.zeros((1, 1)), **{"left out": np.ones((1, 1))})
+        m = k.mass + np.zeros((1, 1))
+        m = steps.pick("the mass in -m g . c", m, **tree.masses(k, m))
         term = -m * (g * at).sum(-1)
         out = out + steps.part("the bodies whose height counts", term, i, len(tree.carried))
     return out

@@ -87,13 +87,14 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
     w_up = w = steps.turn(f"the parent's angular velocity: {which}", R, up.w)
     alpha_up = alpha = steps.turn(f"the parent's angular acceleration: {which}", R, up.alpha)
     if k.moves:
-        qd, qdd = _of_joint(steps, tree, k, v, "velocity"), _of_joint(steps, tree, k, a, "acceleration")
+        qd, qdd = of_joint(steps, tree, k, v, "velocity"), of_joint(steps, tree, k, a, "acceleration")
     if k.moves and not k.slides:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w_up, "z qd": k.z * qd})
         w_here = steps.turn("the angular velocity in w x z qd", R, up.w)
+        qd_here = of_joint(steps, tree, k, v, "velocity", "in w x z qd")
         alpha = steps.add(
             "the angular acceleration of a turning link",
-            **{"the parent's": alpha_up, "w x z qd": cross(w_here, k.z * qd), "z qdd": k.z * qdd},
+            **{"the parent's": alpha_up, "w x z qd": cross(w_here, k.z * qd_here), "z qdd": k.z * qdd},
         )
     own = {"the link's own": lambda: w}
     w_arm = steps.pick(f"the angular velocity that carries a link's origin: {which}", up.w, **own)
@@ -117,11 +118,13 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
     return Motion(w, alpha, acc)
 
 
-def _of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str) -> np.ndarray:
-    first = 6 * tree.floating
-    before, after = (first + (k.column - first + d) % (tree.nv - first) for d in (-1, 1))
-    others = {"that of the joint before": x[..., before, None], "that of the joint after": x[..., after, None]}
-    return np.asarray(steps.pick(f"the {what} of a joint", x[..., k.column, None], **others))
+def of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str, where: str = "along its axis") -> np.ndarray:
+    """The velocity or acceleration of a joint."""
+    columns = [link.column for link in tree.links if link.moves]
+    at = columns.index(k.column)
+    before, after = (columns[(at + d) % len(columns)] for d in (-1, 1))
+    others = {"that of the previous joint": x[..., before, None], "that of the next joint": x[..., after, None]}
+    return np.asarray(steps.pick(f"the {what} of a joint: {where}", x[..., k.column, None], **others))
 
 
 def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.ndarray], list[np.ndarray]]:
@@ -154,7 +157,9 @@ def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.nda
             **{"I alpha": product(I, m.alpha), "w x I w": cross(w_I, product(I, w_I))},
         )
         f[k.number] = steps.part("the forces of bodies", F + zero, i, len(tree.bodies))
-        own = steps.add("a body's moment about the link's origin", **{"N": N, "r x f": cross(k.c, F)})
+        arms = {"that of the link from its parent": tree.links[k.number].p, "half as long": 0.5 * k.c}
+        arm = steps.pick("the arm of a body's own force", k.c, **arms)
+        own = steps.add("a body's moment about the link's origin", **{"N": N, "r x f": cross(arm, F)})
         n[k.number] = steps.part("the moments of bodies", own + zero, i, len(tree.bodies))
     return f, n
 
@@ -176,6 +181,7 @@ def _inward(
             continue
         six = np.concatenate(np.broadcast_arrays(f_k, n_k), -1)
         six = steps.pick("what a link hands on", six, nothing=0 * six)
+        six = steps.pick("the children that hand on force and moment", six, **tree.alone(k, six))
         f_k, n_k = six[..., :3], six[..., 3:]
         handed = steps.turn("the force that is handed on", pose.R, f_k)
         pushed = steps.turn("the force in r x f", pose.R, f_k)

@@ -29,7 +29,7 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     poses = tree.poses(q)
     X = [transform(steps, p) for p in poses]
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, a))
-    down = np.concatenate([0 * g, g], -1) + zero
+    down = gravity(steps, g) + zero
     if tree.floating:
         up = steps.turn("gravity, brought into the base's axes,", X[0], -down)
         speed = v[..., :6] + zero
@@ -50,6 +50,7 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
             columns[k.column] = _along(steps, k, f[k.number])
         if k.parent >= 0:
             handed = to_parent(steps, "the force that is handed on, X^T f,", X[k.number], f[k.number])
+            handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
             handed = steps.part("the links that hand on their force", handed, k.number - 1, len(tree.links) - 1)
             f[k.parent] = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
     return gathered(columns, [f[0]] if tree.floating else [], q)
@@ -108,6 +109,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     I = list(own)
     for k in reversed(tree.links[1:]):
         x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
+        x = steps.pick("the children that hand on their inertia", x, **tree.alone(k, x))
         x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
         I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
     entries: dict[tuple[int, int], np.ndarray] = {}
@@ -120,12 +122,17 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         step, at = "of the first step", k
         while at.parent >= 0:
             turned = to_parent(steps, f"F, carried down as X^T F: {step}", X[at.number], F)
-            F = steps.pick(
-                "X in X^T F", turned, **{"that of the next link down": lambda x=X[at.parent], y=F: _carried(x, y)}
-            )
-            step, at = "of further steps", tree.links[at.parent]
+            others = {
+                "that of the next link down": lambda x=X[at.parent], y=F: _carried(x, y),
+                "that of the first link, in every step": lambda x=X[k.number], y=F: _carried(x, y),
+            }  # fmt: skip
+            F = steps.pick("X in X^T F, by which a force is handed down,", turned, **others)
+            far, step, at = step != "of the first step", "of further steps", tree.links[at.parent]
             if at.moves:
-                entries[k.column, at.column] = entries[at.column, k.column] = (subspace(steps, at) * F).sum(-1)
+                felt = (subspace(steps, at) * F).sum(-1)
+                wrong = {"left out, so that only neighbours are coupled": felt * (not far)}
+                felt = steps.pick("an entry of H beyond the parent", felt, **wrong)
+                entries[k.column, at.column] = entries[at.column, k.column] = felt
         if tree.floating:
             for i in range(6):
                 entries[k.column, i] = entries[i, k.column] = F[..., i]
@@ -140,6 +147,12 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 
 def _carried(X: np.ndarray, F: np.ndarray) -> np.ndarray:
     return product(transposed(X), F) if X.shape[-1] == F.shape[-1] else F
+
+
+def gravity(steps: Steps, g: np.ndarray) -> np.ndarray:
+    """As a six-vector."""
+    others = {"in the angular rows": np.concatenate([g, 0 * g], -1), "in both halves": np.concatenate([g, g], -1)}
+    return np.asarray(steps.pick("gravity as a six-vector", np.concatenate([0 * g, g], -1), **others))
 
 
 # --- what both need ------------------------------------------------------------------------------

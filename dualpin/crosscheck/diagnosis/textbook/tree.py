@@ -6,7 +6,7 @@ All arrays have the axes (runs, samples, ...), see `Steps.together`; those of th
 from __future__ import annotations
 
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -48,6 +48,11 @@ class Link:
         return self.column >= 0
 
     @cached_property
+    def moments(self) -> np.ndarray:
+        """The principal moments, the smallest first, as a matrix."""
+        return np.diag(np.linalg.eigvalsh(self.I[0, 0]))[None, None]
+
+    @cached_property
     def about_origin(self) -> np.ndarray:
         return np.asarray(self.I + steiner(self.mass, self.c[0, 0]))
 
@@ -63,7 +68,7 @@ class Pose:
 
 
 class Tree:
-    """The links of one description, parents first; a floating base is the root's.
+    """The links of one description, parents first, branch by branch as in the file; a floating base is the root's.
 
     Parameters
     ----------
@@ -84,7 +89,7 @@ class Tree:
         self.links = [_root(d)]
         number, joints = {d.root: 0}, {j.name: j for j in robot}
         standing = d.carried()
-        for part in d.parts:
+        for part in _listed(d):
             if fused and not part.moves:
                 continue
             if fused:  # its place on what carries its parent
@@ -105,7 +110,37 @@ class Tree:
             link: (number[on], H[:3, 3][None, None]) for link, (on, H) in (standing if fused else nowhere).items()
         }
         """Of every link: the number of the one that carries it, and where it stands there."""
+        self._children: list[list[int]] = [[] for _ in self.links]
+        for k in self.links[1:]:
+            self._children[k.parent].append(k.number)
         self._poses: tuple[np.ndarray, list[Pose]] | None = None
+
+    @cached_property
+    def _lists(self) -> dict[str, list[int]]:
+        """The links' numbers as codes list them, in different orders."""
+        depth_first, order = list(range(len(self.links))), [0]
+        for k in order:
+            order += self._children[k]
+        same = order == depth_first
+        return {"": order} if same else {" (depth first)": depth_first, " (breadth first)": order}
+
+    def near(self, k: Link, of: Callable[[Link], np.ndarray]) -> dict[str, np.ndarray]:
+        """What another link has: that before it in a list, the base."""
+        found = {"that of the base": of(self.links[0])}
+        for words, order in self._lists.items():
+            at = order.index(k.number)
+            found[f"that of the link before in the list{words}"] = of(self.links[order[max(0, at - 1)]])
+        return found
+
+    def masses(self, k: Link, m: np.ndarray) -> dict[str, np.ndarray]:
+        """Other masses that may stand in the place of a link's."""
+        return {"left out": 0 * m + 1, **self.near(k, lambda x: x.mass + 0 * m)}
+
+    def alone(self, k: Link, x: np.ndarray) -> dict[str, np.ndarray]:
+        """What a child gives where others overwrite it, or it them."""
+        siblings = self._children[k.parent]
+        ends = {"the first one alone": siblings[0], "the last one alone": siblings[-1]}
+        return {words: x * float(k.number == last) for words, last in ends.items()}
 
     @property
     def bodies(self) -> list[Link]:
@@ -157,6 +192,19 @@ class Tree:
     def columns(self, forces: np.ndarray) -> np.ndarray:
         """The matrix whose columns are the forces of unit accelerations."""
         return transposed(forces.reshape(len(forces), -1, self.nv, self.nv))
+
+
+def _listed(d: Description) -> list[Part]:
+    """The parts, branch by branch, in the order of the file."""
+    place = {joint: k for k, joint in enumerate(d.listed)}
+    below: dict[str, list[Part]] = {}
+    for p in sorted(d.parts, key=lambda p: place.get(p.joint, len(place))):
+        below.setdefault(p.parent, []).append(p)
+    found, todo = [], below.get(d.root, [])[::-1]
+    while todo:
+        found.append(todo.pop())
+        todo += below.get(found[-1].link, [])[::-1]
+    return found
 
 
 def _root(d: Description) -> Link:

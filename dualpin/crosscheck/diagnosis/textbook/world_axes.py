@@ -11,13 +11,13 @@ References: Siciliano et al., Robotics (2009), section 7.5; Spong et al., Robot 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .link_axes import gathered
+from .link_axes import gathered, of_joint
 from .steps import Steps, cross
 from .tree import Link, Pose, Tree
 
@@ -74,29 +74,48 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
         acc = product(R, steps.add("the acceleration of the base", **terms))
         moving = [Motion(product(R, w), product(R, a[..., :3]), acc, zero)]
     for k in tree.links[1:]:
-        moving.append(_next(steps, k, poses[k.number], poses[k.parent], moving[k.parent], v, a))
+        moving.append(_next(steps, tree, k, poses, moving, v, a))
     return moving
 
 
-def _next(steps: Steps, k: Link, pose: Pose, on: Pose, up: Motion, v: np.ndarray, a: np.ndarray) -> Motion:
+def _next(
+    steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], v: np.ndarray, a: np.ndarray
+) -> Motion:
     which = "of fixed links" if not k.moves else "of sliding links" if k.slides else "of turning links"
-    w, alpha = up.w, up.alpha
+    up, pose, on = moving[k.parent], poses[k.number], poses[k.parent]
+    known = len(moving)
+
+    def others(of: Callable[[Motion], np.ndarray]) -> dict[str, np.ndarray]:
+        return tree.near(k, lambda x: of(moving[x.number] if x.number < known else up))
+
+    ws, alphas = others(lambda x: x.w), others(lambda x: x.alpha)
+    w = steps.pick("the parent's angular velocity: in that of the link", up.w, **ws)
+    alpha = steps.pick("the parent's angular acceleration: in that of the link", up.alpha, **alphas)
     r = pose.p0 - on.p0
     if k.moves:
         z = steps.turn(f"the joint's axis: {which}", pose.R0, k.z)
-        z_qd, z_qdd = z * v[..., k.column, None], z * a[..., k.column, None]
-        turning = cross(up.w, z_qd)
+        qd, qdd = (of_joint(steps, tree, k, x, what) for x, what in ((v, "velocity"), (a, "acceleration")))
+        z_qd, z_qdd = z * qd, z * qdd
+        turning = cross(
+            steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws),
+            z * of_joint(steps, tree, k, v, "velocity", "in w x z qd"),
+        )
     if k.slides:
         r = steps.pick("the arm to a sliding link", r, **{"without its travel": product(on.R0, k.p)})
     elif k.moves:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
         alpha = steps.add("the angular acceleration of a turning link", **rates)
-    w_r = steps.pick(f"the angular velocity that carries a link's origin: {which}", up.w, **{"the link's own": w})
-    alpha_r = steps.pick(
-        f"the angular acceleration that carries a link's origin: {which}", up.alpha, **{"the link's own": alpha}
-    )
-    terms = {"the parent's": up.a, "alpha x r": cross(alpha_r, r), "w x (w x r)": cross(w_r, cross(w_r, r))}
+    site = f"that carries a link's origin: {which}"
+    w_r = steps.pick(f"the angular velocity {site}", up.w, **{"the link's own": w}, **ws)
+    alpha_r = steps.pick(f"the angular acceleration {site}", up.alpha, **{"the link's own": alpha}, **alphas)
+    arms = {
+        "to its centre of mass": r + product(pose.R0, k.c), "from the world's origin": pose.p0 + 0 * r,
+        "in the parent's axes": product(transposed(on.R0), r),
+    }  # fmt: skip
+    r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
+    up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
+    terms = {"the parent's": up_a, "alpha x r": cross(alpha_r, r), "w x (w x r)": cross(w_r, cross(w_r, r))}
     acc = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     if k.slides:
         terms = {"that of the place where it is": acc, "2 w x z qd": 2 * turning, "z qdd": z_qdd}
@@ -113,24 +132,56 @@ def _bodies(
     for i, k in enumerate(tree.bodies):
         m, pose = moving[k.number], poses[k.number]
         c = steps.turn("the arm to the centre of mass", pose.R0, k.c)
-        terms = {"that of the origin": m.a, "alpha x r": cross(m.alpha, c), "w x (w x r)": cross(m.w, cross(m.w, c))}
-        a_c = steps.add("the acceleration of the centre of mass", **terms)
+        a_c = _of_centre(steps, tree, k, poses, moving, c)
         down = g + zero
         other = {"added at every link": (1 + depth(tree, k)) * down}
         if tree.floating:
             other["turned with the base"] = product(poses[0].R0, down)
-        weight = k.mass * steps.pick("gravity", down, **other)
-        F = steps.add("the force of a body", **{"m a": k.mass * a_c, "-m g": -weight})
+        mass = {what: x + zero[..., :1] for what, x in (("in m a", k.mass), ("in m g", k.mass))}
+        mass = {what: steps.pick(f"the mass of a body: {what}", x, **tree.masses(k, x)) for what, x in mass.items()}
+        weight = mass["in m g"] * steps.pick("gravity", down, **other)
+        F = steps.add("the force of a body", **{"m a": mass["in m a"] * a_c, "-m g": -weight})
         given = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
-        I = steps.congruent("the inertia in world axes", pose.R0, given)
-        moments = {"I alpha": product(I, m.alpha), "w x I w": cross(m.w, product(I, m.w))}
+        I, spun = (
+            steps.congruent(f"the inertia in world axes: {where}", pose.R0, given)
+            for where in ("in I alpha", "in w x I w")
+        )
+        others = tree.near(k, lambda x: moving[x.number].w)
+        w = [steps.pick(f"the angular velocity in w x I w: {x}", m.w, **others) for x in ("its first", "its second")]
+        for_spin = {
+            "its principal moments, not turned": k.moments,
+            "about the link's origin, not turned": k.about_origin,
+        }
+        spun = steps.pick("the inertia in w x I w", spun, **for_spin)
+        moments = {"I alpha": product(I, m.alpha), "w x I w": cross(w[0], product(spun, w[1]))}
         N = steps.add("the moment about the centre of mass", **moments)
         at = steps.pick("the point at which weight acts", c, **{"the link's origin": 0 * c})
-        arms = {"N": N, "r x f": cross(c, F) + cross(at - c, -weight)}
-        own = steps.add("a body's moment about the link's origin", **arms)
+        from_parent = pose.p0 - poses[max(0, k.parent)].p0
+        arms = {
+            "that from the parent's joint to the link's": from_parent, "from the parent's joint": from_parent + c,
+            "from the world's origin": pose.p0 + c, "half as long": 0.5 * c,
+        }  # fmt: skip
+        arm = steps.pick("the arm of a body's own force", c, **arms)
+        own = {"N": N, "r x f": cross(arm, F) + cross(at - c, -weight)}
+        total = steps.add("a body's moment about the link's origin", **own)
         f[k.number] = steps.part("the forces of bodies", F + zero, i, len(tree.bodies))
-        n[k.number] = steps.part("the moments of bodies", own + zero, i, len(tree.bodies))
+        n[k.number] = steps.part("the moments of bodies", total + zero, i, len(tree.bodies))
     return f, n
+
+
+def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], c: np.ndarray) -> np.ndarray:
+    """The acceleration of a body's centre."""
+    m, up = moving[k.number], moving[max(0, k.parent)]
+    ws, alphas = tree.near(k, lambda x: moving[x.number].w), tree.near(k, lambda x: moving[x.number].alpha)
+    w = steps.pick("the angular velocity that carries a centre of mass", m.w, **{"the parent's": up.w}, **ws)
+    alpha = steps.pick(
+        "the angular acceleration that carries a centre of mass", m.alpha, **{"the parent's": up.alpha}, **alphas
+    )
+    from_parent = poses[k.number].p0 - poses[max(0, k.parent)].p0
+    arms = {"that from the parent's joint to the link's": from_parent, "from the parent's joint": from_parent + c}
+    c = steps.pick("the arm that carries a centre of mass", c, **arms)
+    terms = {"that of the origin": m.a, "alpha x r": cross(alpha, c), "w x (w x r)": cross(w, cross(w, c))}
+    return np.asarray(steps.add("the acceleration of the centre of mass", **terms))
 
 
 def _felt(steps: Steps, k: Link, z: np.ndarray, f: np.ndarray, n: np.ndarray) -> np.ndarray:
@@ -145,9 +196,11 @@ def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.nd
     r = poses[k.number].p0 - poses[up].p0
     on = np.concatenate(np.broadcast_arrays(f[k.number], n[k.number]), -1)
     on = steps.pick("what a link hands on", on, nothing=0 * on)
+    on = steps.pick("the children that hand on force and moment", on, **tree.alone(k, on))
     f_k, n_k = on[..., :3], on[..., 3:]
     have = "its own and that of earlier children"
     handed = steps.part("the links that hand on their force", f_k, last, count)
+    handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
     f[up] = steps.add("the force at a joint", **{have: f[up], "the child's f": handed})
     handed = steps.part("the links that hand on their moment", n_k, last, count)
     n[up] = steps.add("the moment at a joint", **{have: n[up], "the child's n": handed, "r x f": cross(r, f_k)})
