@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 from urllib.parse import quote
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from .. import __version__
 from .findings import CONVENTIONS
@@ -23,42 +23,48 @@ def junit(report: Report) -> str:
     Files that did not become a robot are cases of a suite of their own: failed, or skipped where Pinocchio refuses
     them too.
     """
-    root = ElementTree.Element("testsuites", name="dualpin")
+    root = Element("testsuites", name="dualpin")
     for r in report.robots:
-        failed = [t for t, x in r.terms.items() if not x.passed]
-        skipped = [t for t, x in r.terms.items() if x.status == NOT_COMPARED]
-        suite = ElementTree.SubElement(
-            root, "testsuite", name=clean(r.label), tests=str(len(r.terms) + bool(r.error)), failures=str(len(failed)),
-            skipped=str(len(skipped)), errors="1" if r.error else "0", time=f"{r.seconds:.3f}",
-        )  # fmt: skip
+        suite = SubElement(root, "testsuite", name=clean(r.label), time=f"{r.seconds:.3f}")
         for term, t in r.terms.items():
-            case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name=term)
             if t.status == NOT_COMPARED:
-                ElementTree.SubElement(case, "skipped", message=clean(t.reason or NOT_COMPARED))
-            elif not t.passed:
-                failure = ElementTree.SubElement(case, "failure", type=clean(t.verdict), message=_message(t))
-                failure.text = clean(t.worst.get("reproduce", "") or t.remark)
-        if r.error:
-            case = ElementTree.SubElement(suite, "testcase", classname=clean(r.label), name="robot")
-            ElementTree.SubElement(case, "error", message=clean(r.error))
-    if report.refused:
-        ours = [x for x in report.refused if not x.by_pinocchio]
-        suite = ElementTree.SubElement(
-            root, "testsuite", name="files", tests=str(len(report.refused)), failures=str(len(ours)),
-            skipped=str(len(report.refused) - len(ours)), errors="0", time="0",
-        )  # fmt: skip
-        for x in report.refused:
-            case = ElementTree.SubElement(suite, "testcase", classname="files", name=clean(x.name))
-            if x.by_pinocchio:
-                ElementTree.SubElement(case, "skipped", message=clean(f"refused by both: {x.reason}"))
+                junit_case(suite, term, "skipped", t.reason or NOT_COMPARED)
+            elif t.passed:
+                junit_case(suite, term)
             else:
-                ElementTree.SubElement(case, "failure", type="refused", message=clean(x.reason))
-    ElementTree.indent(root)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+                text = t.worst.get("reproduce", "") or t.remark
+                junit_case(suite, term, "failure", _message(t), text, type=clean(t.verdict))
+        if r.error:
+            junit_case(suite, "robot", "error", r.error)
+    if report.refused:
+        suite = SubElement(root, "testsuite", name="files", time="0")
+        for x in report.refused:
+            if x.by_pinocchio:
+                junit_case(suite, x.name, "skipped", f"refused by both: {x.reason}")
+            else:
+                junit_case(suite, x.name, "failure", x.reason, type="refused")
+    return junit_text(root)
+
+
+def junit_case(suite: Element, name: str, kind: str = "", message: str = "", text: str = "", **more: str) -> None:
+    """Add a case that passed, or the failure, error or skip `kind`."""
+    case = SubElement(suite, "testcase", classname=suite.get("name", ""), name=clean(name))
+    if kind:
+        SubElement(case, kind, message=clean(message), **more).text = clean(text) or None
+
+
+def junit_text(root: Element) -> str:
+    """The text of a document of suites, each with its numbers of cases."""
+    for suite in root:
+        suite.set("tests", str(len(suite)))
+        for kind, count in (("failure", "failures"), ("skipped", "skipped"), ("error", "errors")):
+            suite.set(count, str(len(suite.findall(f"testcase/{kind}"))))
+    indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + tostring(root, encoding="unicode") + "\n"
 
 
 def _message(t: TermResult) -> str:
-    return clean(f"scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed; {t.remark}")
+    return f"scaled error {t.max_scaled_error:.1e}, at most {t.tolerance:.0e} allowed; {t.remark}"
 
 
 def clean(text: str) -> str:

@@ -4,31 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
-from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
 
-from ...crosscheck.exports import clean, sarif_log
+from ...crosscheck.exports import clean, junit_case, junit_text, sarif_log
 from .findings import Checked, Finding
 from .rules import RULES
 
 
 def junit(checked: Sequence[Checked]) -> str:
     """One suite a file, one case a rule: failed where the rule found something."""
-    root = ElementTree.Element("testsuites", name="dualpin check")
+    root = Element("testsuites", name="dualpin check")
     for c in checked:
-        by_rule = {rule: [f for f in c.findings if f.rule == rule] for rule in RULES}
-        suite = ElementTree.SubElement(
-            root, "testsuite", name=clean(c.name), tests=str(len(by_rule)),
-            failures=str(sum(bool(x) for x in by_rule.values())), errors="0", skipped="0",
-        )  # fmt: skip
-        for rule, found in by_rule.items():
-            case = ElementTree.SubElement(suite, "testcase", classname=clean(c.name), name=rule)
+        suite = SubElement(root, "testsuite", name=clean(c.name))
+        for rule in RULES:
+            found = [f for f in c.findings if f.rule == rule]
             if found:
-                failure = ElementTree.SubElement(
-                    case, "failure", type=found[0].severity, message=clean(f"{found[0].item}: {found[0].says}")
-                )
-                failure.text = clean("\n".join(map(str, found)))
-    ElementTree.indent(root)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+                message, text = f"{found[0].item}: {found[0].says}", "\n".join(map(str, found))
+                junit_case(suite, rule, "failure", message, text, type=found[0].severity)
+            else:
+                junit_case(suite, rule)
+    return junit_text(root)
 
 
 def sarif(checked: Sequence[Checked]) -> str:

@@ -8,7 +8,8 @@ from math import inf
 
 import numpy as np
 
-from ...spatial.inertia import steiner
+from ...model.robot import Joint
+from ...spatial.inertia import Inertia
 from .home import Home, carried
 from .matching import Match, Matching
 from .results import Change
@@ -31,7 +32,7 @@ def changes(pair: Pair) -> Iterator[Change]:
     yield from _base(pair)
     yield from _gravity(pair)
     for m in pair.matching.joints:
-        yield from _names(pair, m)
+        yield from _names(m)
         yield from _motion(m)
         yield from _limits(m)
     yield from _unmatched(pair)
@@ -44,78 +45,50 @@ def changes(pair: Pair) -> Iterator[Change]:
 def _base(pair: Pair) -> Iterator[Change]:
     m, ground = pair.matching, next(iter(pair.a.links), "")
     if m.rerooted:
-        yield Change(
-            "base",
-            "other link",
-            m.rerooted,
-            f"b stands on link {m.rerooted!r}, a on {ground!r}: what is fixed to the "
-            "ground is not the same, and joints between them count backwards",
-            ground,
-            m.rerooted,
-        )
+        says = f"b stands on link {m.rerooted!r}, a on {ground!r}: what is fixed to the ground is not the same, "
+        says += "and joints between them count backwards"
+        yield Change("base", "other link", m.rerooted, says, ground, m.rerooted)
+        return
     turn, shift = _pose(m.base)
-    if not m.rerooted and turn + shift > SMALL:
-        yield Change(
-            "base",
-            "moved",
-            ground,
-            f"b's base stands {shift:.6g} m from a's, turned by {turn:.6g} rad",
-            amount=shift + turn,
-            counts=turn > SMALL,
-        )
+    if turn + shift > SMALL:
+        says = f"b's base stands {shift:.6g} m from a's, turned by {turn:.6g} rad"
+        yield Change("base", "moved", ground, says, amount=shift + turn, counts=turn > SMALL)
 
 
 def _gravity(pair: Pair) -> Iterator[Change]:
     g, h = (home.robot.gravity.array for home in (pair.a, pair.b))
     if np.abs(g - h).max() > SMALL:
-        yield Change(
-            "gravity",
-            "other",
-            "",
-            f"{_row(g)} in a, {_row(h)} m/s^2 in b",
-            _row(g),
-            _row(h),
-            float(np.linalg.norm(g - h)),
-        )
+        one, other = _row(g), _row(h)
+        says = f"{one} in a, {other} m/s^2 in b"
+        yield Change("gravity", "other", "", says, one, other, float(np.linalg.norm(g - h)))
 
 
-def _names(pair: Pair, m: Match) -> Iterator[Change]:
+def _names(m: Match) -> Iterator[Change]:
     j, k = m.a.joint, m.b.joint
     if m.renamed:
         yield Change("joint", "renamed", j.name, f"called {k.name!r} in b", j.name, k.name, counts=False)
     if m.sign < 0 and not m.reversed:
         yield Change("joint", "turned round", j.name, "q counts the other way round in b", "+", "-", 2.0)
     if m.sign > 0 and m.reversed:
-        yield Change(
-            "joint",
-            "turned round",
-            j.name,
-            "its axis is turned round in b as well as its parent and child",
-            counts=False,
-        )
+        says = "its axis is turned round in b as well as its parent and child"
+        yield Change("joint", "turned round", j.name, says, counts=False)
     if abs(m.offset) > SMALL:
-        yield Change(
-            "joint",
-            "other zero",
-            j.name,
-            f"q is {m.offset:.6g} here where it is 0 in b",
-            "0",
-            f"{m.offset:.6g}",
-            abs(m.offset),
-        )
-    if (j.mimic and j.mimic.joint) != (k.mimic and k.mimic.joint) and not (j.mimic and k.mimic):
+        zero = f"{m.offset:.6g}"
+        yield Change("joint", "other zero", j.name, f"q is {zero} here where it is 0 in b", "0", zero, abs(m.offset))
+    if (j.mimic is None) != (k.mimic is None):
         yield Change("joint", "follows", j.name, f"{_leader(j)} in a, {_leader(k)} in b", _leader(j), _leader(k), 1.0)
 
 
-def _leader(j: object) -> str:
-    mimic = getattr(j, "mimic", None)
-    return f"follows {mimic.joint!r}" if mimic else "free"
+def _leader(j: Joint) -> str:
+    return f"follows {j.mimic.joint!r}" if j.mimic else "free"
 
 
 def _motion(m: Match) -> Iterator[Change]:
     j, k = m.a.joint, m.b.joint
+    words = f"{j.kind} in a, {k.kind} in b", j.kind, k.kind
+    other_kind = Change("joint", "other kind", j.name, *words, 1.0)
     if m.a.screws.shape != m.screws.shape or j.model.coordinates != k.model.coordinates:
-        yield Change("joint", "other kind", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, 1.0)
+        yield other_kind
         return
     if len(m.screws) != 1:
         off = float(np.abs(m.a.screws - m.screws).max(initial=0.0))
@@ -125,21 +98,18 @@ def _motion(m: Match) -> Iterator[Change]:
     s, t = m.a.screws[0], m.screws[0]
     turns, turned = s[:3].any(), t[:3].any()
     if turns != turned:
-        yield Change("joint", "other kind", j.name, f"{j.kind} in a, {k.kind} in b", j.kind, k.kind, 1.0)
+        yield other_kind
         return
     u, w = (s[:3], t[:3]) if turns else (s[3:], t[3:])
     angle = float(np.arctan2(np.linalg.norm(np.cross(u, w)), u @ w))
     if angle > SMALL:
         yield Change("joint", "turned", j.name, f"its axis points {angle:.6g} rad elsewhere in b", amount=angle)
-    if turns:
-        distance = _between(s, t)
-        if distance > SMALL:
-            yield Change(
-                "joint", "moved", j.name, f"its axis lies {1e3 * distance:.6g} mm elsewhere in b", amount=distance
-            )
-    one, other = j.kind, k.kind  # as the files call them: continuous or revolute
-    if one != other:
-        yield Change("joint", "other word", j.name, f"{one} in a, {other} in b", one, other, counts=False)
+    distance = _between(s, t) if turns else 0.0
+    if distance > SMALL:
+        says = f"its axis lies {1e3 * distance:.6g} mm elsewhere in b"
+        yield Change("joint", "moved", j.name, says, amount=distance)
+    if j.kind != k.kind:  # as the files call them: continuous or revolute
+        yield Change("joint", "other word", j.name, *words, counts=False)
 
 
 def _between(s: np.ndarray, t: np.ndarray) -> float:
@@ -152,30 +122,26 @@ def _between(s: np.ndarray, t: np.ndarray) -> float:
 
 def _limits(m: Match) -> Iterator[Change]:
     j, k = m.a.joint, m.b.joint
-    x, y = j.limits, k.limits
-    low, high = ((v[0] if v and j.model.nq == 1 else d) for v, d in ((x.lower, -inf), (x.upper, inf)))
-    ends = [(v[0] if v and k.model.nq == 1 else d) for v, d in ((y.lower, -inf), (y.upper, inf))]
     sign = -m.sign if m.reversed else m.sign
-    ends = sorted(sign * e + m.offset for e in ends)
-    pairs = [("lower", low, ends[0]), ("upper", high, ends[1])]
-    pairs += [(n, getattr(x, n), getattr(y, n)) for n in ("velocity", "effort", "damping", "friction")]
+    pairs = list(zip(("lower", "upper"), _span(j), sorted(sign * e + m.offset for e in _span(k)), strict=True))
+    pairs += [(n, getattr(j.limits, n), getattr(k.limits, n)) for n in ("velocity", "effort", "damping", "friction")]
     for name, one, other in pairs:
         if one != other and not abs(one - other) <= SMALL * max(1.0, abs(one)):
-            yield Change(
-                "limit",
-                name,
-                j.name,
-                f"{name} {one:g} in a, {other:g} in b",
-                f"{one:g}",
-                f"{other:g}",
-                abs(one - other) if abs(one - other) < inf else 1.0,
-            )
+            amount = abs(one - other) if abs(one - other) < inf else 1.0
+            says = f"{name} {one:g} in a, {other:g} in b"
+            yield Change("limit", name, j.name, says, f"{one:g}", f"{other:g}", amount)
     mine, theirs = (np.array([float(v) for v in z.armature]) for z in (j, k))
     if mine.shape == theirs.shape:
         off = float(np.abs(mine - theirs).max(initial=0.0))
         if off > SMALL * max(1.0, float(mine.max(initial=0.0))):
             rows = _row(mine), _row(theirs)
             yield Change("body", "armature", j.name, f"armature {rows[0]} in a, {rows[1]} in b", *rows, off)
+
+
+def _span(j: Joint) -> list[float]:
+    """Its position limits, where it has one coordinate."""
+    single = j.model.nq == 1
+    return [v[0] if v and single else d for v, d in ((j.limits.lower, -inf), (j.limits.upper, inf))]
 
 
 def _unmatched(pair: Pair) -> Iterator[Change]:
@@ -198,44 +164,20 @@ def _body(pair: Pair, node: int, other: int) -> Iterator[Change]:
         return
     counts = node != 0  # links on the ground have no effect on the dynamics
     m, n = float(one[0]), float(two[0])
+    (c, J), (d, K) = ((x.array for x in Inertia.from_array(ten).central) for ten in (one, two))
     if abs(m - n) > SMALL * max(abs(m), abs(n), 1e-3):
-        yield Change(
-            "body", "mass", item, f"mass {m:.6g} kg in a, {n:.6g} kg in b", f"{m:.6g}", f"{n:.6g}", abs(m - n), counts
-        )
-    c, d = (x[1:4] / x[0] if x[0] else np.zeros(3) for x in (one, two))
+        says = f"mass {m:.6g} kg in a, {n:.6g} kg in b"
+        yield Change("body", "mass", item, says, f"{m:.6g}", f"{n:.6g}", abs(m - n), counts)
     shift = float(np.linalg.norm(c - d))
     if m and n and shift > SMALL:
-        yield Change(
-            "body",
-            "centre of mass",
-            item,
-            f"centre of mass {1e3 * shift:.6g} mm elsewhere in b",
-            _row(c),
-            _row(d),
-            shift,
-            counts,
-        )
-    J, K = (_central(x) for x in (one, two))
+        says = f"centre of mass {1e3 * shift:.6g} mm elsewhere in b"
+        yield Change("body", "centre of mass", item, says, _row(c), _row(d), shift, counts)
     size = max(float(np.abs(J).max()), float(np.abs(K).max()))
     off = float(np.abs(J - K).max())
     reach = m * float(c @ c)  # Steiner's terms cancel
     if off > SMALL * size + 1e-14 * reach and off > 1e-15:
-        yield Change(
-            "body",
-            "tensor",
-            item,
-            f"tensor differs by {off:.3g} kg m^2, of at most {size:.3g}",
-            amount=off,
-            counts=counts,
-        )
-
-
-def _central(ten: np.ndarray) -> np.ndarray:
-    """The tensor about the centre of mass."""
-    m, h = ten[0], ten[1:4]
-    xx, xy, yy, xz, yz, zz = ten[4:]
-    J = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return J if not m else J - steiner(1 / m, h)
+        says = f"tensor differs by {off:.3g} kg m^2, of at most {size:.3g}"
+        yield Change("body", "tensor", item, says, amount=off, counts=counts)
 
 
 def _links(pair: Pair) -> Iterator[Change]:
@@ -254,14 +196,8 @@ def _links(pair: Pair) -> Iterator[Change]:
             X, Z = np.linalg.inv(P) @ X, np.linalg.inv(Q) @ Z
         turn, shift = _pose(np.linalg.inv(X) @ Z)
         if turn > SMALL or shift > SMALL:
-            yield Change(
-                "link",
-                "re-framed",
-                name,
-                f"its frame is {1e3 * shift:.6g} mm and {turn:.6g} rad elsewhere in b",
-                amount=shift + turn,
-                counts=False,
-            )
+            says = f"its frame is {1e3 * shift:.6g} mm and {turn:.6g} rad elsewhere in b"
+            yield Change("link", "re-framed", name, says, amount=shift + turn, counts=False)
     lost = [k for k in pair.a.links if k not in pair.b.links]
     new = [k for k in pair.b.links if k not in pair.a.links]
     for name in list(lost):
@@ -280,9 +216,8 @@ def _links(pair: Pair) -> Iterator[Change]:
         for name in names:
             massive = any(k.name == name and not k.inertia.massless for k in home.robot.links)
             what = "merged into its body" if massive else "a frame without mass"
-            yield Change(
-                "link", f"only in {here}", name, f"only in {here}; in {there} {what} or left out", counts=False
-            )
+            says = f"only in {here}; in {there} {what} or left out"
+            yield Change("link", f"only in {here}", name, says, counts=False)
 
 
 def _displaced(pair: Pair) -> set[int]:
@@ -298,9 +233,8 @@ def _order(pair: Pair) -> Iterator[Change]:
     order = [m.b.joint.index for m in sorted(pair.matching.joints, key=lambda m: m.a.joint.index)]
     if order != sorted(order):
         names = [pair.b.robot.joint_names[i] for i in order]
-        yield Change(
-            "joint", "reordered", "", f"q of b comes in another order: a's is {', '.join(names)}", counts=False
-        )
+        says = f"q of b comes in another order: a's is {', '.join(names)}"
+        yield Change("joint", "reordered", "", says, counts=False)
 
 
 def _pose(X: np.ndarray) -> tuple[float, float]:
