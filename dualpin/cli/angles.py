@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
 from ..escape import line
+from .out import note
 
 if TYPE_CHECKING:
     from ..model.robot import Joint, Robot
@@ -34,7 +34,7 @@ def typed(robot: Robot, values: np.ndarray, degrees: bool, what: str) -> np.ndar
     """A configuration in rad and m from one as it was typed; stderr gets a note on what is odd about it."""
     q = in_rad(robot, values, degrees)
     for text in remarks(robot, q, degrees):
-        print(f"note: {what}: {text}", file=sys.stderr)
+        note(f"{what}: {text}")
     return q
 
 

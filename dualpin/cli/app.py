@@ -45,6 +45,8 @@ RobotName = Annotated[
 ]
 Floating = Annotated[bool, typer.Option("--floating", help="Give the base six degrees of freedom.")]
 Mimic = Annotated[bool, typer.Option("--mimic", help="Let joints with a <mimic> tag follow.")]
+Seed = Annotated[int, typer.Option("--seed", min=0)]
+Terms = Annotated[str, typer.Option("--terms", help="Some terms, between commas.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document.")]
 
 

@@ -10,8 +10,9 @@ import typer
 
 from ..errors import ArgumentError, DualpinError, nearest
 from ..escape import line, lines
-from ..files import write_text, writing
 from .app import Json, app, robot_names, show_json
+from .numbers import words
+from .out import write_files
 from .stdin import named
 
 Rules = Annotated[str, typer.Option(help="Ids of rules, between commas; `dualpin check --rules` lists them.")]
@@ -65,7 +66,7 @@ def check(
 
     if level not in SEVERITIES:
         raise ArgumentError(f"check: --level {level!r}; {nearest(level, SEVERITIES)}")
-    chosen = [[x for x in words.replace(",", " ").split() if x] for words in (only, without)]
+    chosen = [words(text) for text in (only, without)]
     found: list[Checked] = []
     refused: dict[str, str] = {}
     diffs: dict[str, str] = {}
@@ -124,11 +125,7 @@ def _fixed(one: Any, folder: Path) -> str:
         print(f"{line(one.name)}: nothing that is certain to correct", file=sys.stderr)
         return ""
     new = fixed(one)
-    path = folder / f"{Path(one.name).stem}.fixed.urdf"
-    with writing(f"check: cannot write {path}"):
-        folder.mkdir(parents=True, exist_ok=True)
-        write_text(path, new)
-    print(f"wrote {line(str(path))}: {len(certain)} corrections", file=sys.stderr)
+    write_files(folder, {f"{Path(one.name).stem}.fixed.urdf": new}, f": {len(certain)} corrections")
     return str(diff(one, Path(one.name).name, new))
 
 
@@ -137,12 +134,9 @@ def _written(out: Path, found: list[Any], data: dict[str, Any]) -> None:
 
     from ..analysis.check.exports import junit, sarif
 
-    with writing(f"check: cannot write into {out}"):
-        out.mkdir(parents=True, exist_ok=True)
-        for name, text in (
-            ("check.json", dumps(data, indent=1) + "\n"),
-            ("check.junit.xml", junit(found)),
-            ("check.sarif", sarif(found)),
-        ):
-            write_text(out / name, text)
-            print(f"wrote {line(str(out / name))}", file=sys.stderr)
+    contents = {
+        "check.json": dumps(data, indent=1) + "\n",
+        "check.junit.xml": junit(found),
+        "check.sarif": sarif(found),
+    }
+    write_files(out, contents)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..escape import line, lines
-from .app import Floating, Json, RobotName, app, show_json
+from .app import Floating, Json, RobotName, Seed, app, show_json
+from .out import wrote
 
 
 @app.command()
@@ -19,7 +19,7 @@ def convert(
     samples: Annotated[
         int, typer.Option("--samples", "-n", min=2, help="Random states at which terms are compared.")
     ] = 16,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     floating: Floating = False,
     json: Json = False,
 ) -> None:
@@ -33,7 +33,7 @@ def convert(
     from ..analysis.convert import convert as converted
 
     done = converted(robot, out, samples, seed, floating=floating)
-    print(f"wrote {line(str(out))}", file=sys.stderr)
+    wrote(out)
     if json:
         show_json(done.to_dict())
     else:

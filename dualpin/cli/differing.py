@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ..escape import line, lines
-from ..files import write_text, writing
-from .app import Floating, Json, RobotName, app, show_json
+from .app import Floating, Json, RobotName, Seed, app, show_json
+from .out import write_files
 
 LISTED = 30  # changes in a table for people; all of them are in --json and --html
 
@@ -22,7 +21,7 @@ def diff(
     samples: Annotated[
         int, typer.Option("--samples", "-n", min=1, help="Random states at which terms are compared.")
     ] = 64,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     floating: Floating = False,
     strict: Annotated[bool, typer.Option("--strict", help="Names, order and frames count too.")] = False,
     html: Annotated[Path | None, typer.Option("--html", help="Write a page with both trees side by side.")] = None,
@@ -39,9 +38,7 @@ def diff(
 
     found = compared(a, b, samples, seed, floating=floating)
     if html is not None:
-        with writing(f"diff: cannot write {html}"):
-            write_text(html, found.to_html())
-        print(f"wrote {line(str(html))}", file=sys.stderr)
+        write_files(html.parent, {html.name: found.to_html()})
     if json:
         show_json(found.to_dict())
     else:

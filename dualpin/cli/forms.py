@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import json as jsonlib
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ..escape import line
 from .angles import Degrees
 from .app import Json, Mimic, RobotName, app
-from .out import Out, command, write_result
+from .out import Out, command, note, write_result
 
 Format = Annotated[str, typer.Option("--format", help="table, csv, json, yaml, markdown, latex, python or matlab.")]
 Base = Annotated[str | None, typer.Option("--base", help="Link the chain starts from; the root by default.")]
@@ -53,8 +51,8 @@ def dh(
     if out:
         _write(out, "dh", table, degrees)
     if json or format != "table":  # which holds them
-        for note in table.notes:
-            print(f"note: {line(note)}", file=sys.stderr)
+        for text in table.notes:
+            note(text)
 
 
 @app.command()

@@ -11,7 +11,7 @@ import typer
 
 from ..errors import ArgumentError, UrdfError
 from ..escape import line
-from .app import Json, app, show_json
+from .app import Json, Seed, app, show_json
 from .progress import Progress
 
 EXIT_FOUND, EXIT_INTERRUPTED = 1, 130
@@ -22,7 +22,7 @@ def fuzz(
     robots: Annotated[
         int, typer.Option("--robots", min=1, help="How many; a larger number later continues --store.")
     ] = 1000,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     store: Annotated[Path | None, typer.Option("--store", help="A file in which results stay.")] = None,
     out: Annotated[Path | None, typer.Option("--out", help="Write tables and minimal robots into this folder.")] = None,
     small: Annotated[int, typer.Option("--small", min=0, help="How many robots of each kind are reduced.")] = 1,

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 
-from ..escape import line
 from .angles import Degrees, shown, typed, unit
 from .app import Json, RobotName, app, show_json
 from .listing import show_rows
-from .numbers import real
-from .out import Out, command, write_result
+from .numbers import real, words
+from .out import Out, command, note, write_result, wrote
 
 if TYPE_CHECKING:
     from ..tracking import study
@@ -67,13 +65,13 @@ def integrate(
         q0 = typed(r, given, degrees, "--start") if given.shape == (r.nq,) else given
     found = study.run(
         r, frame=frame, radius=radius, period=period, plane=plane, turns=turns,
-        methods=methods.replace(",", " ").split(), steps=real(steps, "--dt"), gains=real(gains, "--gain"),
+        methods=words(methods), steps=real(steps, "--dt"), gains=real(gains, "--gain"),
         q0=q0, task=_task(task), unreachable=unreachable, feedback=feedback, startup=startup, rtol=rtol,
     )  # fmt: skip
     notes = study.remarks(found)
     if plot:
         found.save(plot)
-        print(f"wrote {line(str(plot))}", file=sys.stderr)
+        wrote(plot)
     if out:
         from ..report import document
 
@@ -86,8 +84,8 @@ def integrate(
     print(found.title)
     table = [_shown(row, degrees) for row in found]
     show_rows("", table, list(table[0]))
-    for note in notes:
-        print(f"note: {line(note)}", file=sys.stderr)
+    for text in notes:
+        note(text)
 
 
 def _shown(row: study.Row, degrees: bool) -> dict[str, Any]:

@@ -11,10 +11,11 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import ArgumentError
-from .app import Floating, Json, Mimic, RobotName, app
+from .app import Floating, Json, Mimic, RobotName, Seed, Terms, app
+from .numbers import words
+from .out import wrote
 from .show import formats
 
-Terms = Annotated[str, typer.Option("--terms", help="Some terms, between commas.")]
 EXIT_INTERRUPTED = 130
 Samples = Annotated[int, typer.Option("--samples", "-n", min=2, help="States asked.")]
 
@@ -32,7 +33,7 @@ def judge(
         str, typer.Option("--command", help='A program that answers an exchange folder: "./my_program FOLDER".')
     ] = "",
     samples: Samples = 16,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     terms: Terms = "",
     floating: Floating = False,
     mimic: Mimic = False,
@@ -62,7 +63,7 @@ def judge(
         raise ArgumentError(
             "judge: name a subject, or give --command; `dualpin judge --help` says what a subject may be"
         )
-    wanted = [t for t in terms.replace(",", " ").split() if t] or None
+    wanted = words(terms) or None
     with progress() as tick:
         report = judge_all(
             robot, chosen, samples, seed, terms=wanted, diagnose=diagnose, floating=floating, mimic=mimic,
@@ -73,8 +74,7 @@ def judge(
         print(report.to_json())
     else:
         show_judgement(report)
-    for path in written:
-        print(f"wrote {path}", file=sys.stderr)
+    wrote(*written)
     if report.partial:
         raise typer.Exit(EXIT_INTERRUPTED)
     raise typer.Exit(0 if report.passed and not report.findings and not unanswered(report) else 1)
@@ -88,7 +88,7 @@ def ask(
         str, typer.Option("--language", "-l", help="Also write a program to fill in: c, cpp, python, matlab or julia.")
     ] = "",
     samples: Samples = 16,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     terms: Terms = "",
     floating: Floating = False,
     mimic: Mimic = False,
@@ -102,7 +102,7 @@ def ask(
     from ..crosscheck.subjects import asking, exchange, write_starter
     from ..crosscheck.subjects.questions import wanted
 
-    names = wanted([t for t in terms.replace(",", " ").split() if t] or None)
+    names = wanted(words(terms) or None)
     given = asking(robot, samples, seed, names, floating=floating, mimic=mimic)
     program = write_starter(given, folder, language) if language else None  # refused before anything is written
     exchange.write(given, folder)

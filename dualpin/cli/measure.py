@@ -10,10 +10,10 @@ import typer
 
 from ..errors import ArgumentError
 from ..escape import line
-from .app import Floating, Json, app, show_json
+from .app import Floating, Json, Terms, app, show_json
 from .listing import show_rows
-from .numbers import whole
-from .out import Out, command, write_result
+from .numbers import whole, words
+from .out import Out, command, note, write_result
 from .stdin import named
 
 
@@ -22,7 +22,7 @@ def bench(
     robots: Annotated[
         list[str], typer.Argument(metavar="ROBOT...", help="Names or paths; - is standard input.", callback=named)
     ],
-    terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
+    terms: Terms = "",
     batch: Annotated[str, typer.Option("--batch", help="Samples a call; 1 is a single call.")] = "1,4096",
     threads: Annotated[str, typer.Option("--threads", help="Thread counts, between commas.")] = "1",
     device: Annotated[str, typer.Option("--device", help="A GPU: cuda, cuda:1, ...; terms are measured there.")] = "",
@@ -55,7 +55,7 @@ def bench(
         _against(robots, terms, batch, against, floating, out, json)
         return
 
-    chosen = [t for t in terms.replace(",", " ").split() if t] or measure.TERMS_MEASURED
+    chosen = words(terms) or measure.TERMS_MEASURED
     batches, counts = whole(batch, "--batch"), whole(threads, "--threads")
 
     def tick(row: dict[str, Any]) -> None:
@@ -80,9 +80,9 @@ def _against(
 
     if floating:
         raise ArgumentError("bench: --against is of robots on a fixed base")
-    names = [name for text in against for name in text.replace(",", " ").split()]
+    names = [name for text in against for name in words(text)]
     names = list(peers.NAMES) if names == ["all"] else names
-    chosen = [t for t in terms.replace(",", " ").split() if t] or MEASURED
+    chosen = words(terms) or MEASURED
     sizes = [n for n in whole(batch, "--batch") if n > 1] or [4096]
 
     def tick(row: dict[str, Any]) -> None:
@@ -100,7 +100,7 @@ def _against(
     for r in rows:
         if r.get("skipped", "not offered") != "not offered":
             what = " ".join(str(r[k]) for k in ("robot", "peer", "term", "batch") if k in r)
-            print(f"note: {line(what)}: {line(r['skipped'])}", file=sys.stderr)
+            note(f"{what}: {r['skipped']}")
 
 
 def _on_device(
@@ -108,7 +108,7 @@ def _on_device(
 ) -> None:
     from .. import bench_device as measure
 
-    chosen = [t for t in terms.replace(",", " ").split() if t] or ["rnea", "aba", "crba", "fk"]
+    chosen = words(terms) or ["rnea", "aba", "crba", "fk"]
     if explain:
         rows = measure.explained(robots, chosen, device, floating=floating)
         columns: tuple[str, ...] = ("robot", "term", "dtype", "operations", "registers", "stack", "spill_stores")
@@ -126,7 +126,7 @@ def _on_device(
     said = [r for r in rows if "reason" in r]
     show_rows("", [r for r in rows if "reason" not in r], columns)
     for r in said:
-        print(f"note: {r['robot']} {r['term']} {r['dtype']}: {r['reason']}", file=sys.stderr)
+        note(f"{r['robot']} {r['term']} {r['dtype']}: {r['reason']}")
 
 
 def _write(folder: Path, rows: list[dict[str, Any]], title: str, machine: dict[str, Any]) -> None:

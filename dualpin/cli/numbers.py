@@ -1,8 +1,13 @@
-"""Numbers out of what was typed."""
+"""Words and numbers out of what was typed."""
 
 from __future__ import annotations
 
 from ..errors import ArgumentError
+
+
+def words(text: str) -> list[str]:
+    """Words between commas or blanks."""
+    return text.replace(",", " ").split()
 
 
 def whole(text: str, what: str) -> list[int]:
@@ -16,7 +21,7 @@ def whole(text: str, what: str) -> list[int]:
 def real(text: str, what: str) -> list[float]:
     """Numbers out of text."""
     try:
-        values = [float(word) for word in text.replace(",", " ").split()]
+        values = [float(word) for word in words(text)]
     except ValueError:
         values = []
     if not values:

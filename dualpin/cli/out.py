@@ -38,17 +38,28 @@ def write_result(folder: Path, name: str, found: Mapping[str, Any], **texts: str
     if available():
         contents["report.html"] = page(study(found, f"{name}.json"), title=str(found["title"]))
     else:
-        print(f"note: {HINT}", file=sys.stderr)
+        note(HINT)
     write_files(folder, contents)
 
 
-def write_files(folder: Path, contents: Mapping[str, str]) -> None:
-    """Texts into a folder."""
+def write_files(folder: Path, contents: Mapping[str, str], more: str = "") -> None:
+    """Texts into a folder; `more` ends the line that says so."""
     with writing(f"--out: cannot write into {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in contents.items():
             write_text(folder / name, text)
-            print(f"wrote {line(str(folder / name))}", file=sys.stderr)
+            wrote(folder / name, more=more)
+
+
+def wrote(*paths: Path, more: str = "") -> None:
+    """Say on stderr what was written."""
+    for path in paths:
+        print(f"wrote {line(str(path))}{more}", file=sys.stderr)
+
+
+def note(text: str) -> None:
+    """A remark on stderr."""
+    print(f"note: {line(text)}", file=sys.stderr)
 
 
 def _plain(x: Any) -> Any:

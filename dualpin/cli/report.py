@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json as jsonlib
 import re
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ..errors import ArgumentError
-from ..escape import line
-from ..files import write_text, writing
 from .app import Floating, Json, Mimic, app, robot_names, show_json
 from .listing import show_rows
-from .out import write_files
+from .out import write_files, wrote
 from .show import formats, show, show_comparison
 from .stdin import named
 
@@ -88,8 +85,7 @@ def report(
         _write_badge(badge, [s.report for s in studies if s.report is not None])
     if out:
         if len(studies) == 1 and studies[0].report is not None:
-            for path in studies[0].report.write(out, formats()):
-                print(f"wrote {line(str(path))}", file=sys.stderr)
+            wrote(*studies[0].report.write(out, formats()))
         else:
             _write(out, *studies)
     if json:
@@ -136,18 +132,11 @@ def _write_badge(path: Path, reports: list[Any]) -> None:
         [r for one in reports for r in one.refused],
         partial=any(one.partial for one in reports),
     )
-    with writing(f"report: cannot write {path}"):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_text(path, together.badge())
-    print(f"wrote {line(str(path))}", file=sys.stderr)
+    write_files(path.parent, {path.name: together.badge()})
 
 
 def _write(folder: Path, *of: object) -> None:
     """One page into a folder."""
     from ..report import page
 
-    text = page(*of)  # type: ignore[arg-type]
-    with writing(f"report: cannot write into {folder}"):
-        folder.mkdir(parents=True, exist_ok=True)
-        write_text(folder / "report.html", text)
-    print(f"wrote {line(str(folder / 'report.html'))}", file=sys.stderr)
+    write_files(folder, {"report.html": page(*of)})  # type: ignore[arg-type]

@@ -6,6 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from ..escape import line
+from .out import note
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,7 +26,7 @@ def formats() -> tuple[str, ...]:
 
     if available():
         return ("json", "md", "html")
-    print(f"note: {HINT}", file=sys.stderr)
+    note(HINT)
     return ("json", "md")
 
 
@@ -67,8 +68,8 @@ def show(report: Report) -> None:
 
 def _remarks(out: Console, report: Report) -> None:
     """What is to be said about the model, cut where it is much."""
-    for _, note in report.remarks[:REMARKS]:
-        out.print(f"remark: {line(note)}", markup=False)
+    for _, text in report.remarks[:REMARKS]:
+        out.print(f"remark: {line(text)}", markup=False)
     left = len(report.remarks) - REMARKS
     if left > 0:
         out.print(f"remark: and {left} more, see `dualpin info {line(report.robots[0].name)}`", markup=False)

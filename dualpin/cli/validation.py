@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from ..errors import ArgumentError
-from ..escape import line
-from .app import Floating, Json, Mimic, app, robot_names
+from .app import Floating, Json, Mimic, Seed, Terms, app, robot_names
+from .numbers import words
+from .out import wrote
 from .progress import Progress
 from .show import formats, show
 from .stdin import named
@@ -31,8 +31,8 @@ def validate(
         bool, typer.Option("--all", help="Every URDF of example-robot-data, fixed, floating and mimic.")
     ] = False,
     samples: Annotated[int, typer.Option("--samples", "-n", min=1, help="Random states a robot.")] = 100,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
-    terms: Annotated[str, typer.Option("--terms", help="Some terms, between commas.")] = "",
+    seed: Seed = 0,
+    terms: Terms = "",
     out: Annotated[
         Path | None, typer.Option("--out", help="Write report.json, .md and .html into this folder.")
     ] = None,
@@ -83,7 +83,7 @@ def validate(
         find(name)  # a name that is nothing at all is no file to refuse
     cases = all_cases() if all_ else [Case(name, floating, mimic, against) for name in robots or []]
     workers = 1 if engine == "cuda" else min(jobs or os.cpu_count() or 1, len(cases))  # processes share no device
-    chosen = [t for t in terms.replace(",", " ").split() if t] or None
+    chosen = words(terms) or None
     executor = scheduled(scheduler) if scheduler else None
     with Progress("validating", len(cases)) as tick:
         report = campaign(cases, samples, seed, chosen, engine, arbitrate, workers, out, tick, executor, store)
@@ -92,8 +92,7 @@ def validate(
         print(report.to_json())
     else:
         show(report)
-    for path in written:
-        print(f"wrote {line(str(path))}", file=sys.stderr)
+    wrote(*written)
     if report.partial:
         raise typer.Exit(EXIT_INTERRUPTED)
     if not report.robots and any(r.by_pinocchio for r in report.refused) and not all_:

@@ -14,6 +14,7 @@ from ..errors import ArgumentError
 from ..escape import is_number, line
 from .angles import Degrees, in_rad, remarks
 from .app import Floating, Mimic, RobotName, app
+from .out import note, wrote
 
 if TYPE_CHECKING:
     from ..model.robot import Robot
@@ -59,7 +60,7 @@ def view(
             viewer.record(record)
         finally:
             viewer.stop()
-        print(f"wrote {line(str(record))}", file=sys.stderr)
+        wrote(record)
         return
     print(f"{line(robot)} is at {viewer.url}; Ctrl-C ends", file=sys.stderr, flush=True)
     try:
@@ -88,5 +89,5 @@ def motion(robot: Robot, path: Path, dt: float, degrees: bool) -> Any:
         raise ArgumentError(f"view: {path}: the times of the first column do not increase")
     q = in_rad(robot, rows[:, int(timed) :], degrees)
     for text in remarks(robot, q[0], degrees):
-        print(f"note: {line(path.name)}, first row: {text}", file=sys.stderr)
+        note(f"{path.name}, first row: {text}")
     return SimpleNamespace(q=q, t=t)

@@ -11,8 +11,8 @@ import typer
 
 from ..errors import ArgumentError
 from ..escape import line
-from .app import Json, Mimic, RobotName, app, show_json
-from .out import command, write_files
+from .app import Json, Mimic, RobotName, Seed, app, show_json
+from .out import command, note, write_files, wrote
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,7 +36,7 @@ def workspace(
     survey: Annotated[
         int, typer.Option("--survey", min=0, help="Configurations for manipulability and loads; 0 leaves them out.")
     ] = 50_000,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    seed: Seed = 0,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Write maps (npz), pictures, JSON and an interactive page."),
@@ -94,7 +94,7 @@ def _surveys(robot: Robot, found: ReachMap, payload: float, n: int) -> dict[str,
         )
         surveys["capacity [kg], least"] = found.survey(lambda q: payload_capacity(robot, q, at), "min", n)
     except ArgumentError as e:
-        print(f"note: no map of loads: {line(str(e))}", file=sys.stderr)
+        note(f"no map of loads: {e}")
     return surveys
 
 
@@ -128,15 +128,15 @@ def _write(folder: Path, found: ReachMap, surveys: dict[str, np.ndarray], summar
     if available():
         contents["report.html"] = page(workspace_section(found, surveys), title=title)
     else:
-        print(f"note: {HINT}", file=sys.stderr)
+        note(HINT)
     write_files(folder, contents)
     found.save(folder / "reach.npz")
-    print(f"wrote {line(str(folder / 'reach.npz'))}", file=sys.stderr)
+    wrote(folder / "reach.npz")
     if find_spec("matplotlib") is None:
-        print("note: pictures need Matplotlib: pip install 'dualpin[figures]'", file=sys.stderr)
+        note("pictures need Matplotlib: pip install 'dualpin[figures]'")
         return
     found.plot(folder / "workspace.png", **surveys)
-    print(f"wrote {line(str(folder / 'workspace.png'))}", file=sys.stderr)
+    wrote(folder / "workspace.png")
 
 
 def _text(value: Any) -> str:
