@@ -134,9 +134,5 @@ def _written(out: Path, found: list[Any], data: dict[str, Any]) -> None:
 
     from ..analysis.check.exports import junit, sarif
 
-    contents = {
-        "check.json": dumps(data, indent=1) + "\n",
-        "check.junit.xml": junit(found),
-        "check.sarif": sarif(found),
-    }
-    write_files(out, contents)
+    text = dumps(data, indent=1) + "\n"
+    write_files(out, {"check.json": text, "check.junit.xml": junit(found), "check.sarif": sarif(found)})

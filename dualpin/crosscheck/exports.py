@@ -50,7 +50,7 @@ def junit_case(suite: Element, name: str, kind: str = "", message: str = "", tex
     """Add a case that passed, or the failure, error or skip `kind`."""
     case = SubElement(suite, "testcase", classname=suite.get("name", ""), name=clean(name))
     if kind:
-        SubElement(case, kind, message=clean(message), **more).text = clean(text) or None
+        SubElement(case, kind, {"message": clean(message), **more}).text = clean(text) or None
 
 
 def junit_text(root: Element) -> str:

@@ -340,28 +340,23 @@ class Report:
 
     def to_dict(self) -> dict[str, Any]:
         """The document that `to_json` writes."""
-        found: dict[str, Any] = home("Report.to_dict")(self)
-        return found
+        return home("Report.to_dict")(self)
 
     def to_json(self) -> str:
         """One JSON document; not-a-number and infinities are written as null and a large number."""
-        found: str = home("Report.to_json")(self)
-        return found
+        return home("Report.to_json")(self)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Report:
         """A report from what `to_dict` wrote, in this version or an earlier one."""
-        found: Report = home("Report.from_dict")(data)
-        return found
+        return home("Report.from_dict")(data)
 
     def to_markdown(self) -> str:
-        found: str = home("Report.to_markdown")(self)
-        return found
+        return home("Report.to_markdown")(self)
 
     def badge(self, label: str = "dualpin") -> str:
         """A small SVG such as "dualpin: agrees | 23 terms"."""
-        found: str = home("Report.badge")(self, label)
-        return found
+        return home("Report.badge")(self, label)
 
     def write(self, folder: str | Path, formats: Iterable[str] = ("json", "md")) -> list[Path]:
         """Write report.json, .md, .html, .sarif, junit.xml, badge.svg into a folder; returns the paths."""
@@ -385,13 +380,11 @@ class Report:
 
     def to_html(self) -> str:
         """One self-contained page; needs Jinja (``pip install 'dualpin[report]'``)."""
-        found: str = home("Report.to_html")(self)
-        return found
+        return home("Report.to_html")(self)
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the largest error of every term over its tolerance; returns the axes.  Needs the extra `figures`."""
         return home("Report.plot")(self, axes)
 
     def _repr_html_(self) -> str:
-        found: str = home("Report._repr_html_")(self)
-        return found
+        return home("Report._repr_html_")(self)

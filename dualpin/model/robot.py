@@ -121,8 +121,7 @@ class Robot:
 
     def frame(self, name: str | int | Frame) -> Frame:
         """The frame of that name (a link's before a joint's, "com:LINK" at a link's centre of mass) or index."""
-        found: Frame = home("Robot.frame")(self, name)
-        return found
+        return home("Robot.frame")(self, name)
 
     # limits and configurations
 
@@ -137,8 +136,7 @@ class Robot:
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        found: tuple[np.ndarray, np.ndarray] = home("Robot._bounds")(self)
-        return found
+        return home("Robot._bounds")(self)
 
     @property
     def lower(self) -> np.ndarray:
@@ -153,8 +151,7 @@ class Robot:
     @cached_property
     def velocity_limit(self) -> np.ndarray:
         """Shape (nv,); inf where there is none."""
-        found: np.ndarray = home("Robot.velocity_limit")(self)
-        return found
+        return home("Robot.velocity_limit")(self)
 
     def sample(self, n: int | None = None, seed: int | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Random states q, v, a within the limits, shapes (n, nq), (n, nv), (n, nv); see `dualpin.model.sampling`."""

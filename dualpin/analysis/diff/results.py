@@ -127,8 +127,7 @@ class Diff:
         """A page with both trees side by side."""
         from ...delegates import home
 
-        text: str = home("Diff.to_html")(self)
-        return text
+        return home("Diff.to_html")(self)
 
     def __str__(self) -> str:
         lines = [f"{c.about} {c.item!r}: {c.says}" if c.item else f"{c.about}: {c.says}" for c in self.changes]
