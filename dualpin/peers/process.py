@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib.util
 import json
 import os
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..crosscheck.subjects.environments import Environment, requirements
+from ..crosscheck.subjects.environments import Environment, literals, requirements
 from ..crosscheck.subjects.running import stop
 from ..errors import ArgumentError, DualpinError, nearest
 from ..model.builder import Builder
@@ -40,7 +39,7 @@ def named(name: str) -> Path:
 
 def python(adapter: Path) -> Path:
     """The interpreter that has the library: that of the peer's environment, or this one."""
-    said = _literals(adapter)
+    said = literals(adapter)
     home = Environment(said.get("ENVIRONMENT") or adapter.stem, adapter, requirements(adapter))
     if home.python.exists():
         return home.python
@@ -51,20 +50,6 @@ def python(adapter: Path) -> Path:
         f"not installed: no {module or 'environment'} here and none in {home.folder}; "
         f"python -m venv {home.folder}, then its pip install {' '.join(home.requires)}"
     )
-
-
-def _literals(adapter: Path) -> dict[str, Any]:
-    """Constants of an adapter that are strings; the file is read, not run."""
-    found = {}
-    for node in ast.parse(adapter.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign):
-            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
-            targets = [x for t in node.targets for x in (t.elts if isinstance(t, ast.Tuple) else [t])]
-            if len(values) == len(targets):
-                for t, x in zip(targets, values, strict=True):
-                    if isinstance(t, ast.Name) and isinstance(x, ast.Constant) and isinstance(x.value, str):
-                        found[t.id] = x.value
-    return found
 
 
 def write_robot(robot: Robot, folder: Path, states: Mapping[str, np.ndarray]) -> None:

@@ -85,7 +85,8 @@ def _leader(j: Joint) -> str:
 
 def _motion(m: Match) -> Iterator[Change]:
     j, k = m.a.joint, m.b.joint
-    words = f"{j.kind} in a, {k.kind} in b", j.kind, k.kind
+    one, other = j.kind, k.kind  # as the files call them: continuous or revolute
+    words = f"{one} in a, {other} in b", one, other
     other_kind = Change("joint", "other kind", j.name, *words, 1.0)
     if m.a.screws.shape != m.screws.shape or j.model.coordinates != k.model.coordinates:
         yield other_kind
@@ -108,7 +109,7 @@ def _motion(m: Match) -> Iterator[Change]:
     if distance > SMALL:
         says = f"its axis lies {1e3 * distance:.6g} mm elsewhere in b"
         yield Change("joint", "moved", j.name, says, amount=distance)
-    if j.kind != k.kind:  # as the files call them: continuous or revolute
+    if one != other:
         yield Change("joint", "other word", j.name, *words, counts=False)
 
 

@@ -7,6 +7,7 @@ is a folder of the user's data, made with `venv`; `ready` is written last, so ha
 from __future__ import annotations
 
 import ast
+import contextlib
 import json
 import os
 import shutil
@@ -17,6 +18,7 @@ import venv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ...errors import ArgumentError, nearest
 
@@ -111,22 +113,28 @@ def environment(name: str | Path) -> Environment:
     return Environment(f"{path.stem}-{version}", path, (f"{library}=={version}", *found[1:]))
 
 
-def requirements(path: Path) -> tuple[str, ...]:
-    """The literal ``REQUIRES`` of an adapter; the file is read, not run."""
+def literals(path: Path) -> dict[str, Any]:
+    """The constants of an adapter, None for what is no literal; the file is read, not run."""
     try:
         tree = ast.parse(path.read_text(encoding="utf-8"), str(path))
     except (SyntaxError, ValueError) as e:
         raise ArgumentError(f"subjects: {path} is not Python ({e})") from None
+    found: dict[str, Any] = {}
     for node in tree.body:
-        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "REQUIRES" for t in node.targets):
-            try:
-                found = ast.literal_eval(node.value)
-            except ValueError:
-                found = None
-            if isinstance(found, tuple) and all(isinstance(x, str) for x in found):
-                return found
-            raise ArgumentError(f"subjects: REQUIRES of {path} must be a tuple of texts")
-    return ()
+        for target in node.targets if isinstance(node, ast.Assign) else ():
+            if isinstance(target, ast.Name):
+                found[target.id] = None
+                with contextlib.suppress(ValueError):
+                    found[target.id] = ast.literal_eval(node.value)
+    return found
+
+
+def requirements(path: Path) -> tuple[str, ...]:
+    """What pip installs for an adapter: its literal ``REQUIRES``."""
+    found = literals(path).get("REQUIRES", ())
+    if not isinstance(found, tuple) or not all(isinstance(x, str) for x in found):
+        raise ArgumentError(f"subjects: REQUIRES of {path} must be a tuple of texts")
+    return found
 
 
 def interpreter(adapter: Path, version: str = "") -> str | None:

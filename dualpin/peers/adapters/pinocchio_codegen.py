@@ -11,7 +11,8 @@ import numpy as np
 import pinocchio_native as plain
 
 REQUIRES = plain.REQUIRES = ("pin==4.1.0", "cmeel-eigen", "cmeel-boost", "cmeel-cppad", "cmeel-cppadcodegen")
-MODULE, ENVIRONMENT = "", "pinocchio_native"
+MODULE = ""
+ENVIRONMENT = "pinocchio_native"
 
 
 def made(folder: Path) -> dict[str, Any]:
