@@ -27,22 +27,24 @@ def remark(document: Document, robot: Robot, mimic: bool) -> None:
 
 def _masses(document: Document, robot: Robot) -> None:
     """The mass matrix is singular where a joint moves no mass."""
-    carried: dict[int, bool] = {j.index: _has_inertia(j) for j in robot}
-    for j in reversed(robot):
-        if j.parent is not None and carried[j.index]:
-            carried[j.parent.index] = True
-    if robot.nv and not any(carried.values()):
+    if robot.nv and not any(map(_has_inertia, robot)):
         document.notes.add(
             "robot without mass: no moving link has <mass> or <inertia>, so inverse dynamics is zero and forward "
             "dynamics has no answer"
         )
         return
-    inner = {j.parent.index for j in robot if j.parent is not None and carried[j.index]}
+    for j in moving_no_mass(robot):
+        document.notes.add("the joint moves no mass, so forward dynamics has no answer", "joint", j.name)
+
+
+def moving_no_mass(robot: Robot) -> list[Joint]:
+    """The joints of which some velocity gives no body any energy; what shares coordinates moves the mass of all."""
+    inner: set[int] = set()  # those that carry a joint which moves mass
+    for j in reversed(robot):
+        if j.parent is not None and (j.index in inner or _has_inertia(j)):
+            inner.add(j.parent.index)
     leading = {j.v.start for j in robot if j.mimic is not None}
-    for j in robot:
-        # what shares coordinates with others moves the mass of them all
-        if j.mimic is None and j.v.start not in leading and j.index not in inner and _is_still(j):
-            document.notes.add("the joint moves no mass, so forward dynamics has no answer", "joint", j.name)
+    return [j for j in robot if j.mimic is None and j.v.start not in leading and j.index not in inner and _is_still(j)]
 
 
 def _has_inertia(j: Joint) -> bool:

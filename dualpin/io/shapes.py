@@ -94,7 +94,11 @@ def described(element: etree._Element, link: str, source: str) -> Iterator[Descr
 def _placement(document: Document, origin: etree._Element | None, owner: Owner) -> np.ndarray:
     if origin is None:
         return np.eye(4)
-    roll, pitch, yaw = document.numbers(origin, "rpy", 3, owner, "0 0 0")
-    turn = Rotation.about(UZ, yaw) @ Rotation.about(UY, pitch) @ Rotation.about(UX, roll)
+    turn = fixed_axes(*document.numbers(origin, "rpy", 3, owner, "0 0 0"))
     position = Vector3(*document.numbers(origin, "xyz", 3, owner, "0 0 0"))
-    return Pose(Rotation(*turn.rows), position).array
+    return Pose(turn, position).array
+
+
+def fixed_axes(roll: float, pitch: float, yaw: float) -> Rotation:
+    """Rz(yaw) Ry(pitch) Rx(roll)"""
+    return Rotation(*(Rotation.about(UZ, yaw) @ Rotation.about(UY, pitch) @ Rotation.about(UX, roll)).rows)

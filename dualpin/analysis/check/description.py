@@ -18,6 +18,7 @@ from ...io.document import Document
 from ...io.expand import is_xacro
 from ...io.meshes import Shape, shape_of
 from ...io.mjcf import is_mjcf
+from ...io.shapes import fixed_axes
 from ...io.urdf import build, load
 from ...io.xml import parse
 from ...model.robot import Joint, Robot
@@ -203,7 +204,7 @@ def _bodies(robot: Robot, document: Document | None) -> Iterator[Body]:
         inertial = None if checked is None else checked.find("inertial")
         written, R, printed = tensor, np.eye(3), 0.0
         if inertial is not None:
-            written, R = _tensor(inertial), _rotation(_numbers(inertial.find("origin"), "rpy"))
+            written, R = _tensor(inertial), fixed_axes(*_numbers(inertial.find("origin"), "rpy").tolist()).array
             tensor = R @ written @ R.T
             printed = _printed(elements.get(link.name))
         at = None if checked is None else (inertial if inertial is not None else checked).sourceline
@@ -256,15 +257,6 @@ def _named(document: Document, tag: str) -> dict[str, Any]:
 def _numbers(e: Any, attribute: str) -> np.ndarray:
     text = None if e is None else e.get(attribute)
     return np.zeros(3) if text is None else np.array([float(x) for x in text.split()])
-
-
-def _rotation(rpy: np.ndarray) -> np.ndarray:
-    """Rz(yaw) Ry(pitch) Rx(roll)"""
-    (a, b, c), (x, y, z) = np.cos(rpy), np.sin(rpy)
-    Rx = np.array([[1, 0, 0], [0, a, -x], [0, x, a]])
-    Ry = np.array([[b, 0, y], [0, 1, 0], [-y, 0, b]])
-    Rz = np.array([[c, -z, 0], [z, c, 0], [0, 0, 1]])
-    return np.asarray(Rz @ Ry @ Rx)
 
 
 def _tensor(inertial: Any) -> np.ndarray:

@@ -17,6 +17,7 @@ from math import pi, sqrt
 
 import numpy as np
 
+from ...io.remarks import moving_no_mass
 from ...spatial.inertia import steiner
 from .description import TENSOR, Body
 from .findings import ERROR, NOTE, WARNING, Finding
@@ -188,16 +189,8 @@ def nothing_moves(case: Case) -> Iterator[Finding]:
         says = f"none of the {len(robot.links)} links that move has <mass> or a tensor"
         yield case.found("no-mass", None, says, "M, gravity and torques are 0 and forward dynamics has no answer")
         return
-    heavy: dict[int, bool] = {}
-    for j in reversed(robot):
-        heavy[j.index] = heavy.get(j.index, False) or any(float(x) for x in j.inertia.parameters)
-        if j.parent is not None and heavy[j.index]:
-            heavy[j.parent.index] = True
-    inner = {j.parent.index for j in robot if j.parent is not None and heavy[j.index]}
     hinges = {h.name: h for h in case.about.hinges}
-    for j in robot:
-        still = any(float(s.dot(j.inertia(s)).dual) == 0 for s in j.model.screws)
-        if j.index not in inner and still:
-            says = "nothing that it moves has mass or inertia about it"
-            why = "its row of M is 0, so forward dynamics has no answer for the whole robot"
-            yield case.found("massless-joint", hinges.get(j.name), says, why)
+    for j in moving_no_mass(robot):
+        says = "nothing that it moves has mass or inertia about it"
+        why = "its row of M is 0, so forward dynamics has no answer for the whole robot"
+        yield case.found("massless-joint", hinges.get(j.name), says, why)

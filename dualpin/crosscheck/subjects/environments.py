@@ -121,11 +121,11 @@ def literals(path: Path) -> dict[str, Any]:
         raise ArgumentError(f"subjects: {path} is not Python ({e})") from None
     found: dict[str, Any] = {}
     for node in tree.body:
-        for target in node.targets if isinstance(node, ast.Assign) else ():
-            if isinstance(target, ast.Name):
-                found[target.id] = None
-                with contextlib.suppress(ValueError):
-                    found[target.id] = ast.literal_eval(node.value)
+        if isinstance(node, ast.Assign):
+            value = None
+            with contextlib.suppress(ValueError):
+                value = ast.literal_eval(node.value)
+            found |= {target.id: value for target in node.targets if isinstance(target, ast.Name)}
     return found
 
 
