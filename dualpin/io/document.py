@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple, NoReturn
@@ -98,6 +99,24 @@ class Document:
         self, e: etree._Element, attribute: str, owner: Owner, default: str | None = None, *, unbounded: bool = False
     ) -> float:
         return self.numbers(e, attribute, 1, owner, default, unbounded=unbounded)[0]
+
+
+def depth_first(children: Mapping[str, Iterable[tuple[str, str]]], base: str) -> Iterator[str]:
+    """The joints of a tree, link -> (joint, child link): siblings by name as bytes, as in urdfdom's map."""
+    stack = [("", base)]
+    while stack:
+        joint, link = stack.pop()
+        if joint:
+            yield joint
+        stack += sorted(children.get(link, ()), key=lambda x: x[0].encode(), reverse=True)
+
+
+def unused(name: str, taken: set[str]) -> str:
+    """The name, lengthened until it is not taken; it is from now on."""
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
 
 
 def _counted(n: int) -> str:

@@ -10,7 +10,7 @@ from lxml import etree
 
 from ..errors import UrdfError
 from ..spatial.arrays import to_matrix
-from .document import VERSIONS, Document, Owner, short
+from .document import VERSIONS, Document, Owner, short, unused
 from .write import roll_pitch_yaw
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -59,10 +59,7 @@ def _name_the_nameless(document: Document) -> None:
     taken = {e.get("name") for e in links}
     for e in links:
         if not e.get("name"):
-            name = stem
-            while name in taken:
-                name += "_"
-            taken.add(name)
+            name = unused(stem, taken)
             e.set("name", name)
             document.notes.add("<link> without a name, that of the file is used", "link", name, f"line {e.sourceline}")
 

@@ -35,6 +35,7 @@ from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.vector import Vector3
 from .axes import unit_axis
+from .document import unused
 from .notes import Notes
 
 FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
@@ -150,14 +151,7 @@ class _Reader:
         of: Callable[[int], Any] = getattr(self.m, kind)
         found = [of(i).name for i in range(count)]
         taken = set(found)
-        for i, name in enumerate(found):
-            if not name:
-                new = f"{kind}{i}"
-                while new in taken:
-                    new += "_"
-                taken.add(new)
-                found[i] = new
-        return found
+        return [name or unused(f"{kind}{i}", taken) for i, name in enumerate(found)]
 
     def _gravity(self) -> list[float]:
         off = self.m.opt.disableflags & int(self.mj.mjtDisableBit.mjDSBL_GRAVITY)

@@ -29,7 +29,7 @@ from ..spatial.vector import ZERO_VECTOR, Matrix3, Vector3
 from .axes import unit_axis
 from .catalogue import find
 from .description import yourdfpy
-from .document import Document
+from .document import Document, depth_first
 from .mjcf import is_mjcf, read_mjcf
 from .remarks import remark
 from .xml import parse, read, read_stream
@@ -141,9 +141,10 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
         document.fail(taken, "joint 'root_joint': the name is reserved for the floating base")
     description = _described(document)
     links = {link.name: link for link in description.links}
-    children: dict[str, list[Any]] = {}
-    for joint in description.joints:
-        children.setdefault(joint.parent, []).append(joint)
+    joints = {joint.name: joint for joint in description.joints}
+    children: dict[str, list[tuple[str, str]]] = {}
+    for joint in joints.values():
+        children.setdefault(joint.parent, []).append((joint.name, joint.child))
     b = Builder(description.name)
     b.source = source
     base = _inertia(links[document.base])
@@ -151,13 +152,8 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
         b.joint("root_joint", Floating(), inertia=base, link=document.base)
     else:
         b.base(document.base, base)
-    # depth first, siblings by name as bytes: the order of urdfdom's map and so of Pinocchio
-    stack = [document.base]
-    pending: list[Any] = _siblings(children, stack.pop())
-    while pending:
-        joint = pending.pop()
-        _add(b, joint, links[joint.child], mimic, document.reductions.get(joint.name))
-        pending += _siblings(children, joint.child)
+    for name in depth_first(children, document.base):
+        _add(b, joints[name], links[joints[name].child], mimic, document.reductions.get(name))
     try:
         robot = b.robot()
     except ArgumentError as e:
@@ -165,11 +161,6 @@ def build(document: Document, floating: bool, mimic: bool, source: str | None) -
         document.fail(next(where, None), str(e))
     remark(document, robot, mimic)
     return replace(robot, notes=(*document.notes.texts(), *robot.notes))
-
-
-def _siblings(children: dict[str, list[Any]], link: str) -> list[Any]:
-    """The joints on a link, the first by name last, as a stack wants them."""
-    return sorted(children.get(link, ()), key=lambda j: j.name.encode(), reverse=True)
 
 
 def _described(document: Document) -> Any:

@@ -18,6 +18,7 @@ from ..model.joints import Written
 from ..model.robot import STANDARD_GRAVITY, Frame, Joint, Robot, expect_numbers
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
+from .document import depth_first, unused
 from .transmissions import REDUCTION
 
 UNBOUNDED = 1e9  # URDF has no infinity: effort and velocity without limit
@@ -96,7 +97,7 @@ class _Writer:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.notes: list[str] = []
-        self.root = etree.Element("robot", name=_checked(robot.name))
+        self.root = etree.Element("robot", name=named(robot.name))
         self.joints: list[Any] = []
         self.links: list[Any] = []
         self.transmissions: list[Any] = []
@@ -135,7 +136,7 @@ class _Writer:
     # links
 
     def _link(self, name: str, body: Inertia | None) -> str:
-        link = etree.Element("link", name=_checked(name))
+        link = etree.Element("link", name=named(name))
         self.links.append(link)
         self.link_names.add(name)
         if body is None:
@@ -173,30 +174,23 @@ class _Writer:
         child = link_of.get(i)
         name = frame.name
         if child is None:  # a plain frame: a massless link
-            child = self._link(self._free(frame.name, self.link_names), None)
-            name = self._free(f"{frame.name}_joint", self.names)
+            child = self._link(unused(frame.name, self.link_names), None)
+            name = unused(f"{frame.name}_joint", self.names)
             link_of[i] = child
         self._fixed(name, parent, child, above.placement.inverse @ frame.placement)
 
     def _parent(self, frame: Frame, link_of: dict[int, str]) -> str:
         if frame.parent not in link_of:
             if frame.parent == 0:  # a robot without a base link
-                link_of[0] = self._link(self._free("base_link", self.link_names), None)
+                link_of[0] = self._link(unused("base_link", self.link_names), None)
             else:
                 raise ArgumentError(
                     f"to_urdf: {frame.name!r} is fixed to {self.robot.frames[frame.parent].name!r}, which has no link"
                 )
         return link_of[frame.parent]
 
-    @staticmethod
-    def _free(name: str, taken: set[str]) -> str:
-        while name in taken:
-            name += "_"
-        taken.add(name)
-        return name
-
     def _element(self, name: str, kind: str, parent: str, child: str, origin: Pose) -> Any:
-        joint = etree.Element("joint", name=_checked(name), type=kind)
+        joint = etree.Element("joint", name=named(name), type=kind)
         xyz = [float(x) for x in origin.position]
         rpy = roll_pitch_yaw(origin.rotation.array)
         etree.SubElement(joint, "origin", xyz=numbers(xyz), rpy=numbers(rpy))
@@ -213,7 +207,7 @@ class _Writer:
             parts = joint.model.free.written()
         except ArgumentError as e:
             raise ArgumentError(f"to_urdf: joint {joint.name!r} {e}") from None
-        names = [joint.name, *(self._free(f"{joint.name}{part.suffix}", self.names) for part in parts[1:])]
+        names = [joint.name, *(unused(f"{joint.name}{part.suffix}", self.names) for part in parts[1:])]
         if len(parts) > 1:
             into = " and ".join(
                 f"{name!r} ({what})" for name, what in zip(names, joint.model.velocity_names, strict=True)
@@ -222,15 +216,15 @@ class _Writer:
         if joint.rotor is not None and float(joint.rotor.ratio) != 1.0:
             self._geared(joint.name, float(joint.rotor.ratio))
         for name, part in zip(names, parts, strict=True):
-            below = child if part is parts[-1] else self._link(self._free(f"{child}_turned", self.link_names), None)
+            below = child if part is parts[-1] else self._link(unused(f"{child}_turned", self.link_names), None)
             self._part(joint, name, part, parent, below, origin)
             parent, origin = below, IDENTITY_POSE
 
     def _geared(self, name: str, ratio: float) -> None:
-        e = etree.Element("transmission", name=_checked(f"{name}_transmission"))
+        e = etree.Element("transmission", name=named(f"{name}_transmission"))
         etree.SubElement(e, "type").text = "transmission_interface/SimpleTransmission"
-        etree.SubElement(e, "joint", name=_checked(name))
-        motor = etree.SubElement(e, "actuator", name=_checked(f"{name}_motor"))
+        etree.SubElement(e, "joint", name=named(name))
+        motor = etree.SubElement(e, "actuator", name=named(f"{name}_motor"))
         etree.SubElement(motor, REDUCTION).text = numbers([ratio])
         self.transmissions.append(e)
 
@@ -275,28 +269,16 @@ class _Writer:
 
     def _check_order(self) -> None:
         """URDF readers walk the tree depth-first, siblings by name: q may come in another order."""
-        children: dict[str, list[Any]] = {}
+        children: dict[str, list[tuple[str, str]]] = {}
         for e in self.joints:
-            children.setdefault(e.find("parent").get("link"), []).append(e)
-        moved = {e.find("child").get("link") for e in self.joints}
+            ends = (e.get("name"), e.find("child").get("link"))
+            children.setdefault(e.find("parent").get("link"), []).append(ends)
+        moved = {child for joints in children.values() for _, child in joints}
         base = next(e.get("name") for e in self.links if e.get("name") not in moved)
-        order = self._depth_first(children, base)
         wanted = [e.get("name") for e in self.joints if e.get("type") != "fixed"]
-        if [n for n in order if n in set(wanted)] != wanted:
-            self.notes.append(
-                f"readers order the joints by name: q will be {', '.join(n for n in order if n in set(wanted))}"
-            )
-
-    @staticmethod
-    def _depth_first(children: dict[str, list[Any]], base: str) -> list[str]:
-        out: list[str] = []
-        stack: list[Any] = sorted(children.get(base, ()), key=lambda e: e.get("name").encode(), reverse=True)
-        while stack:
-            e = stack.pop()
-            out.append(e.get("name"))
-            below = children.get(e.find("child").get("link"), ())
-            stack += sorted(below, key=lambda e: e.get("name").encode(), reverse=True)
-        return out
+        order = [name for name in depth_first(children, base) if name in set(wanted)]
+        if order != wanted:
+            self.notes.append(f"readers order the joints by name: q will be {', '.join(order)}")
 
 
 def rounded(J: np.ndarray, size: float) -> np.ndarray:
@@ -304,10 +286,11 @@ def rounded(J: np.ndarray, size: float) -> np.ndarray:
     return np.where(np.abs(J) <= 8 * float_info.epsilon * size, 0.0, J)
 
 
-def _checked(name: str) -> str:
+def named(name: str, what: str = "to_urdf", of: str = "a URDF") -> str:
+    """A name as XML can hold it."""
     if not name or _NOT_XML.search(name):
         raise ArgumentError(
-            f"to_urdf: {name!r} is no name for a URDF element: text without control characters expected, "
+            f"{what}: {name!r} is no name for {of} element: text without control characters expected, "
             "which XML cannot hold"
         )
     return name

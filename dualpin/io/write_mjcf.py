@@ -7,8 +7,8 @@ written in full, tensors as principal moments and a quaternion, since MuJoCo's o
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator
+from functools import partial
 from math import inf
 from typing import Any
 
@@ -22,12 +22,15 @@ from ..model.robot import Frame, Joint, Robot
 from ..scalars import ZERO
 from ..spatial.inertia import Inertia
 from ..spatial.pose import IDENTITY_POSE, Pose
-from .write import delivered, numbers, rounded
+from .document import unused
+from .write import delivered, named, numbers, rounded
 
 WORLD = "world"  # MuJoCo's name for the ground
 LEAST = 1e-15  # mjMINVAL: a moving body needs more mass, and larger moments, than this
 ROUNDING = 1e-9  # of a triangle inequality that holds with equality, as for a plate
-_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+_named = partial(named, what="to_mjcf", of="an MJCF")
 
 
 def to_mjcf(robot: Robot, path: str | os.PathLike[str] | None = None) -> str:
@@ -75,7 +78,7 @@ class _Writer:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.notes: list[str] = []
-        self.root = etree.Element("mujoco", model=_checked(robot.name))
+        self.root = etree.Element("mujoco", model=_named(robot.name))
         # nothing is to be guessed, filled in or merged
         etree.SubElement(
             self.root, "compiler", angle="radian", autolimits="true", fusestatic="false", balanceinertia="false",
@@ -131,7 +134,7 @@ class _Writer:
             X = IDENTITY_POSE  # the coordinates of a free body are its pose in the world
             if not _is_identity(joint.placement):
                 raise ArgumentError(f"to_mjcf: joint {joint.name!r} floats in another frame than the world's")
-        name = link[1].name if link else self._free(joint.name)
+        name = link[1].name if link else unused(joint.name, self.names)
         offset = getattr(joint.model.free, "offset", None)
         if offset is not None and isinstance(joint.model, Axial):
             X = X @ Pose.about(joint.model.axis, Dual(float(offset.real) or ZERO, float(offset.dual) or ZERO))
@@ -162,10 +165,10 @@ class _Writer:
             self.element[i] = self._body(on, None, X, None)
         else:
             self.element[i] = on
-            etree.SubElement(on, "site", name=_checked(frame.name), **_pose(X))
+            etree.SubElement(on, "site", name=_named(frame.name), **_pose(X))
 
     def _body(self, on: Any, name: str | None, X: Pose, inertia: Inertia | None) -> Any:
-        named = {} if name is None else {"name": _checked(name)}
+        named = {} if name is None else {"name": _named(name)}
         body = etree.SubElement(on, "body", **named, **_pose(X))
         if inertia is not None:
             self._inertial(body, name or "", inertia)
@@ -197,23 +200,17 @@ class _Writer:
             diaginertia=numbers(np.maximum(moments, 0.0)),
         ))  # fmt: skip
 
-    def _free(self, name: str) -> str:
-        while name in self.names:
-            name += "_"
-        self.names.add(name)
-        return name
-
     # joints
 
     def _joints(self, joint: Joint) -> Iterator[Any]:
         model, limits = joint.model.free, joint.limits
         if model.coordinates == FLOATING:
             armature = self._one(joint)
-            yield etree.Element("joint", name=_checked(joint.name), type="free", **armature)
+            yield etree.Element("joint", name=_named(joint.name), type="free", **armature)
             return
         if model.coordinates == BALL:
             yield etree.Element(
-                "joint", name=_checked(joint.name), type="ball", **self._one(joint), **self._passive(joint)
+                "joint", name=_named(joint.name), type="ball", **self._one(joint), **self._passive(joint)
             )
             return
         if not isinstance(model, Axial):
@@ -229,7 +226,7 @@ class _Writer:
             sign = turn + slide
             name = joint.name if k == 0 else f"{joint.name}_slide"
             e = etree.Element(
-                "joint", name=_checked(name), type="slide" if slide else "hinge",
+                "joint", name=_named(name), type="slide" if slide else "hinge",
                 axis=numbers([sign * x for x in axis]), **self._passive(joint),
             )  # fmt: skip
             if joint.armature and float(joint.armature[k]):
@@ -249,7 +246,7 @@ class _Writer:
         leader, multiplier, offset = _leader(self.robot, joint)
         self.notes.append(f"joint {joint.name!r} follows {leader!r} by an equality, which MuJoCo holds softly")
         self.equalities.append(
-            etree.Element("joint", name=_checked(f"{joint.name}_follows"), joint1=joint.name, joint2=leader,
+            etree.Element("joint", name=_named(f"{joint.name}_follows"), joint1=joint.name, joint2=leader,
                           polycoef=numbers([offset, multiplier, 0, 0, 0]))
         )  # fmt: skip
 
@@ -315,11 +312,3 @@ def _pose(X: Pose) -> dict[str, str]:
 def _quaternion(X: Pose) -> str:
     r = X.quaternion.real
     return numbers([r.w, *r.v])
-
-
-def _checked(name: str) -> str:
-    if not name or _NOT_XML.search(name):
-        raise ArgumentError(
-            f"to_mjcf: {name!r} is no name for an MJCF element: text without control characters expected"
-        )
-    return name
