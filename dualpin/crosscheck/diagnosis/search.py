@@ -21,7 +21,7 @@ from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 from .scores import Score
-from .textbook.slipped import Slipped, made_of
+from .textbook.slipped import made_of
 
 DEPTH = 3
 BEAM = 8
@@ -95,8 +95,10 @@ class Catalogue:
 
     def variants(self, stories: Iterable[Story]) -> list[Story]:
         """The same causes by other computations: what one variant explains of a term, another may of the next."""
-        slips = [s[0] for s in stories if len(s) == 1 and isinstance(s[0].act, Slipped)]
-        return [(h,) for one in slips for h in self._by_cause[one.cause] if h is not one]
+        if "late" not in self.__dict__:
+            return []
+        single = [s[0] for s in stories if len(s) == 1]
+        return [(h,) for one in single for h in self._by_cause.get(one.cause, ()) if h is not one]
 
     @cached_property
     def _by_cause(self) -> dict[Any, list[Hypothesis]]:
@@ -159,7 +161,7 @@ def explain(
         near = search.consider(level)
         if size == 1 and not search.good:
             near += search.consider(search.toggled(single, found.before))
-        if size == 1 and not search.good:
+        if size == 1 and all(any(h.key == "one_link" for h in s) for s in search.good.values()):
             tick(f"{term}: slips of textbook algorithms")
             slipped = search.consider(catalogue.slips(term))
             near += slipped

@@ -10,6 +10,7 @@ from . import (  # noqa: F401
     joints,
     kinematics,
     links,
+    lumping,
     matrices,
     merging,
     momentum,

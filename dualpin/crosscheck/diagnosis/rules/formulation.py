@@ -22,6 +22,8 @@ from ..textbook.slipped import Run, Slipped
 from ..textbook.steps import Slip, Steps, rows
 from .register import RULES, Rule
 
+OTHER = 0.005
+"""What another quantity in a place costs more than one that is left out, or has another sign or factor."""
 COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
 
@@ -72,7 +74,8 @@ def formulation(
             return [
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
-                    Slipped(run, (slip,), batched), slip.fix, variant=variant, cost=cost,
+                    Slipped(run, (slip,), batched), slip.fix, variant=variant,
+                    cost=cost + OTHER * (slip.how == "step_other"),
                 )
                 for slip, shown in touched.items()
             ]  # fmt: skip

@@ -151,12 +151,16 @@ def rule(
 
 
 def proposer(
-    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None
+    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None, late: bool = False
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A function (key, case) -> hypotheses, for rules whose words or number depend on the case."""
 
     def decorate(f: Callable[..., Any]) -> Callable[..., Any]:
-        RULES.append(Rule(key, says, fix, lambda case: f(Hypothesis(key, says, (), "", f, fix), case), rows or {}))
+        def propose(case: Case) -> Iterable[Hypothesis]:
+            made: Iterable[Hypothesis] = f(Hypothesis(key, says, (), "", f, fix), case)
+            return made
+
+        RULES.append(Rule(key, says, fix, propose, rows or {}, late))
         return f
 
     return decorate

@@ -56,7 +56,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 
 def _own(steps: Steps, k: Link, q: np.ndarray) -> Lump:
     lead = np.zeros(q.shape[:-1], q.dtype)[..., None]
-    terms = {"I about the centre of mass": k.I, "m (c.c 1 - c c^T)": k.about_origin - k.I}
+    terms = {"I about the centre of mass": k.tensor(steps), "m (c.c 1 - c c^T)": k.about_origin - k.I}
     I = steps.add("the inertia about a link's origin", **terms)
     return k.mass + lead, k.mass * k.c + lead, I + lead[..., None]
 
@@ -121,7 +121,9 @@ class Energy:
         for i, k in enumerate(tree.carried):
             w, u = moving[k.number]
             at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w, k.c)})
-            I = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
+            I = steps.pick(
+                "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+            )
             terms = {"m v.v / 2": 0.5 * k.mass * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
             energy = steps.add("the kinetic energy of a body", **terms)
             total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried))

@@ -66,7 +66,9 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     poses = tree.poses(q)
     for i, k in enumerate(tree.carried):
         Jv, Jw, _ = jacobians(steps, tree, q, k)
-        given = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
+        given = steps.pick(
+            "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+        )
         I = steps.congruent("the inertia in world axes", poses[k.number].R0, given)
         m = k.mass + np.zeros((1, 1, 1, 1))
         m = steps.pick("the mass in m Jv^T Jv", m, **tree.masses(k, m))

@@ -151,7 +151,7 @@ def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.nda
         w_I = steps.pick(
             "the angular velocity in w x I w", m.w, **{"the parent's": lambda k=k: moving[max(0, k.parent)].w}
         )
-        I = steps.pick("the inertia", k.I, **{"that about the link's origin": lambda k=k: k.about_origin})
+        I = steps.pick("the inertia", k.tensor(steps), **{"that about the link's origin": lambda k=k: k.about_origin})
         N = steps.add(
             "the moment about the centre of mass",
             **{"I alpha": product(I, m.alpha), "w x I w": cross(w_I, product(I, w_I))},

@@ -190,7 +190,9 @@ def subspace(steps: Steps, k: Link) -> np.ndarray:
 def inertia(steps: Steps, k: Link) -> np.ndarray:
     """The spatial inertia about the link's origin."""
     about = k.about_origin - k.I
-    I = steps.add("the inertia about a link's origin", **{"I of the centre": k.I, "m (c.c 1 - c c^T)": about})
+    I = steps.add(
+        "the inertia about a link's origin", **{"I of the centre": k.tensor(steps), "m (c.c 1 - c c^T)": about}
+    )
     h = k.mass * cross_matrix(k.c)
     upper = steps.pick("the block m [c x] of the inertia", h, **{"-m [c x]": -h, "left out": 0 * h})
     lower = steps.pick("the block m [c x]^T of the inertia", -h, **{"m [c x], not transposed": h, "left out": 0 * h})

@@ -18,6 +18,8 @@ from ...subjects.convention import base_of
 from ...subjects.layout import product, rotations, transposed
 from ..case import View
 from ..description import Description, Part, merged
+from .lumps import Piece, listed, pieces, tensor
+from .steps import Steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +44,21 @@ class Link:
     """The centre of mass."""
     I: np.ndarray
     """The inertia about the centre of mass, in the link's axes."""
+    pieces: Sequence[Piece] = ()
+    """The links that it was made of."""
 
     @property
     def moves(self) -> bool:
         return self.column >= 0
+
+    def tensor(self, steps: Steps) -> np.ndarray:
+        """`I`, from what <inertial> says."""
+        read = sum((tensor(steps, p) for p in self.pieces), np.zeros((1, 1, 3, 3)))
+        return np.asarray(self.I + (read - self._read))
+
+    @cached_property
+    def _read(self) -> np.ndarray:
+        return sum((tensor(Steps(), p) for p in self.pieces), np.zeros((1, 1, 3, 3)))
 
     @cached_property
     def moments(self) -> np.ndarray:
@@ -83,13 +96,14 @@ class Tree:
 
     def __init__(self, view: View, fused: bool = False) -> None:
         robot, d = view.robot, merged(view.description) if fused else view.description
+        made_of = pieces(view.description, fused)
         self.floating, self.nv = base_of(robot) is not None, robot.nv
         self.gravity = np.array(d.gravity)[None, None]
         self.rotors = np.zeros(robot.nv)
-        self.links = [_root(d)]
+        self.links = [replace(_root(d), pieces=made_of.get(d.root, ()))]
         number, joints = {d.root: 0}, {j.name: j for j in robot}
         standing = d.carried()
-        for part in _listed(d):
+        for part in listed(d):
             if fused and not part.moves:
                 continue
             if fused:  # its place on what carries its parent
@@ -101,7 +115,8 @@ class Tree:
             if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
                 raise ValueError("links that stand where their joints move them only")
             where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
-            self.links.append(_link(part, len(self.links), number[part.parent], *where))
+            link = _link(part, len(self.links), number[part.parent], *where)
+            self.links.append(replace(link, pieces=made_of.get(part.link, ())))
             number[part.link] = len(self.links) - 1
             if joint is not None and part.armature:
                 self.rotors[joint.v] = part.armature
@@ -125,8 +140,8 @@ class Tree:
         return {"": order} if same else {" (depth first)": depth_first, " (breadth first)": order}
 
     def near(self, k: Link, of: Callable[[Link], np.ndarray]) -> dict[str, np.ndarray]:
-        """What another link has: that before it in a list, the base."""
-        found = {"that of the base": of(self.links[0])}
+        """What another link has: that before it in a list, a base that moves."""
+        found = {"that of the base": of(self.links[0])} if self.floating else {}
         for words, order in self._lists.items():
             at = order.index(k.number)
             found[f"that of the link before in the list{words}"] = of(self.links[order[max(0, at - 1)]])
@@ -192,19 +207,6 @@ class Tree:
     def columns(self, forces: np.ndarray) -> np.ndarray:
         """The matrix whose columns are the forces of unit accelerations."""
         return transposed(forces.reshape(len(forces), -1, self.nv, self.nv))
-
-
-def _listed(d: Description) -> list[Part]:
-    """The parts, branch by branch, in the order of the file."""
-    place = {joint: k for k, joint in enumerate(d.listed)}
-    below: dict[str, list[Part]] = {}
-    for p in sorted(d.parts, key=lambda p: place.get(p.joint, len(place))):
-        below.setdefault(p.parent, []).append(p)
-    found, todo = [], below.get(d.root, [])[::-1]
-    while todo:
-        found.append(todo.pop())
-        todo += below.get(found[-1].link, [])[::-1]
-    return found
 
 
 def _root(d: Description) -> Link:

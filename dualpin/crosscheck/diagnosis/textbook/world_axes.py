@@ -141,7 +141,9 @@ def _bodies(
         mass = {what: steps.pick(f"the mass of a body: {what}", x, **tree.masses(k, x)) for what, x in mass.items()}
         weight = mass["in m g"] * steps.pick("gravity", down, **other)
         F = steps.add("the force of a body", **{"m a": mass["in m a"] * a_c, "-m g": -weight})
-        given = steps.pick("the inertia about the centre of mass", k.I, **{"that about the origin": k.about_origin})
+        given = steps.pick(
+            "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+        )
         I, spun = (
             steps.congruent(f"the inertia in world axes: {where}", pose.R0, given)
             for where in ("in I alpha", "in w x I w")
