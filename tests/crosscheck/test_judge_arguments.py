@@ -76,3 +76,10 @@ def test_what_a_program_printed_before_it_died_is_text(tmp_path):
     assert ended(3, log) == "ended with exit code 3: bad joint name"
     log.write_bytes(b"\xff\xfe\x00" * 99)
     assert ended(-6, log) == "crashed (SIGABRT)"
+
+
+def test_a_name_that_a_module_does_not_have_is_told_beside_those_it_has(tmp_path):
+    (tmp_path / "mine.py").write_text("import math\nclass Arm:\n    pass\n")
+    (result,) = dp.judge("ur5", f"{tmp_path / 'mine.py'}:Amr", samples=2).robots
+    assert "mine.py has no 'Amr'; it has Arm" in result.reason
+    assert result.notes == []  # the file of the robot was not searched for the cause

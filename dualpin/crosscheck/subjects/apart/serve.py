@@ -156,7 +156,11 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
     else:
         sys.path.insert(0, "")
         module = importlib.import_module(where)
-    found = getattr(module, name or "Subject")
+    name = name or "Subject"
+    if not hasattr(module, name):
+        named = ", ".join(sorted(k for k, x in vars(module).items() if k[:1] != "_" and not inspect.ismodule(x)))
+        raise ImportError(f"{where} has no {name!r}; it has {named or 'no names'}")
+    found = getattr(module, name)
     if not inspect.isclass(found):
         return found
     offered = {"urdf": urdf, "floating": floating, "gravity": gravity, "option": option}
