@@ -79,18 +79,15 @@ def _terms(r: RobotResult) -> Table:
     title = f"{r.label}: {r.nv} degrees of freedom, {r.samples} samples, seed {r.seed}"
     found = table("term", "max scaled error>", "tolerance>", "verdict", "oracle", "", title=title)
     for name, t in r.terms.items():
-        figures = (f"{t.max_scaled_error:.1e}", f"{t.tolerance:.1e}") if t.compared else ("-", "-")
         at = f"at {t.worst['where']}" if t.status == "differs" and t.worst.get("where") else ""
-        found.add_row(name, *figures, mark(t), t.oracle, _plain("; ".join(x for x in (at, t.remark) if x)))
+        found.add_row(name, *t.figures, mark(t), t.oracle, _plain("; ".join(x for x in (at, t.remark) if x)))
     return found
 
 
 def _robots(robots: list[RobotResult]) -> Table:
     found = table("robot", "nv>", "worst scaled error>", "in", "verdict", "remark")
     for r in robots:
-        compared = {k: t.max_scaled_error for k, t in r.terms.items() if t.compared}
-        worst = max(compared, key=lambda k: compared[k], default="-")
-        error = f"{compared[worst]:.1e}" if compared else "-"
+        worst, error = r.worst
         found.add_row(_plain(r.label), str(r.nv), error, worst, mark(r), _plain(r.remark))
     return found
 

@@ -55,7 +55,10 @@ def _finding(f: Finding) -> list[str]:
 
 
 def _one(r: RobotResult) -> list[str]:
-    rows = [f"| {name} | {figures(t)} | {_bold(t)} | {t.oracle} | {escape(t.remark)} |" for name, t in r.terms.items()]
+    rows = [
+        f"| {name} | {' | '.join(t.figures)} | {_bold(t)} | {t.oracle} | {escape(t.remark)} |"
+        for name, t in r.terms.items()
+    ]
     head = ["| term | max scaled error | tolerance | verdict | oracle | remark |", "|---|---|---|---|---|---|"]
     return [f"## {escape(r.label)} (nv = {r.nv})", "", *head, *rows]
 
@@ -67,33 +70,19 @@ def _terms(report: Report) -> list[str]:
         having = [r for r in report.robots if name in r.terms and r.terms[name].compared]
         if having:
             worst = max(having, key=lambda r: r.terms[name].max_scaled_error)
-            t = worst.terms[name]
-            rows.append(
-                f"| {name} | {t.max_scaled_error:.1e} | {escape(worst.label)} | {t.tolerance:.1e} | {len(having)} |"
-            )
+            error, tolerance = worst.terms[name].figures
+            rows.append(f"| {name} | {error} | {escape(worst.label)} | {tolerance} | {len(having)} |")
     return rows
 
 
 def _robots(report: Report) -> list[str]:
-    rows = [
-        "## Robots",
-        "",
-        "| robot | nv | worst scaled error | in | verdict | remark |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = ["## Robots", "", "| robot | nv | worst scaled error | in | verdict | remark |", "|---|---|---|---|---|---|"]
     for r in report.robots:
-        compared = {k: t for k, t in r.terms.items() if t.compared}
-        worst = max(compared, key=lambda k: compared[k].max_scaled_error, default="-")
-        error = f"{compared[worst].max_scaled_error:.1e}" if compared else "-"
+        worst, error = r.worst
         partly = ", ".join(f"{k} ({t.note.split(' not')[0]})" for k, t in r.terms.items() if t.note)
         remark = "; ".join(x for x in (r.remark, partly and f"samples not compared: {partly}") if x)
         rows.append(f"| {escape(r.label)} | {r.nv} | {error} | {worst} | {_bold(r)} | {escape(remark)} |")
     return rows
-
-
-def figures(t: TermResult) -> str:
-    """Error and tolerance of a term, or dashes where nothing was compared."""
-    return f"{t.max_scaled_error:.1e} | {t.tolerance:.1e}" if t.compared else "- | -"
 
 
 def _bold(of: TermResult | RobotResult) -> str:

@@ -108,6 +108,11 @@ class TermResult:
         self.passed = status != DIFFERS or nearer == self.judged
 
     @property
+    def figures(self) -> tuple[str, str]:
+        """Error and tolerance as text, dashes where nothing was compared."""
+        return (f"{self.max_scaled_error:.1e}", f"{self.tolerance:.1e}") if self.compared else ("-", "-")
+
+    @property
     def verdict(self) -> str:
         """The status in words: with who is nearer or, of a subject that was diagnosed, with the causes' keys."""
         if self.status != DIFFERS:
@@ -212,6 +217,13 @@ class RobotResult:
     def findings(self) -> list[Finding]:
         """What a diagnosis said about any term, each finding once."""
         return once(f for t in self.terms.values() for f in t.findings)
+
+    @property
+    def worst(self) -> tuple[str, str]:
+        """The term with the largest error and that error, as text; dashes where nothing was compared."""
+        compared = {k: t for k, t in self.terms.items() if t.compared}
+        name = max(compared, key=lambda k: compared[k].max_scaled_error, default="")
+        return (name, compared[name].figures[0]) if name else ("-", "-")
 
     @property
     def worst_error(self) -> float:
@@ -330,10 +342,8 @@ class Report:
     @property
     def terms(self) -> dict[str, TermResult]:
         """The terms of the only robot; see `robots` where there are several."""
-        if len(self.robots) != 1:
-            raise ArgumentError(
-                f"the report holds {len(self.robots)} robots; report.robots[i].terms has the terms of one"
-            )
+        if (n := len(self.robots)) != 1:
+            raise ArgumentError(f"the report holds {n} robots; report.robots[i].terms has the terms of one")
         return self.robots[0].terms
 
     # writing
@@ -365,17 +375,16 @@ class Report:
             "junit": lambda: home("Report.to_junit")(self), "sarif": lambda: home("Report.to_sarif")(self),
             "badge": self.badge,
         }  # fmt: skip
-        folder = Path(folder)
-        paths = []
-        formats = [formats] if isinstance(formats, str) else list(formats)
+        folder, formats = Path(folder), [formats] if isinstance(formats, str) else list(formats)
         for form in formats:
             if form not in writers:
                 raise ArgumentError(f"report format {form!r} is not known; {nearest(form, writers, 'formats')}")
+        names = {"junit": "junit.xml", "badge": "badge.svg"}
+        paths = [folder / names.get(form, f"report.{form}") for form in formats]
         with writing(f"report: cannot write into {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
-            for form in formats:
-                paths.append(folder / {"junit": "junit.xml", "badge": "badge.svg"}.get(form, f"report.{form}"))
-                write_text(paths[-1], writers[form]())
+            for path, form in zip(paths, formats, strict=True):
+                write_text(path, writers[form]())
         return paths
 
     def to_html(self) -> str:

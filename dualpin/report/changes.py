@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,6 +74,12 @@ class Comparison:
         names = dict.fromkeys([*self.old, *self.new])
         pairs = [(n, self.old.get(n, "–"), self.new.get(n, "–")) for n in names]
         return [p for p in pairs if p[1] != p[2]]
+
+    def changed(self, what: str, where: str, old: str, new: str, factor: float) -> Iterator[Change]:
+        """The change of a figure, if it is past the threshold."""
+        most = self.error_factor if what == "error" else self.speed_factor
+        if factor > most or factor < 1 / most:
+            yield Change(what, where, old, new, factor > 1, factor)
 
     def __repr__(self) -> str:
         verdict = "nothing got worse" if self.passed else f"{len(self.worse)} got worse"

@@ -105,8 +105,7 @@ def _robots(found: Comparison, old: RobotResult, new: RobotResult) -> Iterable[C
         found.compared += 1
         x, y = then.max_scaled_error or 0.0, t.max_scaled_error or 0.0
         factor = max(y, LAST_DIGITS) / max(x, LAST_DIGITS)
-        if factor > found.error_factor or factor < 1 / found.error_factor:
-            yield Change("error", f"{new.label} {name}", f"{x:.1e}", f"{y:.1e}", factor > 1, factor)
+        yield from found.changed("error", f"{new.label} {name}", f"{x:.1e}", f"{y:.1e}", factor)
 
 
 def _speeds(found: Comparison, old: list[Row], new: list[Row]) -> Iterable[Change]:
@@ -122,8 +121,7 @@ def _speeds(found: Comparison, old: list[Row], new: list[Row]) -> Iterable[Chang
         if x is None or y is None:
             x, y, unit = before[setting]["us_per_sample"], row["us_per_sample"], "us a sample"
         factor = y / x if x else 1.0
-        if factor > found.speed_factor or factor < 1 / found.speed_factor:
-            yield Change("speed", setting, f"{x:.3g} {unit}", f"{y:.3g} {unit}", factor > 1, factor)
+        yield from found.changed("speed", setting, f"{x:.3g} {unit}", f"{y:.3g} {unit}", factor)
 
 
 def _relative(row: Row) -> float | None:

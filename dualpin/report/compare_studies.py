@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .changes import LAST_DIGITS, Change, Comparison
-from .read import Row, Study
+from .read import Row, Study, is_number
 
 MEASURED = ("error", "drift", "peak", "late", "seconds", "evaluations", "steps", "wall", "cost")
 """Words in the name of a column that holds results of a run; all other plain columns are its settings."""
@@ -31,20 +31,17 @@ def studies(found: Comparison, old: Study, new: Study) -> Iterable[Change]:
 def _run(found: Comparison, setting: str, old: Row, new: Row) -> Iterable[Change]:
     for key in (k for k in new if _is(k, ERRORS) and k in old):
         x, y = old[key], new[key]
-        finite = [isinstance(v, (int, float)) and not isinstance(v, bool) for v in (x, y)]
+        finite = [is_number(v) for v in (x, y)]
         if not all(finite):
             if finite[0] != finite[1]:
                 yield Change("error", f"{setting}: {key}", _text(x), _text(y), not finite[1], 1.0)
             continue
         found.compared += 1
         factor = max(abs(y), LAST_DIGITS) / max(abs(x), LAST_DIGITS)
-        if factor > found.error_factor or factor < 1 / found.error_factor:
-            yield Change("error", f"{setting}: {key}", f"{x:.2e}", f"{y:.2e}", factor > 1, factor)
+        yield from found.changed("error", f"{setting}: {key}", f"{x:.2e}", f"{y:.2e}", factor)
     for key in ("evaluations", "rhs_evaluations"):
         if isinstance(old.get(key), int) and isinstance(new.get(key), int) and old[key]:
-            factor = new[key] / old[key]
-            if factor > found.speed_factor or factor < 1 / found.speed_factor:
-                yield Change("evaluations", setting, str(old[key]), str(new[key]), factor > 1, factor)
+            yield from found.changed("evaluations", setting, str(old[key]), str(new[key]), new[key] / old[key])
     said, says = _kinds(old), _kinds(new)
     for kind in says - said:
         yield Change("remark", setting, "-", kind, True)
