@@ -58,7 +58,7 @@ def case(robot, name, *shape, forces=False, seed=0):
 
     def f(q, *rest):
         q = jnp.asarray(q)
-        for at in units:  # whatever is disturbed comes back to unit quaternions
+        for at in units:  # disturbed quaternions are normalised
             q = q.at[..., at].divide(jnp.linalg.norm(q[..., at], axis=-1, keepdims=True))
         return getattr(dj, name)(robot, q, *rest)
 

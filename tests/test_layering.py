@@ -28,7 +28,7 @@ LAYERS = (
     "bench_device", "peers",
     "report", "view", "cli", "pytest_plugin",  # how it is shown
 )  # fmt: skip
-TOP = {"__init__", "__main__"}  # the face and the entry point see everything
+TOP = {"__init__", "__main__"}  # the package and the entry point may import everything
 ASKING = {"model"}
 BY_NAME = {"__init__.py", "delegates.py", "forms/__init__.py"}  # tables of names that are imported when used
 

@@ -81,7 +81,7 @@ def test_a_robot_of_symbols_has_the_equations_that_are_printed_in_symbols():
     assert sympy.simplify(sympy.Matrix(terms[1, :, 2:4]) - sympy.Matrix(C2)).is_zero_matrix
     weights = sympy.Matrix([m2 * g * (a1 * c1 + l2 * c12), m2 * g * l2 * c12])
     assert sympy.simplify(sympy.Matrix(terms[1, :, 4]) - weights).is_zero_matrix
-    # numbers put in later are numbers put in at once
+    # substituting numbers later or at once gives the same
     values = dict(zip(planar()[1], (0.5, 0.4, 0.25, 0.18, 2.5, 1.5, 0.06, 0.03, 9.81), strict=True))
     number = dp.from_dh([(0, 0, 0.5, 0), (0, 0, 0.4, 0)], gravity=(0, -9.81, 0), inertias=[
         {"mass": 2.5, "com": (-0.25, 0, 0), "inertia": np.diag([0, 0, 0.06])},

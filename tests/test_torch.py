@@ -37,7 +37,7 @@ def case(robot, name, *shape, forces=False, seed=0, options=()):
 
     def f(q, *rest):
         parts, start = [], 0
-        for at in units:  # whatever is disturbed comes back to unit quaternions
+        for at in units:  # disturbed quaternions are normalised
             part = q[..., at]
             parts += [q[..., start : at.start], part / part.norm(dim=-1, keepdim=True)]
             start = at.stop
@@ -195,7 +195,7 @@ def test_in_the_processes_of_a_loader():
     assert torch.equal(loaded, expected)
 
 
-@pytest.mark.filterwarnings("ignore:The .grad attribute of a Tensor:UserWarning")  # PyTorch's own look at it
+@pytest.mark.filterwarnings("ignore:The .grad attribute of a Tensor:UserWarning")  # PyTorch's own check
 def test_a_compiled_function_leaves_kernels_as_they_are():
     robot = dp.load("ur5")
     q, v, a = (torch.from_numpy(x) for x in robot.sample(4, seed=7))

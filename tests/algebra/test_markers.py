@@ -20,7 +20,7 @@ def test_exact_markers_give_the_motion(k):
     before = np.stack([cloud(i, k) for i in range(20)])
     found = dp.algebra.screw_from_markers(before, spatial.transform_points(spatial.exp(twist), before))
     assert np.abs(spatial.log(found.dual_quaternion) - twist).max() < 1e-12
-    assert found.noise.max() < 1e-13  # thin triangles make more of rounding
+    assert found.noise.max() < 1e-13  # thin triangles amplify rounding
     assert found.residuals.shape == (20, k)
     want = spatial.screw_parameters(spatial.exp(twist))
     for name in ("angle", "distance", "axis", "point"):

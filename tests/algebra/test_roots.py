@@ -115,7 +115,7 @@ def test_wilkinsons_polynomial_keeps_its_digits():
         warnings.simplefilter("error")
         x = al.polyroots(c)
     np.testing.assert_array_equal(x.real, np.arange(1.0, 21.0))
-    # of coefficients rounded to doubles the roots are others, and they are those of fifty digits
+    # coefficients that are rounded to doubles have other roots; these are found with fifty digits
     with pytest.warns(dp.DualpinWarning, match="leaves the root 14.0005 about 2 digits"):
         rounded = al.polyroots([float(k) for k in c])
     with mpmath.workdps(80):

@@ -286,7 +286,7 @@ def test_torque_is_linear_in_the_inertial_parameters(case, seed):
     r, q, v, a = case
     Y = call("joint_torque_regressor", r, q, v, a)
     other = with_other_inertias(r, seed)
-    for body in (r, other):  # the regressor knows nothing of the inertias it multiplies
+    for body in (r, other):  # the regressor does not depend on the inertias that multiply it
         assert scaled(Y @ dp.inertial_parameters(body), call("rnea", body, q, v, a)) < TIGHT
     assert (call("joint_torque_regressor", other, q, v, a) == Y).all()
 

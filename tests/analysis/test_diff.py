@@ -137,7 +137,7 @@ def test_another_place_of_the_base_is_found_and_does_not_hide_the_rest():
     pan = next(j for j in root.iter("joint") if j.get("name") == "shoulder_pan_joint")
     X = np.eye(4)
     X[:3, 3] = 0.3, 0.2, 0.1
-    for j in root.iter("joint"):  # all that hangs on the base link, with new names so that no link tells where it is
+    for j in root.iter("joint"):  # everything on the base link, renamed so that no link name shows where it is
         if j.find("parent").get("link") in ("base_link",):
             set_origin(j, X @ matrix(j.find("origin")))
     for e in root.iter():

@@ -107,6 +107,6 @@ def test_what_cannot_be_is_answered():
     with pytest.raises(ArgumentError, match="root_joint"):
         dp.excite(dp.load("solo12", floating=True))
     with pytest.raises(ArgumentError, match="shows all 36"):
-        dp.excite(robot, samples=4, iterations=0)  # 24 torques cannot show 36
+        dp.excite(robot, samples=4, iterations=0)  # 24 torques cannot determine 36 parameters
     with pytest.raises(ArgumentError, match="share"):
         dp.excite(robot, share=2)

@@ -159,7 +159,7 @@ def test_payload(arm, motion):
         assert (np.abs(found.parameters - truth) < 4 * found.deviation).all()
         assert (np.abs(found.com - [0.02, -0.01, 0.08]) < 4 * found.com_deviation).all()
     assert np.allclose(dp.rnea(found.robot, *motion), tau, atol=5 * NOISE.max())
-    # measured without it too: what the model has wrong does not matter
+    # measured without the payload too, so errors of the model cancel
     wrong = dp.rnea(arm, *motion) * 1.3 + 2.0
     loaded = wrong + dp.rnea(arm.attach(box, on="tool0"), *motion) - dp.rnea(arm, *motion)
     found = dp.identify_payload(arm, *motion, loaded, "tool0", unloaded=wrong, physical=False)
@@ -268,7 +268,7 @@ def test_what_torques_do_not_show_stays_as_described(arm, motion):
     """With the description's own torques the description comes back whole, not only its base parameters."""
     found = dp.identify(arm, *motion, dp.rnea(arm, *motion))
     truth = dp.inertial_parameters(arm)
-    assert violation(truth.reshape(-1, 10)).max() == 0  # it can exist, so nothing has to give way
+    assert violation(truth.reshape(-1, 10)).max() == 0  # the body is physical, so nothing has to be changed
     assert np.abs(found.parameters - truth).max() < 1e-4
     noisy = dp.identify(arm, *motion, measured(arm, motion, np.random.default_rng(11)))
     assert noisy.robot.mass == pytest.approx(arm.mass, rel=0.05)

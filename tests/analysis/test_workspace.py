@@ -13,7 +13,7 @@ from dualpin.spatial import Pose, Vector3
 
 H = np.pi / 2
 UPPER, FORE, TOOL = 0.5, 0.35, 0.2
-# three joints to the wrist's centre, three that turn about it, all without limits
+# three joints to the centre of the wrist, three about it, all without limits
 ARM = [(0, 0, 0, -H), (0, 0, UPPER, 0), (0, 0, 0, H), (0, FORE, 0, -H), (0, 0, 0, H), (0, TOOL, 0, 0)]
 
 

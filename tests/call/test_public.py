@@ -57,7 +57,7 @@ def test_every_order_of_arguments_gives_the_same(robot, state):
     q, v, a = state
     expected = dp.rnea(robot, q, v, a, engine="numpy")
     out, f_ext = np.empty(6), np.zeros((6, 6))
-    for _ in range(3):  # Python's way, then machine code's
+    for _ in range(3):  # first the Python route, then machine code
         for found in (
             dp.rnea(robot, q, v, a), dp.rnea(robot, q, v, a=a), dp.rnea(robot, q, a=a, v=v),
             dp.rnea(robot, v=v, a=a, q=q), dp.rnea(robot=robot, q=q, v=v, a=a),
@@ -80,7 +80,7 @@ def test_the_same_array_twice_is_no_form_of_its_own(robot, state):
 
 
 def test_options_that_change_are_seen(state):
-    robot, q = dp.load("ur5"), state[0]  # a robot of its own: its many forms fill a bucket, and go with it
+    robot, q = dp.load("ur5"), state[0]  # a separate robot: its many forms fill a bucket and are deleted with it
     frames = [*robot.frame_names, *range(len(robot.frames)), *robot.frames]
     for _ in range(2):
         for frame in frames:
@@ -127,7 +127,7 @@ def test_mistakes_after_calls_that_were_right(robot, state):
 def test_a_robot_that_is_gone_is_forgotten_and_its_successors_are_themselves(state, small_heap):
     q, base = state[0], dp.load("ur5")
     expected = {}
-    for k in range(30):  # addresses come again
+    for k in range(30):  # addresses are reused
         gravity = (0.0, 0.0, -float(k % 3 + 1))
         robot = base.with_gravity(gravity)
         tau = dp.gravity(robot, q)

@@ -130,7 +130,7 @@ def test_rows_are_shown_whole_within_the_width():
     assert "in all rows: robot ur5" in lines
     for i in range(30):
         assert sum(f"figure_{i}" in x.split() for x in lines) == 1
-    assert sum(x.startswith("m69") for x in lines) > 1  # every part names its rows
+    assert sum(x.startswith("m69") for x in lines) > 1  # every part has the columns that name its rows
     assert text_of("none", [], None, 80) == ["none: no rows"]
     nested = text_of("", [{"a": 1, "list": [1]}], None, 80)
     assert nested[-1] == "not shown: list (--json has them)"

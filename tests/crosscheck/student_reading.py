@@ -80,7 +80,7 @@ class Reading:
         self.moving, self.nv, self.nb = moving, base + len(moving), base
         self.g = self._gravity(np.array(gravity, float))
         names = [j.name for j in moving]
-        if self.has("order"):  # it computes in the file's order, and says nothing of it
+        if self.has("order"):  # it computes in the file's order and does not say so
             names = self._order
         q, v = (["x", "y", "z", "qw", "qx", "qy", "qz"], ["wx", "wy", "wz", "vx", "vy", "vz"]) if floating else ([], [])
         self.writes = {"q": [*q, *self._declared(names)], "v": [*v, *self._declared(names)]}

@@ -136,7 +136,7 @@ def test_most_visible_mistakes_are_named_on_any_robot(robot, floating):
     assert len(missed) <= 0.1 * len(visible), missed
 
 
-# --- what the search stands on -------------------------------------------------------------------
+# --- rules of the search -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("robot", "floating"), [(PROBE, False), ("panda", False), ("solo12", True)])
@@ -175,7 +175,7 @@ def test_what_explains_as_well_is_said_and_told_apart(probe):
     _, found = diagnosed(replace(probe, terms=("gravity",)), ("com_ignored",))
     (finding,) = found.findings
     assert finding.key in ("inertial_xyz", "inertial_origin") and finding.alternatives
-    assert finding.apart == {}  # gravity cannot tell: both leave the centres at the links' origins
+    assert finding.apart == {}  # gravity cannot distinguish them: both leave the centres at the links' origins
 
 
 def test_an_unknown_cause_is_located_not_named(probe, monkeypatch):

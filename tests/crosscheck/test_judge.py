@@ -361,6 +361,6 @@ def test_a_program_that_has_answered_is_not_run_again_unless_its_files_changed(t
         return log.read_text()[len(before) :].count("run")
 
     assert [runs(interrupting), runs(interrupting), runs()] == [1, 0, 0]
-    assert runs(interrupting) == 1  # a judgement that was finished keeps nothing
+    assert runs(interrupting) == 1  # a finished judgement leaves no answers behind
     (tmp_path / "factor.py").write_text("FACTOR = 1\n")
     assert runs() == 1

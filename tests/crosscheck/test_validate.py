@@ -88,7 +88,7 @@ def test_a_wrong_factor_in_coriolis_is_caught_where_the_connection_is_used(monke
         return type(found)(found.p, found.B * (1 + 1e-9))
 
     monkeypatch.setattr(coriolis_module.Connection, "of", staticmethod(wrong))
-    # the derivatives are built on the same connection; nothing else is
+    # only the derivatives use the same connection
     assert failed(dp.load("panda")) == {"coriolis", "rnea_derivatives", "aba_derivatives"}
 
 

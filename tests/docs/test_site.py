@@ -126,7 +126,7 @@ def test_search_and_dark_mode_work_from_the_disk(site, browser):
     browser.find_element("css selector", "[data-md-color-media='(prefers-color-scheme: light)'] ~ label").click()
     assert browser.execute_script("return document.body.dataset.mdColorScheme") == "slate"
     browser.find_element("css selector", ".md-search__button").click()
-    time.sleep(1.0)  # the field appears in the page's own time
+    time.sleep(1.0)  # the page adds the field later, by its script
     webdriver.ActionChains(browser).send_keys("cylindroid").perform()
     found = """
         const roots = [document, ...[...document.querySelectorAll('*')].map(e => e.shadowRoot).filter(r => r)];

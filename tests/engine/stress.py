@@ -133,7 +133,7 @@ def processes(method, count, threads, seconds, names):
 
 
 def main(mode, *arguments):
-    sys.setswitchinterval(1e-5)  # let threads meet more often than they would in an hour
+    sys.setswitchinterval(1e-5)  # switch threads often, so that races show
     if mode == "first":
         threads, *names = arguments
         result = all_at_once({name: load(name) for name in names}, int(threads))

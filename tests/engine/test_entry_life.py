@@ -97,7 +97,7 @@ def test_references_do_not_leak(robot, state, small_heap):
             call()
         gc.collect()
         after = [sys.getrefcount(x) for x in things]
-        # a leak would be 20 000; None and the dtype are counted by everybody who runs meanwhile
+        # a leak would be 20 000; other threads change the counts of None and of the dtype
         assert all(abs(b - a) <= 50 for a, b in zip(before, after, strict=True))
         assert sys.getallocatedblocks() - blocks < 500
 

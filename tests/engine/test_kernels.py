@@ -364,7 +364,7 @@ def test_robots_over_other_numbers_stay_with_numpy():
 
 def test_a_term_that_is_too_long_stays_with_numpy(monkeypatch):
     monkeypatch.setattr(tuning, "LARGEST_GRAPH", 100)
-    robot = dp.load("ur5").with_gravity((0.1, 0, -9.81))  # not kept by any other test
+    robot = dp.load("ur5").with_gravity((0.1, 0, -9.81))  # no other test uses it
     with pytest.raises(UntraceableError, match="100 operations"):
         dp.coriolis(robot, np.zeros((2, 6)), np.ones((2, 6)), engine="compiled")
     assert dp.coriolis(robot, np.zeros((2, 6)), np.ones((2, 6))).shape == (2, 6, 6)

@@ -73,10 +73,10 @@ def test_what_is_kept_serves_the_next_process_and_gives_way(cold):
     x = robot.sample(seed=0)
     first = slope(robot, x)
     assert cache.info()["kernels"] == 1
-    other = dp.load("ur5")  # as in another process
+    other = dp.load("ur5")  # as another process would find it
     assert np.array_equal(slope(other, x), first)
     assert kernels(other, LONG)._soon is not None and cache.info()["kernels"] == 1
-    other.kernel(LONG)  # wants the real one now
+    other.kernel(LONG)  # waits for the compiled kernel
     assert cache.info()["kernels"] == 2
     third = dp.load("ur5")
     assert np.array_equal(slope(third, x), first)

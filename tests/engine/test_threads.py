@@ -153,7 +153,7 @@ def test_a_forked_process_makes_its_own_threads():
     robot = dp.load("ur5")
     q, v, a = robot.sample(50_000, seed=1)
     dp.set_num_threads(2)
-    expected = dp.rnea(robot, q, v, a)  # starts the worker, which the child will not have
+    expected = dp.rnea(robot, q, v, a)  # starts the worker thread, which a forked child does not have
     child = os.fork()
     if child == 0:
         os._exit(0 if np.array_equal(dp.rnea(robot, q, v, a), expected) else 1)

@@ -46,7 +46,7 @@ XARM7_MODIFIED = [
 def same(dh: dp.forms.DHTable, table: object, tolerance: float) -> None:
     assert all(row.letter == "R" for row in dh.rows)
     assert np.abs(dh.columns - np.array(table)).max() <= tolerance, dh.table()
-    # nothing hides in base and tool
+    # base and tool are the identity
     assert np.abs(np.asarray(dh.base) - np.eye(4)).max() <= tolerance
     assert np.abs(np.asarray(dh.tool) - np.eye(4)).max() <= tolerance
 

@@ -94,12 +94,12 @@ def test_random_tables_in_the_chosen_form_come_back_row_for_row(convention: str,
         rows, joints = drawn(rng, free=False)
         arm = dp.from_dh(rows, joints, "standard")
         dh = dp.to_dh(arm)
-        if len(dh.rows) != len(rows):  # drawn nearly parallel by two rows together: not this test's
+        if len(dh.rows) != len(rows):  # two rows together make nearly parallel axes, which another test covers
             continue
         if convention == "modified":
             dh = dp.to_dh(dp.from_dh(dp.to_dh(arm, convention=convention)))
         got = dh.columns
-        # an angle and the same less a turn are equal
+        # angles that differ by a turn are equal
         difference = got - rows
         difference[:, [0, 3]] = (difference[:, [0, 3]] + pi) % (2 * pi) - pi
         assert np.abs(difference).max() <= TOLERANCE, (rows, joints, got)

@@ -244,7 +244,7 @@ def campaign(n: int, seed: int, most: int) -> None:
             assert _peak() - before < MEGABYTES
         except BaseException as e:
             raise AssertionError(f"mutation {i} of seed {seed}: {type(e).__name__}: {e}\n{data[:3000]!r}") from e
-    assert n / 50 < loaded < n  # both ends were exercised
+    assert n / 50 < loaded < n  # both outcomes occurred
 
 
 def _peak() -> float:

@@ -169,7 +169,7 @@ def test_random_urdfs_keep_their_identities(seed_):
     assert np.abs(back - a).max() < 1e-14 * np.linalg.cond(M) * np.abs(a).max() + 1e-12
 
 
-# --- other ways in, and what people have -----------------------------------------------------------
+# --- other sources, and files of users -------------------------------------------------------------
 
 
 def notes(text: str, **options: bool) -> tuple[str, ...]:

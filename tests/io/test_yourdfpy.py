@@ -22,7 +22,7 @@ def test_what_stands_for_trimesh_is_known_to_its_module_alone():
     T = robot.joints[0].origin
     assert np.allclose(T[:3, 3], [1, 2, 3]) and np.allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3))
     trimesh = pytest.importorskip("trimesh")
-    assert module.trimesh.Scene is trimesh.Scene  # whoever asks for a mesh gets the real one
+    assert module.trimesh.Scene is trimesh.Scene  # access to a mesh imports the real package
 
 
 def test_the_package_has_its_module():

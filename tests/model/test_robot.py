@@ -69,7 +69,7 @@ def test_nobody_modifies_a_robot():
 @names
 def test_copies_and_pickles_compute_the_same(name):
     r = robot(name)
-    dp.gravity(r, r.neutral)  # whatever was compiled for it stays behind
+    dp.gravity(r, r.neutral)  # compiled code is not copied
     assert same_dynamics(copy.copy(r), r)
     assert same_dynamics(copy.deepcopy(r), r)
     assert same_dynamics(pickle.loads(pickle.dumps(r)), r)
@@ -217,7 +217,7 @@ def test_a_lifted_robot_can_be_built_upon():
         for part in b._parts.values():
             part.mimic = None
         free = b.robot()
-        for j in free:  # the joints that followed are whole ones again, in the new numbers
+        for j in free:  # joints that were followers have unit axes again, in the new numbers
             axis = j.model.axis
             length = axis.dot(axis)
             assert abs(mpmath.mpf(getattr(length, "n", length)) - 1) < mpmath.mpf(10) ** -38
@@ -312,7 +312,7 @@ def test_frames_at_centres_of_mass():
     b = Builder("named")
     b.joint("j", revolute(), link="l", inertia=random_inertia(np.random.default_rng(0)))
     b.frame("com:l", "l")
-    assert b.robot().frame("com:l").role == "frame"  # what the description names is what is meant
+    assert b.robot().frame("com:l").role == "frame"  # names of the description come first
 
 
 def test_former_names_still_work():

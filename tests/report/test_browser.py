@@ -222,7 +222,7 @@ def test_a_point_says_what_it_is(browser, whole):
     tip = browser.find_element("id", "tip")
 
     def shown(_):
-        # again and again: on a busy machine the pointer may arrive before the page has scrolled
+        # repeated: on a busy machine the pointer may arrive before the page has scrolled
         webdriver.ActionChains(browser).move_by_offset(1, 1).move_to_element(point).perform()
         return tip.is_displayed()
 

@@ -17,7 +17,7 @@ from tests.smoke.lowest import lowest
 
 @pytest.fixture(scope="module")
 def panda():
-    pytest.importorskip("pinocchio")  # its robots come by the same way
+    pytest.importorskip("pinocchio")  # the robots are installed together with it
     return dp.load("panda")
 
 

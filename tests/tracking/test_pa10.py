@@ -77,7 +77,7 @@ def test_abm4_settles_below_rk4_when_feedback_enters_every_stage():
 @pytest.mark.parametrize("method", ["euler", "trapezoidal", "abm4", "rk4"])
 def test_feedback_of_ten_at_one_second_is_unstable_for_all(method):
     run = dp.track(pa10(), circle("B"), method=method, dt=1.0, t_end=20.0, gain=10.0)
-    assert not run.position_error.max() < 0.1  # it grows out of the workspace, or beyond all numbers
+    assert not run.position_error.max() < 0.1  # it leaves the workspace, or overflows
 
 
 def test_euler_is_never_the_only_unstable_one():

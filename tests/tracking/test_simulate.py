@@ -131,7 +131,7 @@ def test_passive_joints_swing():
         return dp.gravity(robot, q) + 400.0 * (home - q) - 60.0 * v
 
     run = dp.simulate(robot, home, np.zeros(3), hold, passive=["payload"], dt=2e-3, t_end=2.0)
-    assert np.abs(run.q[:, :2] - home[:2]).max() < 0.1  # held, more or less
+    assert np.abs(run.q[:, :2] - home[:2]).max() < 0.1  # held approximately
     assert np.ptp(run.q[:, 2]) > 0.5  # swings about the vertical
     driven = dp.simulate(robot, home, np.zeros(3), hold, dt=2e-3, t_end=0.5)
     assert np.ptp(driven.q[:, 2]) < 1e-9

@@ -71,7 +71,7 @@ def test_a_position_leaves_the_orientation_free():
     robot = dp.load("ur5")
     target = dp.fk(robot, robot.sample(50, seed=1)[0], "tool0")
     turned = target.copy()
-    turned[..., :3, :3] = dp.fk(robot, robot.sample(50, seed=2)[0], "tool0")[..., :3, :3]  # of no importance
+    turned[..., :3, :3] = dp.fk(robot, robot.sample(50, seed=2)[0], "tool0")[..., :3, :3]  # any value will do
     found = dp.ik(robot, turned, "tool0", position_only=True)
     assert found.success.all() and (found.error[..., :3] == 0).all()
     assert np.abs(dp.fk(robot, found.q, "tool0")[..., :3, 3] - target[..., :3, 3]).max() < 2e-9
@@ -87,7 +87,7 @@ def test_a_position_and_an_axis_leave_the_turn_about_it_free():
     assert found.success_rate > 0.95
     reached = dp.fk(robot, found.q, "panda_hand")[found.success]
     assert np.abs(reached[..., :3, 2:] - target[found.success][..., :3, 2:]).max() < 2e-9
-    assert np.abs(reached[..., :3, 0] - spun[found.success][..., :3, 0]).max() > 0.1  # the turn was free
+    assert np.abs(reached[..., :3, 0] - spun[found.success][..., :3, 0]).max() > 0.1  # free about the axis
 
 
 def test_an_axis_that_points_the_other_way_is_turned_round():
@@ -245,7 +245,7 @@ def test_huge_limits_are_none_for_a_search():
     q = robot.sample(20, seed=0)[0]
     assert not away_from_limits(robot, q).any()
     assert reach(robot, robot.frame(-1)) is None
-    found = dp.ik(robot, dp.fk(robot, q, -1))  # an overflow would be an error of these tests
+    found = dp.ik(robot, dp.fk(robot, q, -1))  # an overflow would make the test fail
     assert found.success_rate > 0.9 and np.abs(found.q).max() < 100
 
 
@@ -255,7 +255,7 @@ def test_too_few_joints_are_told_so():
     with pytest.raises(dp.ArgumentError, match=r"4 joints cannot follow 6 numbers \(a pose\).*--task position\)"):
         dp.track(robot, circle, dt=0.1)
     assert dp.track(robot, circle, dt=0.1, gain=1.0, task="position").position_error.max() < 1e-4
-    # a motion of four freedoms four joints follow as it is
+    # four joints follow a motion of four freedoms exactly
     flat = dp.Circle(0.05, 2.0, "xy", start=[0.3, 0.8, -0.1, 0.0])
     assert dp.track(scara(), flat, dt=0.1, gain=1.0).position_error.max() < 1e-4
     tilted = dp.fk(robot, start, "tool") @ dp.spatial.to_matrix(dp.spatial.exp([0.3, 0.2, 0, 0, 0, 0]))
