@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tarfile
@@ -12,9 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.test_readme import blocks, commands
+from tests.test_readme import EXITS, README, blocks, commands, write_files
 
 ROOT = Path(__file__).parent.parent
+EXTRAS = re.search(r"pip install 'dualpin\[(.*?)\]'", README)[1]
 pytestmark = pytest.mark.campaign
 
 
@@ -75,12 +77,22 @@ def test_the_wheel_works_in_an_empty_environment_and_folder(built, tmp_path):
     assert skipped <= {"view", "convert"}, found  # viser and MuJoCo are extras
     (code,), shown = blocks("python"), blocks("text")[0]
     assert run(folder / "python", "-c", code, cwd=here, env=plain) == shown
-    for words in commands():
-        if words[0] in skipped:  # it needs an extra, and says which
-            done = subprocess.run([folder / "dualpin", *words], cwd=here, env=plain, capture_output=True, text=True)
-            assert done.returncode == 2 and "pip install 'dualpin[" in done.stderr, done
-        else:
-            assert run(folder / "dualpin", *words, cwd=here, env=plain)
+    write_files(here)
+
+    def wants_more(words):
+        """Whether the command needs an extra, and says which."""
+        done = subprocess.run([folder / "dualpin", *words], cwd=here, env=plain, capture_output=True, text=True)
+        if done.returncode == 2 and "pip install 'dualpin[" in done.stderr:
+            return True
+        assert done.returncode in EXITS.get(words[0], (0,)), done
+        assert done.stdout or "wrote" in done.stderr, done
+        return False
+
+    pages = [words for words in commands() if "view" not in words or "--record" in words]  # others serve a browser
+    more = list(filter(wants_more, pages))
+    assert {words[0] for words in more} == {"view", "convert", "report"}
+    run(folder / "python", "-m", "pip", "install", "--quiet", f"{wheel}[{EXTRAS}]", cwd=tmp_path)
+    assert not any(map(wants_more, more))
     types = "import dualpin\nreveal_type(dualpin.rnea)\n"
     (here / "typed.py").write_text(types)
     said = run(sys.executable, "-m", "mypy", "--python-executable", folder / "python", "typed.py", cwd=here, env=plain)

@@ -45,10 +45,12 @@ class Arm:
 """
 
 
-@pytest.fixture(scope="module")
-def own(tmp_path_factory):
-    """A folder with the files that the README's reader has, and what commands before wrote."""
-    folder = tmp_path_factory.mktemp("readme")
+EXITS = {"check": (0, 1), "diff": (1,)}
+"""Exit codes of commands that find something; of others 0."""
+
+
+def write_files(folder):
+    """The files that the README's reader has, and what commands before wrote."""
     body = {"mass": 2.0, "com": (0.1, 0.0, 0.0), "inertia": ((0.02, 0, 0), (0, 0.03, 0), (0, 0, 0.03))}
     rows = [(0, 0.1, 0.5, 1.5), (0, 0, 0.4, 0)]
     for name in ("my_robot.urdf", "my_arm.urdf", "old.urdf", "arm.urdf.xacro"):
@@ -61,6 +63,12 @@ def own(tmp_path_factory):
         report.write(folder / name)
     study = ("integrate", "ur5", "--frame", "tool0", "--dt", "1", "--turns", "1", "--out", "study")
     assert run(*study, cwd=folder).returncode == 0
+
+
+@pytest.fixture(scope="module")
+def own(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("readme")
+    write_files(folder)
     return folder
 
 
@@ -69,8 +77,7 @@ def test_every_command_of_the_readme_runs(arguments, own):
     for package in {"convert": ("mujoco", "xacro"), "view": ("viser",)}.get(arguments[0], ()):
         pytest.importorskip(package)
     done = run(*arguments, cwd=own)
-    expected = {"check": (0, 1), "diff": (1,)}.get(arguments[0], (0,))
-    assert done.returncode in expected, done.stderr
+    assert done.returncode in EXITS.get(arguments[0], (0,)), done.stderr
     assert done.stdout or "wrote" in done.stderr
 
 
