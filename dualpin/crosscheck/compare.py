@@ -111,7 +111,7 @@ class _Comparison:
     ) -> None:  # fmt: skip
         for together in _groups(list(tallies)):
             largest = max(int(np.prod(self._shape(c, variants[c.term][0]), dtype=int)) for c in together)
-            for part in batches(self.samples, largest):
+            for part in batches(self.samples, largest, self.engine):
                 batch = {key: x[part] for key, x in given.items()}
                 reference = Reference(self.robot, batch, extent.part(part), partial(self._asked, batch))
                 for check in together:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DualpinError
+from ..model.memory import memory
 from ..model.robot import Frame, Robot
 from .rigid import (
     Array,
@@ -70,7 +71,9 @@ class Definitions:
     def __init__(self, robot: Robot, state: Mapping[str, Array], seconds: float = 10.0) -> None:
         import mpmath
 
-        self.mp, self.given, self.robot = mpmath, robot, robot.lift(mpmath.mpf)
+        self.mp, self.given = mpmath, robot
+        kept = memory(robot)
+        self.robot = kept.get("definitions") or kept.setdefault("definitions", robot.lift(mpmath.mpf))
         # of this thread, so that the load of the machine does not count
         self.deadline = time.thread_time() + seconds
         self.h = mpmath.mpf(STEP)

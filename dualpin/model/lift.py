@@ -38,8 +38,16 @@ def lifted(robot: Robot, scalar: Callable[[Any], Scalar]) -> Robot:
     def matrix(A: Matrix3) -> Matrix3:
         return type(A)(*map(vector, A.rows))
 
+    turned: dict[tuple[Any, ...], Rotation] = {}  # most frames are turned like another: Newton's iteration once for all
+
+    def rotation(R: Rotation) -> Rotation:
+        key = tuple((type(x), x) for row in R.rows for x in row)
+        if key not in turned:
+            turned[key] = orthonormal(matrix(R))
+        return turned[key]
+
     def pose(X: Pose) -> Pose:
-        return Pose(orthonormal(matrix(X.rotation)), vector(X.position))
+        return Pose(rotation(X.rotation), vector(X.position))
 
     def inertia(body: Inertia) -> Inertia:
         return Inertia(number(body.mass), vector(body.moment), matrix(body.rotational))
