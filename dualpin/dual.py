@@ -103,7 +103,12 @@ class Dual(Parts):
         """(a + eps a')(b + eps b') = a b + eps (a b' + a' b)"""
         try:
             if type(b) is Dual:
-                return Dual(self.real * b.real, self.real * b.dual + self.dual * b.real)
+                x, dx, y, dy = self.real, self.dual, b.real, b.dual
+                if dx is ZERO or dy is ZERO:  # a sum with an exact zero is the other number: it is not asked
+                    return Dual(x * y, dx * y if dy is ZERO else x * dy)
+                if x is ZERO or y is ZERO:
+                    return Dual(ZERO, dx * y if x is ZERO else x * dy)
+                return Dual(x * y, x * dy + dx * y)
             return NotImplemented if isinstance(b, Compound) else Dual(self.real * b, self.dual * b)
         except ValueError as e:
             raise unfit("*", self, b, e) from None

@@ -14,21 +14,27 @@ from typing import Any
 
 import numpy as np
 
+from .algorithms.sharing import sharing
 from .model.robot import Robot
 from .scalars import Exact, Scalar
 from .terms import Options, Term, flat
 
 SLICE = 1024  # samples at a time, so that the columns of one slice stay in the cache
 
-_KNOWN: ContextVar[dict[Any, tuple[Robot, np.ndarray]] | None] = ContextVar("known", default=None)
+_KNOWN: ContextVar[dict[Any, Any] | None] = ContextVar("known", default=None)
 
 
 @contextmanager
 def remembered() -> Iterator[None]:
-    """Within this, a term of the same robot, options and numbers is computed once (for checks that share terms)."""
+    """Within this, in this thread, a term of the same robot, options and numbers is computed once, and so is what
+    different terms or options have in common (for checks that share terms)."""
+    if _KNOWN.get() is not None:  # the outer one remembers
+        yield
+        return
     token = _KNOWN.set({})
     try:
-        yield
+        with sharing():
+            yield
     finally:
         _KNOWN.reset(token)
 
@@ -58,8 +64,20 @@ def _interpreted(robot: Robot, term: Term, options: Options, inputs: Sequence[np
 def _results(robot: Robot, term: Term, options: Options, part: Sequence[np.ndarray]) -> list[Scalar]:
     if len(part[0]) == 1:
         try:
-            return list(flat(term.compute(robot, *(x[0].tolist() for x in part), **options)))
+            return list(flat(term.compute(robot, *(_columns(x, alone=True) for x in part), **options)))
         except (ArithmeticError, ValueError):
             pass  # floats raise where arrays give inf or nan: compute with arrays
     with np.errstate(all="ignore"):
-        return list(flat(term.compute(robot, *(list(np.ascontiguousarray(x.T)) for x in part), **options)))
+        return list(flat(term.compute(robot, *map(_columns, part), **options)))
+
+
+def _columns(x: np.ndarray, alone: bool = False) -> list[Scalar]:
+    """The columns of an array, or the numbers of its only row; the same objects for the same numbers, if remembered."""
+    known = _KNOWN.get()
+    key = None if known is None else (alone, x.shape, x.tobytes())
+    if known is None or key not in known:
+        found: list[Scalar] = x[0].tolist() if alone else list(np.ascontiguousarray(x.T))
+        if known is None:
+            return found
+        known[key] = found
+    return list(known[key])

@@ -19,22 +19,21 @@ SEQUENCES = {list, tuple, int, np.ndarray, str, type(None)}
 
 
 FLOAT64 = np.dtype(float)
-BOTH, FIRST, SECOND = (np.ndarray, np.ndarray), (np.ndarray, Exact), (Exact, np.ndarray)
+ARRAY = np.ndarray
 
 
 def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     """Lists become arrays, parts of different shapes are broadcast; exact constants stay exact."""
-    kinds = type(real), type(dual)  # the usual ones first: this is done for every operation on arrays
-    if (
-        (kinds == BOTH and real.dtype is dual.dtype is FLOAT64 and real.shape == dual.shape)
-        or (kinds == FIRST and real.dtype is FLOAT64)
-        or (kinds == SECOND and dual.dtype is FLOAT64)
-    ):
+    kind, other = real.__class__, dual.__class__
+    if kind is ARRAY and real.dtype is FLOAT64:  # the usual ones first: this is done for every operation on arrays
+        if other is ARRAY and dual.dtype is FLOAT64 and real.shape == dual.shape or other is Exact:
+            return real, dual
+    elif other is ARRAY and kind is Exact and dual.dtype is FLOAT64:
         return real, dual
     for x in (real, dual):
         if x is None or isinstance(x, str):
             raise ArgumentError(f"Dual: a number, a symbol or an array of them expected, got {x!r}")
-    if kinds == BOTH and real.shape == dual.shape and _floating(real) and _floating(dual):
+    if kind is other is ARRAY and real.shape == dual.shape and _floating(real) and _floating(dual):
         return real, dual
     if not any(isinstance(x, (list, tuple, np.ndarray)) for x in (real, dual)):
         return real, dual

@@ -68,18 +68,26 @@ class Exact:
         return self.n > (x.n if type(x) is Exact else x)
 
     def __neg__(self) -> Exact:
-        return _EXACT[-self.n]
+        return self if self is ZERO else _EXACT[-self.n]
+
+    # ZERO itself is asked for first: most operations with a constant are with it
 
     def __add__(self, x: Scalar) -> Scalar:
-        return x if self.n == 0 else exact(self.n + (x.n if type(x) is Exact else x))
+        if self is ZERO or self.n == 0:
+            return x
+        return self if x is ZERO else exact(self.n + (x.n if type(x) is Exact else x))
 
     def __sub__(self, x: Scalar) -> Scalar:
+        if x is ZERO:
+            return self
         return -x if self.n == 0 else exact(self.n - (x.n if type(x) is Exact else x))
 
     def __rsub__(self, x: Scalar) -> Scalar:
         return x if self.n == 0 else x - self.n
 
     def __mul__(self, x: Scalar) -> Scalar:
+        if x is ZERO:
+            return x
         if self.n == 0:
             return NotImplemented if isinstance(x, Compound) else ZERO
         return x if self.n == 1 else -x

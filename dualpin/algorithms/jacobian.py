@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..model.robot import Frame, Robot
 from ..scalars import Scalar
 from ..spatial.vector import ZERO_MOTOR, ZERO_VECTOR, Twist, motor
-from .kinematics import forward_kinematics, path, twists, viewpoint
+from .kinematics import forward_kinematics, path, screws, twists, viewpoint
 
 
 def jacobian(robot: Robot, q: Sequence[Scalar], frame: Frame, reference: str) -> list[Twist]:
@@ -19,9 +19,8 @@ def jacobian(robot: Robot, q: Sequence[Scalar], frame: Frame, reference: str) ->
     world = forward_kinematics(robot, q, chain)
     view = viewpoint(world[frame.joint] @ frame.placement, reference)
     J = [ZERO_MOTOR] * robot.nv
-    for b in chain:
-        for k, s in b.dofs:
-            J[k] = J[k] + view.pull(world[b] @ s)
+    for _, k, s in screws(chain, world):
+        J[k] = J[k] + view.pull(s)
     return J
 
 

@@ -10,10 +10,12 @@ from ..spatial.pose import IDENTITY_POSE, Pose
 from ..spatial.quaternion import Quaternion
 from ..spatial.rotation import IDENTITY
 from ..spatial.vector import ZERO_MOTOR, ZERO_VECTOR, Twist, motor
+from .sharing import shared
 
 References = ("world", "local", "local_world_aligned")
 
 
+@shared
 def joint_poses(robot: Robot, q: Sequence[Scalar]) -> dict[Joint, Pose]:
     """X: each body's pose in its parent.   X = placement motion(q)"""
     return {b: b.placement @ b.model.motion(q[b.q]) for b in robot}
@@ -24,6 +26,7 @@ def path(joint: Joint | None) -> list[Joint]:
     return [] if joint is None else list(joint.chain)[::-1]
 
 
+@shared
 def forward_kinematics(
     robot: Robot, q: Sequence[Scalar], joints: Iterable[Joint] | None = None
 ) -> dict[Joint | None, Pose]:
@@ -53,12 +56,31 @@ def viewpoint(pose: Pose, reference: str) -> Pose:
     return {"world": IDENTITY_POSE, "local_world_aligned": Pose(IDENTITY, pose.position), "local": pose}[reference]
 
 
+@shared
 def twists(chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Twist]:
     """Twists in world coordinates.   V_b = V_parent + S v"""
     V: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
     for b in chain:
         V[b] = V[b.parent] + world[b] @ b.model.twist(v[b.v])
     return V
+
+
+@shared
+def accelerations(
+    chain: Iterable[Joint], world: dict[Joint | None, Pose], v: Sequence[Scalar], a: Sequence[Scalar]
+) -> dict[Joint | None, Twist]:
+    """Spatial accelerations in world coordinates.   A_b = A_parent + S a + V x S v"""
+    V, A = twists(chain, world, v), dict[Joint | None, Twist]({None: ZERO_MOTOR})
+    for b in chain:
+        Sv, Sa = world[b] @ b.model.twist(v[b.v]), world[b] @ b.model.twist(a[b.v])
+        A[b] = A[b.parent] + Sa + V[b].cross(Sv)
+    return A
+
+
+@shared
+def screws(chain: Iterable[Joint], world: dict[Joint | None, Pose]) -> list[tuple[Joint, int, Twist]]:
+    """(joint, which velocity, screw in world coordinates) of all degrees of freedom of a chain."""
+    return [(b, k, world[b] @ s) for b in chain for k, s in b.dofs]
 
 
 def body_twists(robot: Robot, X: dict[Joint, Pose], v: Sequence[Scalar]) -> dict[Joint | None, Twist]:
@@ -92,17 +114,13 @@ def frame_acceleration(
     robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar], a: Sequence[Scalar], frame: Frame, reference: str,
     classical: bool = False,
 ) -> Twist:  # fmt: skip
-    """Spatial acceleration of a frame, or the classical one of its origin.   A_b = A_parent + S a + V x S v
+    """Spatial acceleration of a frame, or the classical one of its origin.
 
     classical:  A + eps w x v, the acceleration of the point at the origin.
     """
     chain = path(frame.joint)
     world = forward_kinematics(robot, q, chain)
-    V = twists(chain, world, v)
-    A: dict[Joint | None, Twist] = {None: ZERO_MOTOR}
-    for b in chain:
-        Sv, Sa = world[b] @ b.model.twist(v[b.v]), world[b] @ b.model.twist(a[b.v])
-        A[b] = A[b.parent] + Sa + V[b].cross(Sv)
+    V, A = twists(chain, world, v), accelerations(chain, world, v, a)
     view = viewpoint(world[frame.joint] @ frame.placement, reference)
     seen, twist = view.pull(A[frame.joint]), view.pull(V[frame.joint])
     return seen + motor(ZERO_VECTOR, twist.real.cross(twist.dual)) if classical else seen

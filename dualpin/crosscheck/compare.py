@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..call import evaluate, made_ahead
+from ..interpret import remembered
 from ..model.robot import Robot
 from ..terms import TERMS
 from .arbiter import SECONDS, nearer, worst_of
@@ -115,7 +116,8 @@ class _Comparison:
                 batch = {key: x[part] for key, x in given.items()}
                 reference = Reference(self.robot, batch, extent.part(part), partial(self._asked, batch))
                 for check in together:
-                    self._gather(tallies[check], check, variants[check.term], reference)
+                    with remembered():  # one term with many options
+                        self._gather(tallies[check], check, variants[check.term], reference)
 
     def _shape(self, check: Check, options: dict[str, Any]) -> tuple[int, ...]:
         return TERMS[check.term].shape(self.robot, **options)

@@ -124,7 +124,7 @@ class Matrix3(Compound):
     def __matmul__(self, b: Any) -> Any:
         if type(b) is Vector3:
             r, s, t = self.rows
-            return Vector3(r.dot(b), s.dot(b), t.dot(b))
+            return Vector3(b.dot(r), b.dot(s), b.dot(t))  # dual numbers are left of real ones, which do not know them
         columns = b.T.rows
         return type(b)(*(Vector3(*(a.dot(column) for column in columns)) for a in self.rows))
 
