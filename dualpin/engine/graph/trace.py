@@ -14,7 +14,7 @@ from typing import Any
 
 from ...errors import DualpinError
 from ...model.robot import Robot
-from ...scalars import Exact, _stumpff_closed, _stumpff_series, register
+from ...scalars import ONE, ZERO, Exact, _stumpff_closed, _stumpff_series, register
 from ...terms import Options, Term, flat
 from .. import tuning
 
@@ -132,7 +132,7 @@ class Sym:
 
     def __add__(self, b: Any) -> Any:
         if type(b) is not Sym:
-            return self._with_constant(b, "+")
+            return self if b is ZERO else self._with_constant(b, "+")
         if b.positive is not None:
             return self - b.positive
         if self.positive is not None:
@@ -144,7 +144,7 @@ class Sym:
 
     def __sub__(self, b: Any) -> Any:
         if type(b) is not Sym:
-            return self._with_constant(b, "-")
+            return self if b is ZERO else self._with_constant(b, "-")
         graph, i, j = self.graph, self.i, b.i
         if i == j:
             return 0.0
@@ -174,7 +174,7 @@ class Sym:
 
     def __mul__(self, b: Any) -> Any:
         if type(b) is not Sym:
-            return self._scaled(b)
+            return b if b is ZERO else self if b is ONE else self._scaled(b)
         if self.positive is not None:
             return -(self.positive * b)
         if b.positive is not None:
