@@ -19,7 +19,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-from .schedule import Schedule, Stage, Step, exactly
+from .schedule import Schedule, Stage, exactly
 
 MULTIPLY, INVERT, ROOT, SELECT, END = range(5)
 MINUS = 1 << 31  # added to the index of a slot: its negative
@@ -30,43 +30,44 @@ Row = tuple[int, int, int, int]
 
 def encoded(plan: Schedule, stage: Stage) -> bytes:
     """The steps of a stage."""
-    runs: list[tuple[int, int, list[Row]]] = []
+    words: list[int] = []
+    run, count = -1, 0  # the kind of the current run, and where its count is
     for kind, d, row in _rows(plan, stage):
-        if kind == SELECT or not runs or runs[-1][0] != kind:
-            runs.append((kind, d, []))
-        runs[-1][2].append(row)
-    words = [x for kind, d, rows in runs for row in ((kind, len(rows), d, 0), *rows) for x in row]
+        if kind != run or kind == SELECT:
+            run, count = kind, len(words) + 1
+            words += (kind, 0, d, 0)
+        words[count] += 1
+        words += row
     return struct.pack(f"<{len(words) + 4}I", *words, END, 0, 0, 0)
 
 
 def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
-    one, nothing = plan.known[exactly(1.0)], plan.known[exactly(-0.0)]  # x + -0 == x for every x, including -0
+    slot, places = plan.slot, plan.places
+    one, zero, nothing = (plan.known[exactly(x)] for x in (1.0, 0.0, -0.0))  # x + -0 == x for every x, including -0
     for chunk in stage.chunks:
         for step in chunk:
-            places = [plan.slots + place for place in plan.places.get(step.i, ())]
-            to, *copies = [plan.slot[step.i], *places] if step.i in plan.slot else places
-            slots = [plan.slot[a] for a in step.args]
-            if step.op == "select":
-                yield SELECT, slots[3], (to, slots[0], slots[1], slots[2])
-            elif step.op == "inv":
-                yield INVERT, 0, (to, slots[0], one, 0)
-            elif step.op == "sqrt":
-                yield ROOT, 0, (to, slots[0], 0, 0)
+            i, op, args = step.i, step.op, step.args
+            results = [plan.slots + place for place in places[i]] if i in places else []
+            to = slot[i] if i in slot else results.pop(0)
+            x = slot[args[0]]
+            if op == "fma":
+                of_product, of_sum = step.signs
+                c = slot[args[2]]
+                yield MULTIPLY, 0, (to, x if of_product > 0 else x | MINUS, slot[args[1]], c if of_sum > 0 else c | MINUS)
+            elif op == "*":
+                yield MULTIPLY, 0, (to, x, slot[args[1]], nothing)
+            elif op == "+":
+                yield MULTIPLY, 0, (to, x, one, slot[args[1]])
+            elif op == "-":
+                yield MULTIPLY, 0, (to, slot[args[1]] | MINUS, one, x)
+            elif op == "neg":  # no result is -0
+                yield MULTIPLY, 0, (to, x | MINUS, one, zero if i in places else nothing)
+            elif op == "inv":
+                yield INVERT, 0, (to, x, one, 0)
+            elif op == "sqrt":
+                yield ROOT, 0, (to, x, 0, 0)
             else:
-                yield MULTIPLY, 0, (to, *_product(plan, step, slots))
-            for place in copies:
+                _, y, a, b = (slot[k] for k in args)
+                yield SELECT, b, (to, x, y, a)
+            for place in results:
                 yield MULTIPLY, 0, (place, to, one, nothing)
-
-
-def _product(plan: Schedule, step: Step, slots: list[int]) -> tuple[int, int, int]:
-    """A step as a b + c."""
-    one, zero, nothing = (plan.known[exactly(x)] for x in (1.0, 0.0, -0.0))
-    if step.op == "neg":  # no result is -0
-        return slots[0] | MINUS, one, zero if step.i in plan.places else nothing
-    x, y = slots[:2]
-    if step.op == "fma":
-        of_product, of_sum = (0 if sign > 0 else MINUS for sign in step.signs)
-        return x | of_product, y, slots[2] | of_sum
-    if step.op == "*":
-        return x, y, nothing
-    return (x, one, y) if step.op == "+" else (y | MINUS, one, x)

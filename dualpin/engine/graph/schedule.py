@@ -161,9 +161,8 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
     This is not left to the compiler, so that every vector width gives the same bits.
     """
     nodes = program.graph.nodes
-    uses, position = [0] * len(nodes), [0] * len(nodes)
-    for n, i in enumerate(order):
-        position[i] = n
+    uses = [0] * len(nodes)
+    for i in order:
         node = nodes[i]
         if node[0] not in LEAVES:
             for a in node[1:]:
@@ -172,52 +171,71 @@ def fused(program: Trace, order: list[int]) -> dict[int, Step]:
         if type(out) is Sym:
             uses[out.i] += 1
     steps: dict[int, Step] = {}
-    for i in order:
+    once: dict[int, int] = {}  # products that are used once and not yet part of a sum, and their places in the order
+    for n, i in enumerate(order):
         node = nodes[i]
         op = node[0]
-        if op == "+" or op == "-":
+        if op == "*":
+            if uses[i] == 1:
+                once[i] = n
+            else:
+                steps[i] = Step(i, op, node[1:])
+        elif op == "+" or op == "-":
             _, a, b = node
-            p = a if uses[a] == 1 and nodes[a][0] == "*" else None
-            if uses[b] == 1 and nodes[b][0] == "*" and (p is None or position[b] > position[a]):
+            p = a if a in once else None
+            if b in once and (p is None or once[b] > once[a]):
                 p = b  # the later product; the other is still in a register
-            if p is not None:
+            if p is None:
+                steps[i] = Step(i, op, (a, b))
+            else:
+                del once[p]
                 signs = (1, 1) if op == "+" else (1, -1) if p == a else (-1, 1)  # x y - b, a - x y
-                steps[i] = Step(i, "fma", (*steps.pop(p).args, b if p == a else a), signs)
-                continue
-        elif op not in ARITHMETIC:
-            continue
-        steps[i] = Step(i, op, node[1:])
+                steps[i] = Step(i, "fma", (*nodes[p][1:], b if p == a else a), signs)
+        elif op in ARITHMETIC:
+            steps[i] = Step(i, op, node[1:])
+    for i in once:
+        steps[i] = Step(i, "*", nodes[i][1:])
     return steps
 
 
 def staged(nodes: list[Node], order: list[int], steps: dict[int, Step], chunk: int) -> list[Stage]:
     """Assign each step to a stage, the latest before all its uses."""
-    level = [0] * len(nodes)  # number of rounds of sines and cosines before a value
+    angles = _angles(nodes, order)
+    last = max(angles.values(), default=-1) + 1
+    stage = [last] * len(nodes)
+    for a, n in angles.items():
+        stage[a] = n
+    if any(nodes[a][0] not in LEAVES for a in angles):
+        for i in reversed(order):
+            op, n = nodes[i][0], stage[i]
+            if n < last and op not in LEAVES and op not in TRIGONOMETRIC:
+                for a in nodes[i][1:]:
+                    if n < stage[a]:
+                        stage[a] = n
+    lines: list[list[Step]] = [[] for _ in range(last + 1)]
+    for i in order:
+        if i in steps:
+            lines[stage[i]].append(steps[i])
+    stages = []
+    for n, line in enumerate(lines):
+        count = -(-len(line) // chunk)
+        size = -(-len(line) // count) if count else 1
+        cut = [line[k : k + size] for k in range(0, len(line), size)]
+        stages.append(Stage(cut, [a for a in angles if angles[a] == n]))
+    return stages
+
+
+def _angles(nodes: list[Node], order: list[int]) -> dict[int, int]:
+    """Each angle, in order, with the stage that computes its sine and cosine: how many of them lie before it."""
+    turned = {nodes[i][1] for i in order if nodes[i][0] in TRIGONOMETRIC}
+    if all(nodes[a][0] in LEAVES for a in turned):  # as usual: they are inputs
+        return {a: 0 for a in order if a in turned}
+    level = [0] * len(nodes)
     for i in order:
         node = nodes[i]
         if node[0] not in LEAVES:
             level[i] = max(map(level.__getitem__, node[1:])) + (node[0] in TRIGONOMETRIC)
-    last = max([level[i] for i in order], default=0)
-    stage = [last] * len(nodes)
-    angles: dict[int, int] = {}  # angle -> the round that computes its sine and cosine
-    for i in reversed(order):
-        op, n = nodes[i][0], stage[i]
-        if op in TRIGONOMETRIC:
-            angle = nodes[i][1]
-            angles[angle] = level[i] - 1
-            stage[angle] = min(stage[angle], level[i] - 1)
-        elif n < last and op not in LEAVES:
-            for a in nodes[i][1:]:
-                if n < stage[a]:
-                    stage[a] = n
-    stages = []
-    for n in range(last + 1):
-        line = [steps[i] for i in order if stage[i] == n and i in steps]
-        count = -(-len(line) // chunk)
-        size = -(-len(line) // count) if count else 1
-        cut = [line[k : k + size] for k in range(0, len(line), size)]
-        stages.append(Stage(cut, [a for a in order if angles.get(a) == n]))
-    return stages
+    return {a: level[a] for a in order if a in turned}
 
 
 def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
@@ -226,22 +244,34 @@ def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
     A slot is free after the last chunk that reads it, so that no chunk reads and writes the same one:
     the pointers of a chunk are then noalias.
     """
-    parts: list[tuple[list[int], list[int]]] = []  # what each chunk or loop computes, and reads
+    made: dict[int, int] = {}  # value -> the chunk, or loop, that computes it
+    last: dict[int, int] = {}  # value -> the last other one that reads it
+    n = 0
     for stage in stages:
-        parts += [([s.i for s in chunk], [a for s in chunk for a in s.args]) for chunk in stage.chunks]
-        parts.append(([], stage.angles))
-    made = {i: n for n, (computed, _) in enumerate(parts) for i in computed}
-    last = {a: n for n, (_, read) in enumerate(parts) for a in read if made.get(a, n) != n}
+        for chunk in stage.chunks:
+            for step in chunk:
+                for a in step.args:
+                    if made.get(a, n) != n:
+                        last[a] = n
+                made[step.i] = n
+            n += 1
+        for a in stage.angles:
+            if a in made:
+                last[a] = n
+        n += 1
     ends: dict[int, list[int]] = {}
     for a, n in last.items():
         ends.setdefault(n, []).append(a)
     free: list[int] = []
-    for n, (computed, _) in enumerate(parts):
-        for i in computed:
-            if i in last:
-                if free:
-                    slot[i] = free.pop()
-                else:
-                    slot[i], slots = slots, slots + 1
-        free += [slot[a] for a in ends.get(n, ())]
+    n = 0
+    for stage in stages:
+        for chunk in (*stage.chunks, ()):
+            for step in chunk:
+                if step.i in last:
+                    if free:
+                        slot[step.i] = free.pop()
+                    else:
+                        slot[step.i], slots = slots, slots + 1
+            free += [slot[a] for a in ends.get(n, ())]
+            n += 1
     return slots

@@ -174,7 +174,7 @@ class Sym:
 
     def __mul__(self, b: Any) -> Any:
         if type(b) is not Sym:
-            return b if b is ZERO else self if b is ONE else self._scaled(b)
+            return 0.0 if b is ZERO else self if b is ONE else self._scaled(b)
         if self.positive is not None:
             return -(self.positive * b)
         if b.positive is not None:
