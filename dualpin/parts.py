@@ -26,7 +26,7 @@ def aligned(real: Scalar, dual: Scalar) -> tuple[Scalar, Scalar]:
     """Lists become arrays, parts of different shapes are broadcast; exact constants stay exact."""
     kind, other = real.__class__, dual.__class__
     if kind is ARRAY and real.dtype is FLOAT64:  # the usual ones first: this is done for every operation on arrays
-        if other is ARRAY and dual.dtype is FLOAT64 and real.shape == dual.shape or other is Exact:
+        if (other is ARRAY and dual.dtype is FLOAT64 and real.shape == dual.shape) or other is Exact:
             return real, dual
     elif other is ARRAY and kind is Exact and dual.dtype is FLOAT64:
         return real, dual

@@ -12,7 +12,8 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 
 _KNOWN: ContextVar[dict[tuple[Any, ...], tuple[Any, Any]] | None] = ContextVar("shared", default=None)
 
@@ -38,7 +39,7 @@ def shared(f: Callable[P, T]) -> Callable[P, T]:
         key = (f, *(tuple(map(id, x)) if type(x) is list else id(x) for x in args))
         if key not in known:
             # with copies of the lists: as long as their objects exist, no other has the same id
-            known[key] = f(*args), [list(x) if type(x) is list else x for x in args]
+            known[key] = f(*args, **options), [list(x) if type(x) is list else x for x in args]
         result: T = known[key][0]
         return result
 

@@ -76,3 +76,20 @@ def test_a_singular_mass_matrix_and_too_little_time_leave_it_undecided():
 ])  # fmt: skip
 def test_the_nearer_one_is_within_the_tolerance(ours, theirs, who):
     assert nearer({"dualpin": ours, "oracle": theirs}, 1e-13) == who
+
+
+def test_a_robot_is_lifted_once_for_all_its_arbitrations(monkeypatch):
+    from dualpin.model import lift
+
+    robot = dp.load("ur5")
+    lifted, turned = [], []
+    right, newton = lift.lifted, lift.orthonormal
+    monkeypatch.setattr(lift, "lifted", lambda *a: (lifted.append(1), right(*a))[1])
+    monkeypatch.setattr(lift, "orthonormal", lambda R: (turned.append(1), newton(R))[1])
+    q = robot.sample(seed=0)[0]
+    M = dp.crba(robot, q)
+    for i in range(3):
+        found = arbitrate(robot, CHECKS["crba"], {"q": q}, (i, i), M[i, i], M[i, i], 1.0)
+        assert found["dualpin"] < 1e-14
+    poses = [x.placement for x in (*robot, *robot.frames, *robot.links)]
+    assert len(lifted) == 1 and len(turned) == len({str(X.rotation) for X in poses})

@@ -51,9 +51,9 @@ def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
             to = slot[i] if i in slot else results.pop(0)
             x = slot[args[0]]
             if op == "fma":
-                of_product, of_sum = step.signs
-                c = slot[args[2]]
-                yield MULTIPLY, 0, (to, x if of_product > 0 else x | MINUS, slot[args[1]], c if of_sum > 0 else c | MINUS)
+                (of_product, of_sum), c = step.signs, slot[args[2]]
+                x, c = x if of_product > 0 else x | MINUS, c if of_sum > 0 else c | MINUS
+                yield MULTIPLY, 0, (to, x, slot[args[1]], c)
             elif op == "*":
                 yield MULTIPLY, 0, (to, x, slot[args[1]], nothing)
             elif op == "+":

@@ -265,7 +265,7 @@ def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:
     free: list[int] = []
     n = 0
     for stage in stages:
-        for chunk in (*stage.chunks, ()):
+        for chunk in (*stage.chunks, []):  # and the loop of sines and cosines
             for step in chunk:
                 if step.i in last:
                     if free:
