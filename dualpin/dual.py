@@ -104,11 +104,9 @@ class Dual(Parts):
         try:
             if type(b) is Dual:
                 x, dx, y, dy = self.real, self.dual, b.real, b.dual
-                if dx is ZERO or dy is ZERO:  # a sum with an exact zero is the other number: it is not asked
-                    return Dual(x * y, dx * y if dy is ZERO else x * dy)
-                if x is ZERO or y is ZERO:
-                    return Dual(ZERO, dx * y if x is ZERO else x * dy)
-                return Dual(x * y, x * dy + dx * y)
+                if x is ZERO or dy is ZERO:  # what is not there is not added
+                    return Dual(x * y, dx * y)
+                return Dual(x * y, x * dy if y is ZERO or dx is ZERO else x * dy + dx * y)
             return NotImplemented if isinstance(b, Compound) else Dual(self.real * b, self.dual * b)
         except ValueError as e:
             raise unfit("*", self, b, e) from None
@@ -152,9 +150,7 @@ class Dual(Parts):
 
     def __matmul__(self, b: Any) -> Dual:
         """A B + eps (A B' + A' B)"""
-        if isinstance(b, Compound):
-            return NotImplemented
-        return product(np.matmul, Dual, self, b)
+        return NotImplemented if isinstance(b, Compound) else product(np.matmul, Dual, self, b)
 
     def __rmatmul__(self, a: Any) -> Dual:
         return product(np.matmul, Dual, a, self)
