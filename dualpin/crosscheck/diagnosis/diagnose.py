@@ -114,7 +114,7 @@ def _united(stories: Sequence[Story]) -> list[Story]:
 
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
-    picked = cheapest({t: e.stories for t, e in told.items() if e.named})
+    picked = _uncontradicted(case, told, cheapest({t: e.stories for t, e in told.items() if e.named}))
     whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
@@ -141,6 +141,28 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 _add(found.findings, finding)
             if not rounded:
                 found.located[term] = where
+
+
+RIVALS = 8
+"""How many causes of about the same cost are compared by the right terms that contradict them."""
+
+
+def _uncontradicted(case: Case, told: Mapping[str, Explanation], picked: Mapping[str, Story]) -> Mapping[str, Story]:
+    """Of single causes that explain the same terms at the same cost: the one that fewest right terms contradict."""
+    terms_of: dict[Hypothesis, list[str]] = {}
+    for term, story in picked.items():
+        if len(story) == 1:
+            terms_of.setdefault(story[0], []).append(term)
+    better = dict(picked)
+    for h, terms in terms_of.items():
+        least = len(case.spared(h))
+        rivals = [s[0] for s in told[terms[0]].stories if len(s) == 1 and s[0].cost <= h.cost + 0.011 and s[0] is not h]
+        for g in rivals[:RIVALS] if least else ():
+            everywhere = all(any(s == (g,) for s in told[t].stories) for t in terms)
+            if everywhere and len(case.spared(g)) < least:
+                least = len(case.spared(g))
+                better |= dict.fromkeys(terms, (g,))
+    return better
 
 
 def _add(findings: list[Finding], new: Finding) -> None:

@@ -152,7 +152,8 @@ register(
     Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),
     "M from Jacobians",
 )  # fmt: skip
-register(SPATIAL, Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix), ALL)
+_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, momentum=spatial.momentum)
+register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix"))
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
 register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")

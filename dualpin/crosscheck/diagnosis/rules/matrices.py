@@ -43,10 +43,48 @@ SQUARE: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], tuple[str, ...]
     {key: says for key, (says, *_) in SQUARE.items()},
 )  # fmt: skip
 def square(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    found = []
+    for k, (says, f, terms, fix) in SQUARE.items():
+        one = replace(h, key=k, says=says, terms=terms, fix=fix)
+        found.append(replace(one, place="answer", act=_answer(f)))
+        if "crba" in terms:  # and M is inverted as it is
+            act = partial(_of_matrix, partial(_changed, f))
+            found.append(replace(one, terms=("minv", "aba"), place="formula", act=act, variant="inverted", cost=1.1))
+    return found
+
+
+def _of_matrix(change: Callable[[View, np.ndarray], np.ndarray], view: View, term: str) -> np.ndarray:
+    """What is made of another M."""
+    M, s = change(view, view.compute("crba")), view.states
+    if term == "crba":
+        return M
+    if term == "minv":
+        return np.linalg.inv(M)
+    if term == "kinetic_energy":
+        return np.asarray(0.5 * (s["v"] * product(M, s["v"])).sum(-1))
+    return np.linalg.solve(M, (s["tau"] - view.compute("bias"))[..., None])[..., 0]
+
+
+def _changed(f: Callable[[np.ndarray], np.ndarray], view: View, M: np.ndarray) -> np.ndarray:
+    return f(M)
+
+
+def _in_every_column(term: str, view: View, M: np.ndarray) -> np.ndarray:
+    return M + view.compute(term)[..., None]
+
+
+@proposer(
+    "crba_with_gravity", "gravity, or all of the bias, is in every column of M",
+    "M e_k = rnea(q, 0, e_k) - rnea(q, 0, 0)",
+)  # fmt: skip
+def crba_with_gravity(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(h, key=k, says=says, terms=terms, place="answer", act=_answer(f), fix=fix)
-        for k, (says, f, terms, fix) in SQUARE.items()
-    ]
+        replace(
+            h, says=f"{term} is in every column of M", terms=("crba", "minv", "kinetic_energy", "aba"), place="formula",
+            act=partial(_of_matrix, partial(_in_every_column, term)),
+        )
+        for term in ("gravity", "bias")
+    ]  # fmt: skip
 
 
 @rule(
@@ -102,13 +140,20 @@ def coriolis_symbols(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [made(counts.tolist())] if counts.any() and np.abs(counts).max() <= 2 else []
 
 
-SQUARES = {"are left out": -1.0, "are counted twice": 1.0}
+SQUARES = {
+    "centrifugal terms, products of a velocity with itself, are left out": (0.0, 1.0),
+    "centrifugal terms, products of a velocity with itself, are counted twice": (2.0, 1.0),
+    "mixed terms, products of two velocities, are left out": (1.0, 0.0),
+    "mixed terms, products of two velocities, are counted twice": (1.0, 2.0),
+    "mixed terms, products of two velocities, are counted half": (1.0, 0.5),
+}
+"""How often each kind counts."""
 MOST_SYMBOLS = 12
 """Degrees of freedom up to which the symbols are found one velocity at a time."""
 
 
 @proposer(
-    "coriolis_squares", "centrifugal terms, products of a velocity with itself, count another number of times",
+    "coriolis_squares", "centrifugal or mixed terms, v_k^2 or v_j v_k, count another number of times",
     "h_i = sum_jk c_ijk v_j v_k, over all j and k",
 )  # fmt: skip
 def coriolis_squares(h: Hypothesis, case: Case) -> list[Hypothesis]:
@@ -123,21 +168,18 @@ def coriolis_squares(h: Hypothesis, case: Case) -> list[Hypothesis]:
         return np.stack(columns, axis=-1) * v[:, None, :]
 
     out = []
-    for words, k in SQUARES.items():
-        says = f"centrifugal terms, products of a velocity with itself, {words}"
-        matrix = partial(_with_squares, squares, k)
+    for says, (own, mixed) in SQUARES.items():
+
+        def matrix(view: View, term: str, C: np.ndarray, own: float = own, mixed: float = mixed) -> np.ndarray:
+            return mixed * C + (own - mixed) * squares(view)
+
+        def force(view: View, own: float = own, mixed: float = mixed) -> np.ndarray:
+            C = (mixed - 1) * view.compute("coriolis") + (own - mixed) * squares(view)
+            return product(C, view.states["v"])
+
         out.append(replace(h, says=says, terms=("coriolis",), place="change", act=matrix, cost=1.1))
-        force = partial(_force_of_squares, squares, k)
         out.append(replace(h, says=says, terms=FORCED, place="force", act=force, cost=1.1))
     return out
-
-
-def _with_squares(squares: Callable[[View], np.ndarray], k: float, view: View, term: str, C: np.ndarray) -> np.ndarray:
-    return C + k * squares(view)
-
-
-def _force_of_squares(squares: Callable[[View], np.ndarray], k: float, view: View) -> np.ndarray:
-    return k * product(squares(view), view.states["v"])
 
 
 def _momentum_by_q(view: View) -> np.ndarray:

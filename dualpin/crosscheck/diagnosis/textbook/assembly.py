@@ -64,6 +64,8 @@ class Dynamics:
     mass: Mass
     matrix: Matrix | None = None
     fused: bool = False
+    momentum: Matrix | None = None
+    """Makes the centroidal momentum matrix, of positions and centres of mass."""
     factored: bool = False
     """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
@@ -120,6 +122,11 @@ class Dynamics:
         return np.asarray(0.5 * (s["v"] * product(self.M(steps, tree, s["q"]), s["v"])).sum(-1))
 
     # both
+
+    def _centroidal_momentum_matrix(
+        self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View
+    ) -> np.ndarray | None:
+        return None if self.momentum is None else self.momentum(steps, tree, s["q"], view.compute("com")[None])
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
         return solved(self.to_invert(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]

@@ -1,9 +1,9 @@
 """The Coriolis matrix by composite bodies, in six-vectors.
 
-    B = (1/2) (v x* I + (I v) bar - I v x)      h bar u = u x* h      S' = v x S
+    B = (1/2) (v x* I + (I v) bar - I v x)      h bar u = u x* h      Sdot = v x S
     I^C, B^C are summed from the tips:  I^C_p += X^T I^C X,  B^C_p += X^T B^C X
-    f1 = I^C S' + B^C S     f2 = I^C S     f3 = B^C^T S     C_ii = S^T f1
-    f = X^T f  down to the root:   C_ji = S_j^T f1     C_ij = S'_j^T f2 + S_j^T f3
+    f1 = I^C Sdot + B^C S     f2 = I^C S     f3 = B^C^T S     C_ii = S^T f1
+    f = X^T f  down to the root:   C_ji = S_j^T f1     C_ij = Sdot_j^T f2 + S_j^T f3
 
 References: Echeandia and Wensing, Numerical methods to compute the Coriolis matrix and Christoffel symbols for
 rigid-body systems, Journal of Computational and Nonlinear Dynamics 16 (2021), algorithm 1.
@@ -46,7 +46,7 @@ def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
         _column(steps, tree, k, X, I[k.number], B[k.number], rates, vs[0], rows)
     if tree.floating:
         S_rate = transposed(rate(steps, vs[0][..., None, :], ONE))
-        block = steps.add("I^C S' + B S", **{"I^C S'": I[0] @ S_rate, "B S": B[0]})
+        block = steps.add("I^C Sdot + B S", **{"I^C Sdot": I[0] @ S_rate, "B S": B[0]})
         rows |= {(i, j): block[..., i, j] for i in range(6) for j in range(6)}
     lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in rows.values()))
     C = np.zeros((*lead, tree.nv, tree.nv))
@@ -56,8 +56,8 @@ def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
 
 
 def rate(steps: Steps, v: np.ndarray, S: np.ndarray) -> np.ndarray:
-    """S' = v x S."""
-    return crm(steps, "S' = v x S", v, S)
+    """Sdot = v x S."""
+    return crm(steps, "Sdot = v x S", v, S)
 
 
 def _of_body(steps: Steps, I: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -77,21 +77,21 @@ def _column(
 ) -> None:  # fmt: skip
     """The entries of a joint with itself and with those below it."""
     S = subspace(steps, k) + 0 * I[..., 0]
-    forces = {"I^C S'": product(I, rates[k.number]), "B S": product(B, S)}
-    f1, f2 = steps.add("I^C S' + B S", **forces), product(I, S)
+    forces = {"I^C Sdot": product(I, rates[k.number]), "B S": product(B, S)}
+    f1, f2 = steps.add("I^C Sdot + B S", **forces), product(I, S)
     f3 = product(steps.transpose("B in B^T S", B), S)
     rows[k.column, k.column] = (subspace(steps, k) * f1).sum(-1)
     at = k
     while at.parent >= 0:
         f1, f2, f3 = (to_parent(steps, f"f, carried down as X^T f: {n}", X[at.number], f) for n, f in
-                      (("I^C S' + B S", f1), ("I^C S", f2), ("B^T S", f3)))  # fmt: skip
+                      (("I^C Sdot + B S", f1), ("I^C S", f2), ("B^T S", f3)))  # fmt: skip
         at = tree.links[at.parent]
         if at.moves:
             rows[at.column, k.column] = (subspace(steps, at) * f1).sum(-1)
-            left = {"S'^T I^C S": (rates[at.number] * f2).sum(-1), "S^T B^T S": (subspace(steps, at) * f3).sum(-1)}
+            left = {"Sdot^T I^C S": (rates[at.number] * f2).sum(-1), "S^T B^T S": (subspace(steps, at) * f3).sum(-1)}
             rows[k.column, at.column] = steps.add("C below the diagonal", **left)
     if tree.floating:
         S_rate = rate(steps, v_base[..., None, :], ONE)
-        left = {"S'^T I^C S": product(S_rate, f2), "S^T B^T S": f3}
+        left = {"Sdot^T I^C S": product(S_rate, f2), "S^T B^T S": f3}
         below = steps.add("C below the diagonal", **left)
         rows |= {(i, k.column): f1[..., i] for i in range(6)} | {(k.column, i): below[..., i] for i in range(6)}

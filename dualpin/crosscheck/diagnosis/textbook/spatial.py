@@ -21,6 +21,7 @@ from .link_axes import gathered
 from .steps import Steps, cross
 from .tree import Link, Pose, Tree, spatial
 
+LINEAR = "the product of the linear velocity"
 HAVE = "its own and that of earlier children"
 
 
@@ -145,6 +146,27 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     return H
 
 
+def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.ndarray:
+    """The momentum about the centre of mass, in world axes, of unit velocities: (runs, samples, 6, nv)."""
+    tiled, _, unit = tree.unit(q)
+    X = [transform(steps, p) for p in tree.poses(tiled)]
+    zero = np.zeros((*tiled.shape[:-1], 6))
+    vs = [unit[..., :6] + zero if tree.floating else zero]
+    for k in tree.links[1:]:
+        vs.append(next_velocity(steps, k, X[k.number], vs[k.parent], unit))
+    h = [product(inertia(steps, k), v) for k, v in zip(tree.links, vs, strict=True)]
+    for k in reversed(tree.links[1:]):
+        handed = to_parent(steps, "the momentum that is handed on, X^T h,", X[k.number], h[k.number])
+        h[k.parent] = steps.add(
+            "the momentum of what a joint moves", **{HAVE: h[k.parent], "the child's X^T h": handed}
+        )
+    whole = to_parent(steps, "the momentum, brought into the world's axes,", X[0], h[0])
+    n, p = whole[..., :3], whole[..., 3:]
+    G = np.repeat(com, tree.nv, axis=1)
+    n = steps.add("the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p)})
+    return tree.columns(np.concatenate(np.broadcast_arrays(n, p), -1))
+
+
 def _carried(X: np.ndarray, F: np.ndarray) -> np.ndarray:
     return product(transposed(X), F) if X.shape[-1] == F.shape[-1] else F
 
@@ -204,7 +226,7 @@ def inertia(steps: Steps, k: Link) -> np.ndarray:
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
     """v x m of motions."""
     w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
-    parts = {"w x the linear part": cross(w, b), "v x the angular part": cross(u, a)}
+    parts = {"w x the linear part": cross(w, b), LINEAR: cross(u, a)}
     linear = steps.add(f"the linear part of v x: in {site}", **parts)
     x = np.concatenate(np.broadcast_arrays(cross(w, a), linear), -1)
     others = {"with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m)}
@@ -214,7 +236,7 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
 def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
     """v x* f of forces."""
     w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
-    parts = {"w x the moment": cross(w, n), "v x the force": cross(u, b)}
+    parts = {"w x the moment": cross(w, n), LINEAR: cross(u, b)}
     angular = steps.add(f"the angular part of v x*: in {site}", **parts)
     x = np.concatenate(np.broadcast_arrays(angular, cross(w, b)), -1)
     others = {"with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f)}

@@ -204,9 +204,9 @@ class Tree:
         tiled = np.repeat(q, self.nv, axis=1)
         return tiled, np.zeros((1, tiled.shape[1], self.nv)), np.tile(np.eye(self.nv), (q.shape[1], 1))[None]
 
-    def columns(self, forces: np.ndarray) -> np.ndarray:
-        """The matrix whose columns are the forces of unit accelerations."""
-        return transposed(forces.reshape(len(forces), -1, self.nv, self.nv))
+    def columns(self, answers: np.ndarray) -> np.ndarray:
+        """The matrix whose columns are the answers to unit accelerations, or velocities."""
+        return transposed(answers.reshape(len(answers), -1, self.nv, answers.shape[-1]))
 
 
 def _root(d: Description) -> Link:
