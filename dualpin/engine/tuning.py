@@ -107,3 +107,32 @@ CALL_SECONDS, OPERATION_SECONDS, NUMBER_SECONDS = 1e-9, 4e-10, 3e-10
 
 Two or three instructions a nanosecond, and the memory; only used to decide on threads.
 """
+
+# --- GPUs -----------------------------------------------------------------------------------------
+# derived from the limits of Nvidia's architectures 8.0 to 9.0 (255 registers a thread, 65 536 registers and up to
+# 228 KiB of shared memory a multiprocessor), and used for all figures of validation/benchmarks/gpu (H100); none of
+# them was varied on a device
+
+GPU_ANGLES = 8
+"""Sines and cosines computed together, so that their long dependency chains overlap."""
+
+GPU_PART = 8_000
+"""Operations of one function: the time of assemblers is more than linear, and registers are limited."""
+
+GPU_LONGEST = 150_000
+"""Operations beyond which a program is refused: its code alone would be larger than the caches of a GPU."""
+
+GPU_STAGED = 896
+"""Bytes of shared memory for a thread: 256 threads, the most with all registers, then fill a multiprocessor.
+
+Wider rows are read and written without it: the mass matrix of talos as rows 32 million a second, as columns 268 (H100).
+"""
+
+GPU_THREADS = 128
+"""Threads of a block, at most."""
+
+GPU_RESIDENT = 2
+"""Resident blocks of a multiprocessor: more would leave too few registers for each thread."""
+
+GPU_LOADS = 16
+"""Loads of a warp from global memory that are in flight together."""

@@ -15,18 +15,12 @@ from ..codegen.number import DOUBLE, SINGLE, Number
 from ..graph.trace import trace
 from ..jit import cache as disk
 from ..jit.fingerprint import key as kernel_key
+from ..tuning import GPU_RESIDENT, GPU_STAGED, GPU_THREADS
 from . import driver, ptx, warp
 from . import layout as layouts
 from .layout import WARP, Layout
 from .program import PART, Program, program
 from .scalar import DEVICE
-
-STAGED_BYTES = 896
-"""Bytes of shared memory for a thread: 256 threads, the most with all registers, then fill a multiprocessor."""
-THREADS = 128
-"""Of a block, at most."""
-RESIDENT = 2
-"""Resident blocks of a multiprocessor: more would leave too few registers for each thread."""
 
 NUMBERS = {8: 115, 4: 230}
 """How many numbers of this size fit into a thread's registers, beside addresses and counters."""
@@ -44,7 +38,7 @@ class Plan:
     def dtype(self) -> np.dtype:
         return np.dtype(np.float64 if self.number.size == 8 else np.float32)
 
-    def ptx(self, threads: int = THREADS, resident: int = RESIDENT) -> str:
+    def ptx(self, threads: int = GPU_THREADS, resident: int = GPU_RESIDENT) -> str:
         """The kernel as PTX."""
         return ptx.bounded(ptx.assembly(warp.device(self.program, self.number, self.layout)), threads, resident)
 
@@ -53,7 +47,7 @@ class Plan:
         made = self.program
         return {
             "sizes": list(self.layout.sizes), "operations": made.operations, "parts": len(made.parts),
-            "warp_bytes": self.layout.room * self.number.size, "threads": THREADS, "strided": self.layout.strided,
+            "warp_bytes": self.layout.room * self.number.size, "threads": GPU_THREADS, "strided": self.layout.strided,
         }  # fmt: skip
 
 
@@ -101,7 +95,7 @@ def plan(
     number = DOUBLE if np.dtype(dtype).itemsize == 8 else SINGLE
     made = program(trace(robot, term, options), NUMBERS[number.size], part)
     sizes = (*made.sizes, made.width)
-    layout = layouts.strided(sizes) if strided else layouts.staged(sizes, STAGED_BYTES // number.size)
+    layout = layouts.strided(sizes) if strided else layouts.staged(sizes, GPU_STAGED // number.size)
     return Plan(made, number, layout)
 
 

@@ -13,14 +13,10 @@ from dataclasses import dataclass, field
 from ...errors import DualpinError
 from ..graph.schedule import Step, fused
 from ..graph.trace import Node, Sym, Trace
+from ..tuning import GPU_ANGLES as ANGLES
+from ..tuning import GPU_LONGEST as LONGEST
+from ..tuning import GPU_PART as PART
 from .order import arranged
-
-ANGLES = 8
-"""Sines and cosines computed together, so that their long dependency chains overlap."""
-PART = 8_000
-"""Operations of one function: the time of assemblers is more than linear, and registers are limited."""
-LONGEST = 150_000
-"""Operations beyond which a program is refused: its code alone would be larger than the caches of a GPU."""
 
 
 class TooLongError(DualpinError):

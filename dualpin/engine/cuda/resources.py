@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import DeviceError
-from .build import THREADS, Plan
+from ..tuning import GPU_THREADS
+from .build import Plan
 from .layout import WARP
 
 HINT = "pip install 'dualpin[cuda]' brings it"
@@ -107,13 +108,13 @@ def resources(plan: Plan, architecture: str = "sm_90") -> Resources:
     """
     said = assembled(plan.ptx(), architecture)[1]
     registers = _sum(r"Used (\d+) registers", said)
-    shared = plan.layout.room * plan.number.size * (THREADS // WARP)
+    shared = plan.layout.room * plan.number.size * (GPU_THREADS // WARP)
     blocks = resident(registers, shared, int(architecture.removeprefix("sm_").rstrip("af")))
     return Resources(
         architecture, plan.program.operations, len(plan.program.parts), registers,
         _sum(r"(\d+) bytes cumulative stack size", said) or _sum(r"(\d+) bytes stack frame", said),
         _sum(r"(\d+) bytes spill stores", said), _sum(r"(\d+) bytes spill loads", said),
-        THREADS, shared, blocks, blocks * THREADS / (WARP * _WARPS),
+        GPU_THREADS, shared, blocks, blocks * GPU_THREADS / (WARP * _WARPS),
     )  # fmt: skip
 
 
@@ -123,7 +124,7 @@ def _sum(pattern: str, text: str) -> int:
 
 def resident(registers: int, shared: int, capability: int) -> int:
     """Resident blocks of a multiprocessor (CUDA C++ Programming Guide, compute capabilities)."""
-    warps = THREADS // WARP
+    warps = GPU_THREADS // WARP
     of_warp = -(-registers * WARP // _UNIT) * _UNIT
     limits = [_BLOCKS, _WARPS // warps, _REGISTERS // max(1, of_warp) // warps]
     if shared:

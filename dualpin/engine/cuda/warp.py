@@ -12,13 +12,13 @@ from __future__ import annotations
 
 from ..codegen.host import Host
 from ..codegen.number import Number
+from ..tuning import GPU_LOADS
 from . import thread
 from .layout import WARP, Layout, row
 from .program import Program
 from .scalar import DEVICE, GLOBAL, SHARED, Scalar, address
 
 _G, _S = address(GLOBAL), address(SHARED)
-_TOGETHER = 16  # loads in flight
 _NVVM = """declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
@@ -178,8 +178,8 @@ def _sample(number: Number, layout: Layout) -> str:
 def _fetch(k: int, number: Number, layout: Layout, host: Host) -> str:
     """Copy a tile of array k to shared memory: 32 numbers at a time if rows are contiguous, else row by row."""
     size, e = layout.sizes[k], Scalar(number, host)
-    for start in range(0, size, _TOGETHER):
-        steps = range(start, min(size, start + _TOGETHER))
+    for start in range(0, size, GPU_LOADS):
+        steps = range(start, min(size, start + GPU_LOADS))
         values = [e.get(e.entry("%base", WARP * j, GLOBAL), GLOBAL, fixed=True) for j in steps]
         for j, x in zip(steps, values, strict=True):
             e.put(_across(e, j, size), x, SHARED)
