@@ -6,7 +6,6 @@ first; six-vectors angular first, twists [w; v] and wrenches [n; f]; joint order
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
 
 from . import locking as locking  # registers the fork handlers
@@ -54,11 +53,11 @@ __all__ = [*sorted(_WHERE), "__version__"]
 
 def __getattr__(name: str) -> Any:
     if name in _WHERE:
-        value = getattr(importlib.import_module(_WHERE[name]), name)
+        value = getattr(locking.imported(_WHERE[name]), name)
         globals()[name] = value
         return value
     if name in _PACKAGES:
-        return importlib.import_module(f"dualpin.{name}")
+        return locking.imported(f"dualpin.{name}")
     raise AttributeError(f"module 'dualpin' has no attribute {name!r}")
 
 

@@ -5,9 +5,10 @@ This is the only place where names point upward; all other imports point downwar
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
+
+from .locking import imported
 
 HOMES = {
     "Comparison._repr_html_": "dualpin.report.notebook.comparison_html",
@@ -69,5 +70,5 @@ HOMES = {
 def home(method: str) -> Callable[..., Any]:
     """The function that does the work of a method."""
     module, _, function = HOMES[method].rpartition(".")
-    found: Callable[..., Any] = getattr(importlib.import_module(module), function)
+    found: Callable[..., Any] = getattr(imported(module), function)
     return found

@@ -50,6 +50,19 @@ lost = ""
 """Why this process must not use LLVM: it was forked while another thread was inside LLVM."""
 
 
+def imported(module: str) -> Any:
+    """A module of this package that is imported when first used; by one thread at a time.
+
+    Python takes the lock of a submodule before that of its package.  Where one thread imports a package and another one
+    of its submodules, each may wait for the other, and one of them gets an ImportError.
+    """
+    found = sys.modules.get(module)
+    if found is None or getattr(found.__spec__, "_initializing", False):
+        with LOCK:
+            found = importlib.import_module(module)
+    return found
+
+
 class Once(Generic[T]):
     """A function without arguments that runs once in a process, in one thread; others wait for its result.
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import warnings
 from collections.abc import Callable
 from typing import Any
+
+from .locking import imported
 
 
 class Renamed:
@@ -39,6 +40,6 @@ def renamed_names(module: str, **names: str) -> Callable[[str], Any]:
             raise AttributeError(f"module {module!r} has no attribute {name!r}")
         new = names[name]
         warnings.warn(f"{module}.{name} is now {module}.{new}", DeprecationWarning, stacklevel=2)
-        return getattr(importlib.import_module(module), new)
+        return getattr(imported(module), new)
 
     return getattr_

@@ -147,13 +147,14 @@ def test_no_file_is_longer_than_a_reader_likes():
 
 
 def test_names_point_upward_in_one_table_only():
-    """`importlib.import_module` of our own modules: the tables of names, nothing else."""
+    """`importlib.import_module`, or `locking.imported`, of our own modules: the tables of names, nothing else."""
+    importers = ("import_module", "__import__", "imported")
     for path in modules():
         here = path.relative_to(PACKAGE).as_posix()
-        if here in BY_NAME or not re.search("import_module|__import__", path.read_text()):
+        if here in BY_NAME or not re.search(r"import_module|__import__|imported\(", path.read_text()):
             continue
         for node in nodes(path.read_text()):
-            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(("import_module", "__import__")):
+            if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(importers):
                 what = ast.unparse(node.args[0])
                 assert "dualpin" not in what and "__name__" not in what, f"{here}:{node.lineno} imports {what}"
 

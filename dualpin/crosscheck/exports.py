@@ -83,9 +83,9 @@ def sarif(report: Report) -> str:
 
 def _rules(names: Iterable[str]) -> list[dict[str, Any]]:
     """What code hosts show beside a result: what a key says, and what to do."""
-    from .diagnosis.keys import keys
+    from .diagnosis import keys
 
-    known = keys()
+    known = keys.keys()
     return [
         {"id": name, "shortDescription": {"text": known[name][0]}, "help": {"text": known[name][1]}}
         if name in known

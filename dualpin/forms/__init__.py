@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any
+
+from ..locking import imported
 
 # module -> names; imported when first used: a table needs neither the screws nor the exports
 _HOMES = {
@@ -22,7 +23,7 @@ __all__ = [*sorted(_WHERE)]
 
 def __getattr__(name: str) -> Any:
     if name in _WHERE:
-        value = getattr(importlib.import_module(f"{__name__}.{_WHERE[name]}"), name)
+        value = getattr(imported(f"{__name__}.{_WHERE[name]}"), name)
         globals()[name] = value
         return value
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -62,6 +62,24 @@ def test_threads_that_make_the_first_call_together_twenty_times(tmp_path, cache)
     assert all(a == answers[0] for a in answers)
 
 
+@pytest.mark.parametrize(
+    ("way", "threads"),
+    [
+        ("imports", 16),
+        *(
+            pytest.param(way, n, marks=pytest.mark.campaign)
+            for way in ("terms", "tools", "judge", "validate", "jax")
+            for n in (2, 16)
+        ),
+    ],
+)
+def test_threads_that_use_the_package_first_together(tmp_path, way, threads):
+    if way in ("validate", "jax"):
+        pytest.importorskip({"validate": "pinocchio"}.get(way, way))
+    found = json.loads(python(str(STRESS.with_name("ways_in.py")), way, str(threads), place=tmp_path))
+    assert found == {"ended": threads, "distinct": 1, "errors": []}
+
+
 @forks
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_processes_that_begin_while_a_thread_compiles(shared, method):
