@@ -59,6 +59,8 @@ def imported(module: str) -> Any:
     found = sys.modules.get(module)
     if found is None or getattr(found.__spec__, "_initializing", False):
         with LOCK:
+            if package := module.rpartition(".")[0]:
+                imported(package)
             found = importlib.import_module(module)
     return found
 
