@@ -70,22 +70,11 @@ def random_spec(seed: int, number: int) -> Spec:
             leaders.append(i)
         before = joints[on[i]].axis if on[i] != GROUND else None
         mass, com, tensor = draw.body()
-        joints.append(
-            JointSpec(
-                kind,
-                on[i],
-                draw.position(),
-                draw.turn(),
-                draw.axis(before),
-                draw.pitch(),
-                mass,
-                com,
-                tensor,
-                draw.armature(mass),
-                leader,
-                *_coupling(rng, follows),
-            )
-        )
+        joint = JointSpec(
+            kind, on[i], draw.position(), draw.turn(), draw.axis(before), draw.pitch(), mass, com, tensor,
+            draw.armature(mass), leader, *_coupling(rng, follows),
+        )  # fmt: skip
+        joints.append(joint)
     gravity = (0.0, 0.0, -9.81) if rng.random() < 0.7 else _triple(rng.uniform(-10, 10, 3))
     return _weighing(Spec(f"random_{seed}_{number}", tuple(joints), gravity), rng)
 

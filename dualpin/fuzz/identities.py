@@ -26,6 +26,7 @@ from ..functions import aba, bias, coriolis, crba, fk, gravity, jacobian, rnea
 from ..io.axes import TOLERANCE
 from ..io.urdf import loads
 from ..model.robot import Robot
+from ..spatial.adjoint import inverted
 from .complex_step import along
 
 Array = np.ndarray
@@ -95,16 +96,10 @@ def motion(s: State) -> Sides:
     """The world's Jacobian times v is dT/dt T^-1."""
     tool = s.robot.frames[-1]
     T, rate = fk(s.robot, s.q, tool, engine="numpy"), along(s.robot, "frame_pose", s.q, s.v, frame=tool)
-    moved = rate @ _inverse(T)
+    moved = rate @ inverted(T)
     twist = np.array([moved[2, 1], moved[0, 2], moved[1, 0], *moved[:3, 3]])
     J = jacobian(s.robot, s.q, tool, "world", engine="numpy")
     return J @ s.v, twist, s.size("frame_velocity")
-
-
-def _inverse(T: Array) -> Array:
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = T[:3, :3].T, -T[:3, :3].T @ T[:3, 3]
-    return X
 
 
 def forward(s: State) -> Sides:

@@ -243,7 +243,8 @@ class _Writer:
             self._coupled(joint)
 
     def _coupled(self, joint: Joint) -> None:
-        leader, multiplier, offset = _leader(self.robot, joint)
+        leader = next(j.name for j in self.robot if j.mimic is None and j.q == joint.q)
+        multiplier, offset = map(float, joint.coupling)
         self.notes.append(f"joint {joint.name!r} follows {leader!r} by an equality, which MuJoCo holds softly")
         self.equalities.append(
             etree.Element("joint", name=_named(f"{joint.name}_follows"), joint1=joint.name, joint2=leader,
@@ -284,15 +285,6 @@ def _weighs(body: Any) -> bool:
         if float(inertial.get("mass")) > LEAST and all(x > LEAST for x in moments):
             return True
     return any(_weighs(child) for child in body.findall("body") if child.find("joint") is None)
-
-
-def _leader(robot: Robot, joint: Joint) -> tuple[str, float, float]:
-    """The joint that leads in the end, and the multiplier and offset through all that follow."""
-    multiplier, offset = map(float, joint.coupling)
-    seen = joint
-    while seen.mimic is not None:
-        seen = robot.joint(seen.mimic.joint)
-    return seen.name, multiplier, offset
 
 
 def _is_identity(X: Pose) -> bool:

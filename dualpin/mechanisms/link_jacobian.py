@@ -11,19 +11,13 @@ from ..arguments import choice
 from ..functions import fk, jacobian
 from ..model.frames import COM
 from ..model.robot import Robot
-from ..spatial import adjoint
+from ..spatial.adjoint import adjoint, inverted
 
 
 def _transformed(robot: Robot, q: ArrayLike, link: str) -> np.ndarray:
     """T J, the Jacobian about the base's origin moved to the centre of mass.  (eqs 22-27)"""
     T = fk(robot, q, COM + link)
-    R, p = T[..., :3, :3], T[..., :3, 3]
-    inverse = np.zeros_like(T)
-    inverse[..., :3, :3] = np.swapaxes(R, -1, -2)
-    inverse[..., :3, 3] = -np.einsum("...ji,...j->...i", R, p)
-    inverse[..., 3, 3] = 1.0
-    moved: np.ndarray = adjoint(inverse) @ jacobian(robot, q, COM + link, "world")
-    return moved
+    return np.asarray(adjoint(inverted(T)) @ jacobian(robot, q, COM + link, "world"))
 
 
 def _direct(robot: Robot, q: ArrayLike, link: str) -> np.ndarray:

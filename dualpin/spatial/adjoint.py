@@ -82,6 +82,13 @@ def coadjoint(T: ArrayLike) -> np.ndarray:
     return _blocks(R, cross_matrix(p) @ R, lower=False)
 
 
+def inverted(T: np.ndarray) -> np.ndarray:
+    """[R^T, -R^T p], the inverse of a rigid motion (..., 4, 4)."""
+    out, turned = np.zeros_like(T), np.swapaxes(T[..., :3, :3], -1, -2)
+    out[..., :3, :3], out[..., :3, 3:], out[..., 3, 3] = turned, -turned @ T[..., :3, 3:], 1.0
+    return out
+
+
 def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     from_matrix(T)  # raises if it is not a rigid motion
     X = np.asarray(T, dtype=float)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...functions import fk
 from ...model.robot import Joint, Robot
+from ...spatial.adjoint import adjoint
 from ...spatial.inertia import Inertia
 from ...spatial.pose import Pose
 
@@ -96,6 +97,4 @@ def carried(ten: np.ndarray, X: np.ndarray) -> np.ndarray:
 
 def moved(screws: np.ndarray, X: np.ndarray) -> np.ndarray:
     """Screws (n, 6) of a frame, in the one in which it has the pose X:  w' = R w,  v' = R v + p x R w"""
-    R, p = X[:3, :3], X[:3, 3]
-    w, v = screws[:, :3] @ R.T, screws[:, 3:] @ R.T
-    return np.concatenate([w, v + np.cross(p, w)], axis=1)
+    return screws @ adjoint(X).T
