@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -28,6 +28,8 @@ COLUMNS = 100_000
 
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
+KEPT = 4096
+"""How many intermediate results are kept."""
 STEP = 2.0**-12
 """Of velocities: small beside those at which a force changes its sign, and large beside their rounding."""
 ROUNDINGS = 64 * float(np.finfo(float).eps)
@@ -55,8 +57,23 @@ class View:
 
     def compute(self, term: str, reference: str = "local_world_aligned", **states: np.ndarray) -> np.ndarray:
         """dualpin's answer to another term, for the same robot and states (or with some replaced)."""
-        given = {k: x[None] for k, x in {**self.states, **states}.items()}
-        return evaluate(self.robot, QUESTIONS[term], given, self.frames, reference)[0]
+
+        def answer() -> np.ndarray:
+            given = {k: x[None] for k, x in {**self.states, **states}.items()}
+            return evaluate(self.robot, QUESTIONS[term], given, self.frames, reference)[0]
+
+        return self.once((term, reference, *((k, x.tobytes()) for k, x in states.items())), answer)
+
+    def once(self, what: Hashable, make: Callable[[], np.ndarray]) -> np.ndarray:
+        """What many stories need of the same robot and states: made once, not to be written to."""
+        kept, key = self.case.kept, (id(self.description), id(self.states), what)
+        if key not in kept:
+            if len(kept) >= KEPT:
+                kept.clear()
+            x = make()
+            x.flags.writeable = False
+            kept[key] = self.description, self.states, x  # so that neither is another's place in memory
+        return kept[key][2]
 
 
 class Case:
@@ -73,6 +90,8 @@ class Case:
         self._layouts: dict[Wording, tuple[Layout, States] | None] = {}
         self._spared: dict[tuple[Any, ...], list[str]] = {}
         self._robots: dict[int, tuple[Description, Robot]] = {}
+        self._edits: dict[Any, tuple[Description, Hypothesis, Description]] = {}
+        self.kept: dict[Any, tuple[Description, States, np.ndarray]] = {}
 
     # what rules look at
 
@@ -104,7 +123,7 @@ class Case:
     def robot_of(self, description: Description) -> Robot:
         """The robot of one description."""
         if id(description) not in self._robots:
-            if len(self._robots) > 64:
+            if len(self._robots) > KEPT:
                 self._robots.clear()
             self._robots[id(description)] = description, built([description], self.robot)
         return self._robots[id(description)][1]
@@ -135,7 +154,7 @@ class Case:
             if h.place == "word":
                 wording = h.act(wording)
             elif h.place == "edit":
-                description = h.act(description, h.items)
+                description = self._edited(description, h)
         found = self.layout(wording)
         if found is None:
             return None
@@ -144,6 +163,13 @@ class Case:
             if h.place == "state":
                 view = View(self, description, view.layout, h.act(view))
         return view
+
+    def _edited(self, d: Description, h: Hypothesis) -> Description:
+        """The same object for the same edit, since much is kept of each description."""
+        key = id(d), h.identity, id(h.act)
+        if key not in self._edits:
+            self._edits[key] = d, h, h.act(d, h.items)
+        return self._edits[key][2]
 
     def predict(self, term: str, story: Story = ()) -> np.ndarray | None:
         """What the subject would answer if the story were true; None where it makes no sense."""
@@ -179,8 +205,8 @@ class Case:
         _fill(xs, plain, self._batch(question, forced))
         needs = {"bias": "crba", "coriolis": "crba", "six_rate": "jacobian"}.get(question.form)
         others: list[Any] = [None] * len(together)
-        if needs:  # a slip in forces is one in M too
-            turning = [a if needs == "crba" and v.layout.turns else None for a, v in zip(acts, views, strict=True)]
+        if needs:  # what the subject makes in its own columns is made of what it has there itself
+            turning = [a if v.layout.turns else None for a, v in zip(acts, views, strict=True)]
             others = _by_formulas(needs, turning, views)
             plain = [k for k, x in enumerate(others) if x is None and views[k].layout.turns]
             _fill(others, plain, self._batch(QUESTIONS[needs], [views[k] for k in plain]))

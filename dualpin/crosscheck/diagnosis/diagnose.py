@@ -8,13 +8,14 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
-from .search import Catalogue, Explanation, explain
+from .search import Catalogue, Explanation, Search
 
 BUDGETS = (8.0, 50.0)
 """Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share.
@@ -22,6 +23,10 @@ BUDGETS = (8.0, 50.0)
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
+DOUBT = 0.3
+"""What a cause costs besides where terms that it would have changed are right without it."""
+AGAIN = 0.1
+"""What a cause costs that another formulation shows, where it was told already."""
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 MOST = 16  # stories of a term that it looks at
 
@@ -76,36 +81,60 @@ def _history(case: Case) -> list[Finding]:
 
 
 def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str], None]) -> dict[str, Explanation]:
+    """Stage by stage for all terms, so that the long search for one does not take the time of a short one for another.
+
+    What explains a term is tried on the others before anything else.
+    """
     catalogue = Catalogue(case)
-    told: dict[str, Explanation] = {}
-    first: list[Story] = []
-    lost = 0
-    for k, term in enumerate(off):
-        left = max(1.0, until - time.process_time())
-        share = min(left, left / (len(off) - k) * 2)
-        e = told[term] = explain(case, term, catalogue, first, share if lost < 2 else share / 4, tick)
-        lost += not e.named
-        first += [s for s in e.stories[:EARLIER] if s not in first]
-        first = _united(first)[: 4 * EARLIER]
-    picked = cheapest({t: e.stories for t, e in told.items() if e.named})
-    several = len({h.cause for s in picked.values() for h in s}) > 1
-    if len(off) > 1 and (several or lost):  # of several causes: one slip may be behind all of them
-        for term in off:
-            if time.process_time() < until:
-                tick(f"{term}: slips of textbook algorithms")
-                told[term].joined(explain(case, term, catalogue, depth=0, slips=True))
-    shared = _united([s for e in told.values() for s in e.stories[:EARLIER]])
-    for term in off if len(off) > 1 else ():  # what explains one term may explain another
-        more = _together(told) if not told[term].named else []
-        told[term].joined(explain(case, term, catalogue, [*shared, *more], depth=0))
-    return told
+    searches = {t: Search(case, t, catalogue, until) for t in off}
+    found: list[Story] = []
+
+    def stage(what: str, of: Callable[[Search], None], wanted: Callable[[Search], bool], terms: Sequence[str]) -> None:
+        for term in terms:
+            search = searches[term]
+            search.known(found)
+            if wanted(search) and not search.late:
+                tick(f"{term}: {what}")
+                of(search)
+            found[:] = _united([*found, *search.stories[:EARLIER]])
+
+    def unexplained(search: Search) -> bool:
+        return search.open
+
+    def doubtful(search: Search) -> bool:
+        return search.doubtful([t for t, s in searches.items() if not s.open])
+
+    def one_more(search: Search) -> None:
+        search.added(_causes(case, searches))
+
+    def slips(search: Search) -> None:
+        search.slips(_causes(case, searches))
+
+    for term in off:
+        stage("single causes", Search.singles, unexplained, [term])
+        if sum(s.tried and s.open for s in searches.values()) == 1:  # what it has may be behind all others
+            stage("slips of textbook algorithms", slips, unexplained, [term])
+            if not found:
+                stage("two causes of the whole robot", Search.plain_pairs, unexplained, [term])
+    stage("a cause of other terms and one more", one_more, unexplained, off)
+    stage("slips of textbook algorithms", slips, doubtful, off)
+    stage("two causes together", Search.pairs, lambda s: True, off)
+    stage("three causes together", Search.triples, unexplained, off)
+    for search in searches.values():  # what was found last may explain a term before
+        search.known([*found, *_together(_causes(case, searches))])
+    return {t: s.explanation() for t, s in searches.items()}
 
 
-def _together(told: Mapping[str, Explanation]) -> list[Story]:
+def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
+    """The cheapest common causes of the terms that are explained so far, those of most terms first."""
+    picked = cheapest({t: s.stories for t, s in searches.items() if not s.open}, _price(case))
+    told = Counter((h,) for story in picked.values() for h in story if h.key != "follows")
+    return [story for story, _ in told.most_common()]
+
+
+def _together(causes: Sequence[Story]) -> list[Story]:
     """Two and three of the causes that were found, together."""
-    found = {h.identity: h for e in told.values() if e.named for h in e.stories[0]}
-    causes = list(found.values())[:8]
-    return [ordered(c) for n in (2, 3) for c in itertools.combinations(causes, n)]
+    return [ordered(h for s in some for h in s) for n in (2, 3) for some in itertools.combinations(causes[:8], n)]
 
 
 def _united(stories: Sequence[Story]) -> list[Story]:
@@ -114,11 +143,11 @@ def _united(stories: Sequence[Story]) -> list[Story]:
 
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
-    picked = _uncontradicted(case, told, cheapest({t: e.stories for t, e in told.items() if e.named}))
+    picked = cheapest({t: e.stories for t, e in told.items() if e.named}, _price(case))
     whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
-            variants, terms = whose.setdefault(h.cause, ([], []))
+            variants, terms = whose.setdefault(_cause(h), ([], []))
             terms.append(term)
             if h not in variants:
                 variants.append(h)
@@ -143,26 +172,9 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 found.located[term] = where
 
 
-RIVALS = 8
-"""How many causes of about the same cost are compared by the right terms that contradict them."""
-
-
-def _uncontradicted(case: Case, told: Mapping[str, Explanation], picked: Mapping[str, Story]) -> Mapping[str, Story]:
-    """Of single causes that explain the same terms at the same cost: the one that fewest right terms contradict."""
-    terms_of: dict[Hypothesis, list[str]] = {}
-    for term, story in picked.items():
-        if len(story) == 1:
-            terms_of.setdefault(story[0], []).append(term)
-    better = dict(picked)
-    for h, terms in terms_of.items():
-        least = len(case.spared(h))
-        rivals = [s[0] for s in told[terms[0]].stories if len(s) == 1 and s[0].cost <= h.cost + 0.011 and s[0] is not h]
-        for g in rivals[:RIVALS] if least else ():
-            everywhere = all(any(s == (g,) for s in told[t].stories) for t in terms)
-            if everywhere and len(case.spared(g)) < least:
-                least = len(case.spared(g))
-                better |= dict.fromkeys(terms, (g,))
-    return better
+def _price(case: Case) -> Callable[[Hypothesis], float]:
+    """What right terms contradict costs more."""
+    return lambda h: h.cost + DOUBT * bool(case.spared(h))
 
 
 def _add(findings: list[Finding], new: Finding) -> None:
@@ -190,7 +202,7 @@ def _alternatives(
     others: dict[frozenset[object], Story] = {}
     for t in terms:
         for s in told[t].stories:
-            if _causes(s) != _causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
+            if _as_causes(s) != _as_causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
                 others.setdefault(identity(s), s)
     # only what explains all of its terms stands in its place
     whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
@@ -203,20 +215,30 @@ def _alternatives(
     return words, {}
 
 
-def _causes(story: Story) -> frozenset[object]:
-    return frozenset(h.cause for h in story)
+def cheapest(
+    options: Mapping[str, Sequence[Story]], price: Callable[[Hypothesis], float] = lambda h: h.cost
+) -> dict[str, Story]:
+    """One story for each term, so that all hypotheses together cost least: by branch and bound.
 
-
-def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
-    """One story for each term, so that all hypotheses together cost least: by branch and bound."""
+    A cause that other formulations show as well is paid once, but for `AGAIN`.
+    """
     terms = sorted(options, key=lambda t: len(options[t]))
-    told_by = Counter(identity(s) for stories in options.values() for s in stories)
-    likely = {t: sorted(x, key=lambda s: (-told_by[identity(s)], cost(s)))[:MOST] for t, x in options.items()}
+    told_by = Counter(key for stories in options.values() for key in {_as_causes(s) for s in stories})
+    worth = {t: {identity(s): sum(map(price, s)) for s in stories} for t, stories in options.items()}
+    likely = {
+        t: sorted(x, key=lambda s: (-told_by[_as_causes(s)], worth[t][identity(s)]))[:MOST] for t, x in options.items()
+    }
     best: tuple[float, float] = (math.inf, math.inf)
     picked: dict[str, Story] = {}
     visits = 0
 
-    def branch(k: int, claimed: Mapping[tuple[object, ...], float], told: float, chosen: tuple[Story, ...]) -> None:
+    def new(s: Story, claimed: Mapping[Any, float]) -> dict[Any, float]:
+        """What a story claims besides."""
+        causes = {key[0] for key in claimed}
+        fresh = {(_cause(h), h.identity): h for h in s if (_cause(h), h.identity) not in claimed}
+        return {key: AGAIN if key[0] in causes else price(h) for key, h in fresh.items()}
+
+    def branch(k: int, claimed: Mapping[Any, float], told: float, chosen: tuple[Story, ...]) -> None:
         nonlocal best, picked, visits
         visits += 1
         spent = round(sum(claimed.values()), 6)
@@ -225,12 +247,18 @@ def cheapest(options: Mapping[str, Sequence[Story]]) -> dict[str, Story]:
         if k == len(terms):
             best, picked = (spent, told), dict(zip(terms, chosen, strict=True))
             return
-
-        def more(s: Story) -> tuple[float, float]:
-            return cost(h for h in s if h.cause not in claimed), cost(s)
-
-        for s in sorted(likely[terms[k]], key=more):
-            branch(k + 1, {**claimed, **{h.cause: h.cost for h in s}}, told + cost(s), (*chosen, s))
+        more = [(sum(claims.values()), cost(s), claims, s) for s in likely[terms[k]] for claims in [new(s, claimed)]]
+        for _, _, claims, s in sorted(more, key=lambda x: x[:2]):
+            branch(k + 1, {**claimed, **claims}, told + cost(s), (*chosen, s))
 
     branch(0, {}, 0.0, ())
     return picked
+
+
+def _cause(h: Hypothesis) -> tuple[Any, ...]:
+    """What makes it the same mistake as another."""
+    return h.mistake or h.cause
+
+
+def _as_causes(s: Story) -> frozenset[Any]:
+    return frozenset(map(_cause, s))

@@ -75,6 +75,12 @@ class Hypothesis:
         The largest scaled error that it makes: it is not tried on larger ones.
     variant : str
         What tells two computations of one cause apart, which are told in the same words.
+    mistake : tuple of str
+        What it has in common with causes that are the same mistake, as other formulations show it.
+    afterwards : bool
+        Whether it takes so long that it is tried only where the same mistake explains another term.
+    made_of : tuple of str
+        Other terms of which it says that this one is made: it explains nothing where these are not explained.
     """
 
     key: str
@@ -89,6 +95,9 @@ class Hypothesis:
     single: bool = False
     most: float = math.inf
     variant: str = ""
+    mistake: tuple[str, ...] = ()
+    afterwards: bool = False
+    made_of: tuple[str, ...] = ()
 
     @property
     def identity(self) -> tuple[Any, ...]:

@@ -8,7 +8,7 @@ entries that are right, and the root mean square: the worst entry hides what a p
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -23,8 +23,10 @@ from .rules import RULES
 from .scores import Score
 from .textbook.slipped import made_of
 
-DEPTH = 3
 BEAM = 8
+BLOCK = 100  # stories that are scored before the time is looked at
+AT_ONCE = 800  # slips that are tried before the time is looked at
+FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
@@ -35,6 +37,8 @@ SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 LARGE = 40  # joints from which pairs of single links are not tried
+DOUBTFUL = ESTIMATED | {"tool_offset", "base_offset", "origin_fit"}
+"""Keys of numbers that imitate much: slips are looked for all the same."""
 
 
 @dataclass
@@ -61,12 +65,6 @@ class Explanation:
     def named(self) -> bool:
         return bool(self.stories)
 
-    def joined(self, other: Explanation) -> None:
-        """What was found of the same term at another time besides."""
-        known = {identity(s) for s in self.stories}
-        self.stories += [s for s in other.stories if identity(s) not in known]
-        self.stories.sort(key=cost)
-
 
 class Catalogue:
     """All hypotheses of a case, proposed once; those of late rules when they are first needed."""
@@ -74,38 +72,41 @@ class Catalogue:
     def __init__(self, case: Case) -> None:
         self.case, self._cases = case, dict[int, Case]()
         self.all: list[Hypothesis] = [h for rule in RULES if not rule.late for h in rule.propose(case)]
+        self._kin: dict[Any, list[Hypothesis]] = {}
 
     @cached_property
     def late(self) -> list[Hypothesis]:
-        return [h for rule in RULES if rule.late for h in rule.propose(self.case)]
+        found = [h for rule in RULES if rule.late for h in rule.propose(self.case)]
+        for h in found:
+            self._kin.setdefault(h.mistake or h.cause, []).append(h)
+        return found
 
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
 
-    def slips(self, term: str) -> list[Story]:
-        """Single slips of textbook algorithms: those that explain the first states, and those that come nearest."""
+    def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
+        """The same mistake as other formulations, or what is made of them, show it."""
+        return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
+
+    def slips(self, term: str, until: float, base: Story = ()) -> list[Story]:
+        """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
+
+        `base` is a story that holds besides.
+        """
         few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
         groups: dict[Any, list[Hypothesis]] = {}
-        for h in (h for h in self.late if term in h.terms):
+        for h in (h for h in self.late if term in h.terms and not h.afterwards):
             groups.setdefault(made_of(h.act, term), []).append(h)
-        scores = few.scores(term, [(same[0],) for same in groups.values()])
-        told = list(zip(groups.values(), scores, strict=True))
-        right: list[Story] = [(h,) for same, score in told if score.error <= FEW for h in same]
-        return right or _kept([_near((same[0],), x) for same, x in told if np.isfinite(x.error)])
-
-    def variants(self, stories: Iterable[Story]) -> list[Story]:
-        """The same causes by other computations: what one variant explains of a term, another may of the next."""
-        if "late" not in self.__dict__:
-            return []
-        single = [s[0] for s in stories if len(s) == 1]
-        return [(h,) for one in single for h in self._by_cause.get(one.cause, ()) if h is not one]
-
-    @cached_property
-    def _by_cause(self) -> dict[Any, list[Hypothesis]]:
-        groups: dict[Any, list[Hypothesis]] = {}
-        for h in self.late:
-            groups.setdefault(h.cause, []).append(h)
-        return groups
+        alike, scores = list(groups.values()), list[Score]()
+        for start in range(0, len(alike), AT_ONCE):
+            if start and time.process_time() > until:
+                break
+            block = [ordered((*base, same[0])) for same in alike[start : start + AT_ONCE]]
+            scores += few.scores(term, block)
+        told = list(zip(alike, scores, strict=False))
+        right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
+        near = [_near(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
+        return right or _kept(near)
 
     def _few(self, samples: int) -> Case:
         if samples not in self._cases:
@@ -126,54 +127,179 @@ def _near(story: Story, score: Score) -> _Near:
     return _Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
 
 
-def explain(
-    case: Case, term: str, catalogue: Catalogue, first: Sequence[Story] = (), budget: float = 30.0,
-    tick: Callable[[str], None] = lambda what: None, depth: int = DEPTH, slips: bool = False,
-) -> Explanation:  # fmt: skip
-    """Look for the stories of one term; stories that explained other terms are tried first.
+class Search:
+    """The search for the stories of one term, in stages that may be left out, each of which knows what was found.
 
-    Slips of textbook algorithms are tried where no single cause explains it, or where they are asked for.
+    Parameters
+    ----------
+    until : float
+        The processor time at which the last stage ends, whatever was found.
     """
-    search = _Search(case, term, time.process_time() + budget)
-    found = Explanation(term, case.score(term))
-    known = [*first, *catalogue.variants(first)]
-    mine = [t for s in known if (t := tuple(h for h in s if term in h.terms))]
-    search.consider([*mine, *(catalogue.slips(term) if slips else [])])
-    whole, single = (catalogue.of(term, one, found.before.error) for one in (False, True))
-    alike = [h for h in whole if h.key in SAME]
-    search.consider([ordered((*s, h)) for s in mine for h in alike])
-    beam: list[Story] = [(), *(n.story for n in sorted(search.near)[:BEAM])]
-    if found.before.error < SMALL:
-        depth = min(depth, 1)
-    for size in range(1, depth + 1):
-        least = min(map(cost, search.good.values()), default=np.inf)
-        if search.late or least <= PLAIN or (search.good and size != 2):
-            break
-        if search.good:  # by numbers of one body: what they may imitate is two mistakes in reading the file
-            beam, whole = [s for s in beam if _reads(s)], [h for h in whole if _reads([h])]
-        tick(f"{term}: {'single causes' if size == 1 else f'{size} causes together'}")
-        level = pairs_of_forces(case, term) if size == 2 and not search.good else []
-        for story in beam:
-            more = whole if search.good else [*fits(case, term, story), *whole]
-            level += [ordered((*story, h)) for h in more if _joins(h, story)]
-        if size == 1 or (size == 2 and len(case.robot) <= LARGE and not search.good):
-            level += [ordered((*story, h)) for story in beam for h in single if _joins(h, story)]
-        near = search.consider(level)
-        if size == 1 and not search.good:
-            near += search.consider(search.toggled(single, found.before))
-        if size == 1 and all(any(h.key == "one_link" for h in s) for s in search.good.values()):
-            tick(f"{term}: slips of textbook algorithms")
-            slipped = search.consider(catalogue.slips(term))
-            near += slipped
-            whole = [*whole, *(n.story[0] for n in slipped)]
-        beam = _kept(near)
-    found.stories = _cheapest(search.good.values())
-    told = {identity(s) for s in found.stories}  # what explains other terms too costs nothing more here
-    found.stories += [s for s in mine if (key := identity(s)) in search.good and key not in told]
-    if not found.stories and search.near:
-        best = min(search.near)
-        found.nearest, found.left = best.story, best.score
-    return found
+
+    def __init__(self, case: Case, term: str, catalogue: Catalogue, until: float) -> None:
+        self.case, self.term, self.catalogue, self.until = case, term, catalogue, until
+        self.before = case.score(term)
+        self.good: dict[frozenset[object], Story] = {}
+        self.near: list[_Near] = []
+        self.seen: set[frozenset[object]] = {frozenset()}
+        self._whole, self._single = (catalogue.of(term, one, self.before.error) for one in (False, True))
+        self._slipped: list[Hypothesis] = []
+        self._others: set[frozenset[object]] = set()
+        self._beam: list[Story] = []
+        self.tried = False
+
+    @property
+    def late(self) -> bool:
+        return time.process_time() > self.until
+
+    @property
+    def open(self) -> bool:
+        return not self.good
+
+    def doubtful(self, explained: Collection[str]) -> bool:
+        """Whether nothing explains it but estimated numbers, what right terms contradict, or terms without a cause."""
+        told = [[h for h in s if h.key not in SAME] for s in self.good.values()]
+        return not any(cost(s) <= PLAIN and not any(self._doubts(h, explained) for h in s) for s in told)
+
+    def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
+        unsure = (h.key in DOUBTFUL and h.cost > 1.1) or not set(h.made_of) <= set(explained)
+        return unsure or bool(self.case.spared(h))
+
+    def known(self, others: Iterable[Story]) -> None:
+        """Try what explains other terms: as it is, as other formulations show it, and with any factorisation."""
+        mine: dict[frozenset[object], Story] = {}
+        for story in others:
+            here = tuple(h for h in story if self.term in h.terms)
+            for h in story:
+                for k in self.catalogue.kin(h, self.term):
+                    for s in (ordered((k,)), ordered((*(g for g in here if g.identity != h.identity), k))):
+                        mine.setdefault(identity(s), s)
+            mine.setdefault(identity(here), here)
+        self._others |= set(mine)
+        alike = [h for h in self._whole if h.key in SAME]
+        self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
+
+    def singles(self) -> None:
+        """Single causes, of which those of one link or joint may hold for several."""
+        self.tried = True
+        self.consider([(h,) for h in (*self._fits(()), *self._whole, *self._single)])
+        if self.open:
+            self.consider(self._toggled())
+
+    def slips(self, bases: Sequence[Story] = ()) -> None:
+        """Slips of textbook algorithms, alone or with what explains other terms."""
+        others = [b for b in bases if identity(b) not in self.good and any(self.term in h.terms for h in b)]
+        for base in ((), *others[:2]) if not self._slipped else ():
+            near = self.consider(self.catalogue.slips(self.term, self.until, base))
+            if not base:
+                self._slipped = [h for n in near for h in n.story]
+            if any(cost(s) <= PLAIN for s in self.good.values()):
+                break
+
+    def added(self, found: Sequence[Story]) -> None:
+        """What explains other terms, and one cause more."""
+        stories = [here for s in found if (here := tuple(h for h in s if self.term in h.terms))]
+        for story in stories[:FEW_CAUSES]:
+            self.consider(self._with(story, [*self._fits(story), *self._whole, *self._single]))
+
+    def plain_pairs(self) -> None:
+        """Two causes that hold for the whole robot."""
+        if self.before.error >= SMALL:
+            beam = _kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= 1.2])
+            self.consider([s for story in beam for s in self._with(story, self._whole)])
+
+    def pairs(self) -> None:
+        """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
+        if self.before.error < SMALL or min(map(cost, self.good.values()), default=np.inf) <= PLAIN:
+            return
+        self._beam = [(), *(n.story for n in sorted(self.near)[:BEAM]), *_kept(self.near)]
+        self._beam = list({identity(s): s for s in self._beam}.values())
+        if self.good:
+            more = [h for h in self._whole if _reads([h])]
+            self.consider([s for story in self._beam if _reads(story) for s in self._with(story, more)])
+            return
+        level = pairs_of_forces(self.case, self.term)
+        single = self._single if len(self.case.robot) <= LARGE else []
+        for story in self._beam:
+            level += self._with(story, [*self._fits(story), *self._whole, *self._slipped, *single])
+        self._beam = _kept(self.consider(level))
+
+    def triples(self) -> None:
+        """And three."""
+        if self.open and self._beam:
+            more = [*self._whole, *self._slipped]
+            self.consider([s for b in self._beam for s in self._with(b, [*self._fits(b), *more])])
+
+    def explanation(self) -> Explanation:
+        """What was found."""
+        found = Explanation(self.term, self.before, self.stories)
+        if not found.stories and self.near:
+            best = min(self.near)
+            found.nearest, found.left = best.story, best.score
+        return found
+
+    @property
+    def stories(self) -> list[Story]:
+        """The cheapest that explain it; what explains other terms too may cost more."""
+        found = _cheapest(self.good.values())
+        told = {identity(s) for s in found}
+        return found + [s for key, s in self.good.items() if key in self._others and key not in told]
+
+    # how
+
+    def _fits(self, story: Story) -> list[Hypothesis]:
+        return fits(self.case, self.term, story)
+
+    def _with(self, story: Story, more: Iterable[Hypothesis]) -> list[Story]:
+        return [ordered((*story, h)) for h in more if _joins(h, story)]
+
+    def consider(self, stories: Iterable[Story]) -> list[_Near]:
+        """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
+        fresh = {}
+        for s in stories:
+            key = identity(s)
+            if s and key not in self.seen:
+                self.seen.add(key)
+                fresh[key] = s
+        todo, found = list(fresh.values()), []
+        for start in range(0, len(todo), BLOCK):
+            if self.late and start:
+                break
+            block = todo[start : start + BLOCK]
+            for story, score in zip(block, self.case.scores(self.term, block), strict=True):
+                if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
+                    self.good[identity(story)] = story
+                elif np.isfinite(score.error):
+                    found.append(_near(story, score))
+        self.near += found
+        return found
+
+    def _toggled(self) -> list[Story]:
+        """For each family: the links or joints that together come nearest, added one at a time while that helps."""
+        families: dict[tuple[str, str, str], list[Hypothesis]] = {}
+        for h in self._single:
+            families.setdefault((h.key, h.says, h.values), []).append(h)
+        growing = [(family, list[Hypothesis](), self.before.rms) for family in families.values() if len(family) > 1]
+        out: list[Story] = []
+        while growing and not self.late:  # all families in one run
+            rest = [[h for h in family if h not in chosen] for family, chosen, _ in growing]
+            tried = [(_merged([*chosen, h]),) for (_, chosen, _), more in zip(growing, rest, strict=True) for h in more]
+            scores = iter(self.case.scores(self.term, tried))
+            grown = []
+            for (family, chosen, rms), more in zip(growing, rest, strict=True):
+                best = min(((next(scores), k) for k in range(len(more))), key=lambda x: (x[0].rms, x[1]), default=None)
+                better = best is not None and best[0].rms < rms * (1 - 1e-9)
+                if best is not None and better:
+                    chosen = [*chosen, more[best[1]]]
+                if best is not None and better and not best[0].right:
+                    grown.append((family, chosen, best[0].rms))
+                elif len(chosen) > 1:
+                    out.append((_merged(chosen),))
+            growing = grown
+        return out
+
+
+# --- stories --------------------------------------------------------------------------------------
 
 
 def _reads(story: Iterable[Hypothesis]) -> bool:
@@ -189,67 +315,6 @@ def _doubtful(h: Hypothesis, story: Story) -> bool:
 def _joins(h: Hypothesis, story: Story) -> bool:
     """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
     return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
-
-
-class _Search:
-    """What was tried for one term."""
-
-    def __init__(self, case: Case, term: str, until: float) -> None:
-        self.case, self.term, self.until = case, term, until
-        self.good: dict[frozenset[object], Story] = {}
-        self.near: list[_Near] = []
-        self.seen: set[frozenset[object]] = {frozenset()}
-
-    @property
-    def late(self) -> bool:
-        return time.process_time() > self.until
-
-    def consider(self, stories: Iterable[Story]) -> list[_Near]:
-        """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
-        fresh = {}
-        for s in stories:
-            key = identity(s)
-            if s and key not in self.seen:
-                self.seen.add(key)
-                fresh[key] = s
-        todo, found = list(fresh.values()), []
-        for start in range(0, len(todo), 200):
-            if self.late and start:
-                break
-            block = todo[start : start + 200]
-            for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
-                    self.good[identity(story)] = story
-                elif np.isfinite(score.error):
-                    found.append(_near(story, score))
-        self.near += found
-        return found
-
-    def toggled(self, single: Sequence[Hypothesis], before: Score) -> list[Story]:
-        """For each family: the links or joints that together come nearest, added one at a time while that helps."""
-        families: dict[tuple[str, str, str], list[Hypothesis]] = {}
-        for h in single:
-            families.setdefault((h.key, h.says, h.values), []).append(h)
-        out = []
-        for family in families.values():
-            story = self._toggle(family, before.rms)
-            if story:
-                out.append(story)
-        return out
-
-    def _toggle(self, family: Sequence[Hypothesis], rms: float) -> Story:
-        chosen: list[Hypothesis] = []
-        while not self.late:
-            rest = [h for h in family if h not in chosen]
-            scores = self.case.scores(self.term, [(_merged([*chosen, h]),) for h in rest])
-            best = min(range(len(rest)), key=lambda k: scores[k].rms, default=None)
-            if best is None or not scores[best].rms < rms * (1 - 1e-9):
-                break
-            chosen.append(rest[best])
-            rms = scores[best].rms
-            if scores[best].right:
-                break
-        return (_merged(chosen),) if len(chosen) > 1 else ()
 
 
 def _merged(chosen: Sequence[Hypothesis]) -> Hypothesis:

@@ -2,6 +2,7 @@
 
 from . import (  # noqa: F401
     answers,
+    base,
     composed,
     dynamics,
     forces,

@@ -42,11 +42,10 @@ def follows(h: Hypothesis, case: Case) -> list[Hypothesis]:
                 if not ({"gravity", "coriolis"} & set(some) and "bias" in some):  # of which bias is made itself
                     what = ", ".join(some)
                     says = f"it differs as {what} {'does' if n == 1 else 'do'}, of which it is made, and no further"
-                    fix = f"repair {what} first"
-                    act = _composed(case, some)
-                    out.append(
-                        replace(h, says=says, fix=fix, terms=(term,), place="answer", act=act, cost=1.2 + 0.1 * n)
+                    made = replace(
+                        h, says=says, fix=f"repair {what} first", terms=(term,), place="answer", made_of=some
                     )
+                    out.append(replace(made, act=_composed(case, some), cost=1.2 + 0.1 * n))
     return out
 
 

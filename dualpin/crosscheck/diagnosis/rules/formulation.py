@@ -36,6 +36,7 @@ def formulation(
     name: str, terms: Terms, known: Mapping[tuple[str, str, str], str] | None = None, variant: str = "",
     when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
     batched: bool = False, like: Callable[[str], str] = lambda term: term,
+    afterwards: Callable[[Case], bool] = lambda case: False,
 ) -> Callable[[Run], Run]:  # fmt: skip
     """Register an algorithm whose single slips are hypotheses.
 
@@ -59,6 +60,8 @@ def formulation(
         Whether all arrays of the algorithm, and of what it returns, have a first axis of runs (`Steps.together`).
     like : callable
         The term in which the slips of a term are looked for, where the same steps are quicker to see there.
+    afterwards : callable
+        Whether it takes so long that a slip is tried only where it explains another term.
     """
 
     def decorate(run: Run) -> Run:
@@ -75,7 +78,8 @@ def formulation(
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
                     Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + OTHER * (slip.how == "step_other"),
+                    cost=cost + OTHER * (slip.how == "step_other"), afterwards=afterwards(case),
+                    mistake=_mistake(slip, (known or {}).get(slip)),
                 )
                 for slip, shown in touched.items()
             ]  # fmt: skip
@@ -85,6 +89,11 @@ def formulation(
         return run
 
     return decorate
+
+
+def _mistake(slip: Slip, key: str | None) -> tuple[str, ...]:
+    """Slips with a key of their own are the same mistake in every formulation, others at steps of the same words."""
+    return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how)
 
 
 def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:

@@ -12,19 +12,19 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
-from ..description import Description
 from ..textbook import turns
 from ..textbook.assembly import solved
+from ..textbook.attitudes import PLAIN, Quaternions, Ways
 from ..textbook.columns import Columns, referred, referred_rate
-from ..textbook.poses import PLAIN, Poses, Ways, position_rates, rehung, stacked
+from ..textbook.poses import Poses, position_rates, stacked
+from ..textbook.second import SecondDerivatives
 from ..textbook.slipped import Run
-from ..textbook.steps import Slip, Steps
-from ..textbook.weighted import Sums
+from ..textbook.steps import Steps
+from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, Terms, formulation
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
-RIGHT = Steps(Slip("", "", ""))
-"""Steps at which nothing can go wrong, and nothing is noted."""
+SECOND = "by second derivatives"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
@@ -41,35 +41,29 @@ class Made:
 
     Attributes
     ----------
-    poses, rest : Steps
-        Those of poses and velocities, and those of all that is made of them.
+    poses, rest, reading : Steps
+        Those of poses and velocities, those of all that is made of them, and those of reading tensors.
     ways : Ways
         How rotations are made.
     fused : bool
         Whether fixed links are merged into the bodies that carry them.
     how : str
-        Velocities are found "from link to link" or "by Jacobians"; or Jacobians, and M, are "differentiated".
+        Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
+        rates are made "by second derivatives".
     """
 
     view: View
     poses: Steps = RIGHT
     rest: Steps = RIGHT
     ways: Ways = PLAIN
+    reading: Steps = RIGHT
     fused: bool = False
     how: str = LINKS
 
-    @cached_property
-    def description(self) -> Description:
-        d = self.view.description
-        if not self.fused:
-            return d
-        if d not in FUSED:
-            FUSED[d] = rehung(d)
-        return FUSED[d]
-
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
-        return Poses(v.robot, self.description, q, v.states.get("v") if moving else None, self.poses, self.ways)
+        qd = v.states.get("v") if moving else None
+        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused)
 
     @cached_property
     def whole(self) -> Poses:
@@ -78,20 +72,22 @@ class Made:
         if self.poses is not RIGHT or self.ways is not PLAIN:
             return self.tree(v.states["q"])
         known = TREES.setdefault(v.case, [])
-        for of, states, tree in known:
-            if of is self.description and states is v.states:
+        for of, states, fused, tree in known:
+            if of is v.description and states is v.states and fused == self.fused:
                 return tree
         tree = self.tree(v.states["q"])
         del known[: len(known) - MOST + 1]
-        known.append((self.description, v.states, tree))
+        known.append((v.description, v.states, self.fused, tree))
         return tree
 
-    def sums(self, tree: Poses) -> Sums:
-        return Sums(tree, self.columns(tree), self.rest)
-
     def columns(self, tree: Poses) -> Columns:
-        columns = Columns(tree, self.rest)
+        how = self.view.layout.how
+        world = how.angular == how.linear == "world"
+        columns = (SecondDerivatives if self.how == SECOND else Columns)(tree, self.rest, world)
         return columns.by_jacobians() if self.how == JACOBIANS and tree.qd is not None else columns
+
+    def sums(self, tree: Poses) -> Sums:
+        return Sums(tree, self.columns(tree), self.rest, self.reading)
 
     def term(self, term: str) -> np.ndarray:
         """The answer to a question, (runs, n, ...)."""
@@ -100,7 +96,7 @@ class Made:
             return self.of_frames(term)
         if term == "coriolis" and self.how == DIFFERENTIATED:
             return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
-        if term in TURNED and any(any(p.armature) for p in self.description.parts):
+        if term in TURNED and any(any(p.armature) for p in self.view.description.parts):
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
@@ -137,11 +133,28 @@ class Made:
         D = self._rate(tree, links)
         if term == "jacobian_dot" or a is None:
             return D
-        parts = {"J a": product(J, a[:, None]), "dJ/dt v": product(D, v)}
-        return np.asarray(self.rest.add("the acceleration of a frame", **parts))
+        moving = product(D, v)
+        wrong = {"that of the origin of the body that carries the frame": lambda: self._of_bodies(tree, links)}
+        moving = self.rest.pick("what velocities add to a frame's acceleration", moving, **wrong)
+        parts = {"J a": product(J, a[:, None]), "dJ/dt v": moving}
+        halves = [
+            self.rest.add(f"the acceleration of a frame: {which} part", **{k: x[..., at] for k, x in parts.items()})
+            for which, at in (("its angular", slice(0, 3)), ("its linear", slice(3, 6)))
+        ]
+        return np.concatenate(np.broadcast_arrays(*halves), -1)
+
+    def _of_bodies(self, tree: Poses, links: list[int]) -> np.ndarray:
+        """dJ/dt v of the bodies that carry frames on fixed joints."""
+        moving = [self._carrier(tree, k) for k in links]
+        return product(self._rate(tree, moving), self.view.states["v"][:, None])
+
+    def _carrier(self, tree: Poses, link: int) -> int:
+        while link > 0 and not tree.of_link[link]:
+            link = tree.parent[link]
+        return link
 
     def _jacobian(self, tree: Poses, links: list[int]) -> np.ndarray:
-        columns, R, p = Columns(tree, self.rest), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
+        columns, R, p = self.columns(tree), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
         J = columns.reduced(columns.at(p, links))
         return referred(self.rest, J, R, p, self.view.layout.how.reference)
 
@@ -159,8 +172,7 @@ class Made:
 
 
 OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
-TREES: WeakKeyDictionary[Case, list[tuple[object, object, Poses]]] = WeakKeyDictionary()
-FUSED: WeakKeyDictionary[Description, Description] = WeakKeyDictionary()
+TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()
 LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long
 MOST = 4  # trees of a case that are kept
 SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
@@ -213,7 +225,7 @@ def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
     J = sums.com_jacobian_by_subtrees()
     if term == "com_jacobian":
         return J
-    torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.masses.sum()
+    torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.total
     return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))
 
 
@@ -223,11 +235,17 @@ def _with(made: Callable[..., np.ndarray], steps: Steps) -> Callable[..., np.nda
 
 
 WAYS: dict[str, Callable[[Steps], Ways]] = {
-    "rotations by axis and angle": lambda steps: Ways(turn=_with(turns.by_outer_product, steps)),
-    "rotations by quaternions": lambda steps: Ways(turn=_with(turns.by_quaternion, steps)),
-    "quaternions to matrices": lambda steps: Ways(quaternion=_with(turns.entry_by_entry, steps)),
-    "roll, pitch and yaw as a product": lambda steps: Ways(rpy=_with(turns.of_rpy, steps)),
-    "roll, pitch and yaw, entry by entry": lambda steps: Ways(rpy=_with(turns.rpy_entries, steps)),
+    "rotations by axis and angle": lambda steps: Ways(turn=_with(turns.by_outer_product, steps), own=steps),
+    "rotations by quaternions": lambda steps: Ways(turn=_with(turns.by_quaternion, steps), own=steps),
+    "quaternions throughout": lambda steps: Quaternions(own=steps),
+    "quaternions throughout, of origins from matrices": lambda steps: Quaternions(own=steps, converted=True),
+    "quaternions throughout, vectors by products": lambda steps: Quaternions(own=steps, products=True),
+    "quaternions throughout, vectors by products, of origins from matrices": lambda steps: Quaternions(
+        own=steps, products=True, converted=True
+    ),
+    "quaternions to matrices": lambda steps: Ways(quaternion=_with(turns.entry_by_entry, steps), own=steps),
+    "roll, pitch and yaw as a product": lambda steps: Ways(rpy=_with(turns.of_rpy, steps), own=steps),
+    "roll, pitch and yaw, entry by entry": lambda steps: Ways(rpy=_with(turns.rpy_entries, steps), own=steps),
 }
 """Other ways to make rotations, with slips there alone."""
 
@@ -237,6 +255,11 @@ def rotations(view: View, term: str, steps: Steps, way: str = "", **how: Any) ->
     return Made(view, ways=WAYS[way](steps), **how).term(term)
 
 
+def reading(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """With slips in reading tensors, which then may not be symmetric."""
+    return Made(view, reading=steps, **how).term(term)
+
+
 def fuses(case: Case) -> bool:
     """Whether bodies or joints hang on fixed links."""
     return any(not p.moves for p in case.description.parts)
@@ -244,16 +267,18 @@ def fuses(case: Case) -> bool:
 
 KNOWN = {
     ("the linear part of a turning column", "", "step_swapped"): "jacobian_linear_sign",
+    ("the moment of a body", "w x I w", "step_left_out"): "gyroscopic",
+    ("the moment of a body", "w x I w", "step_sign"): "gyroscopic_sign",
+    ("the moment of a body", "w x I w", "step_half"): "gyroscopic_half",
+    ("the moment of a body", "I Jw' v", "step_left_out"): "no_angular_acceleration",
     ("the angular momentum of a body", "I w", "step_left_out"): "spin",
     ("the angular momentum of a body", "r x m v", "step_left_out"): "orbit",
     ("the angular momentum of a body", "r x m v", "step_sign"): "orbit_sign",
     ("the centre of mass of a body", "", "step_unturned"): "com_frame",
     ("the weight of a body's centre", "1", "step_other"): "com_unweighted",
     ("the axis of a column", "", "step_unturned"): "axis_frame",
-    ("the moment of a body", "w x I w", "step_left_out"): "gyroscopic",
-    ("the moment of a body", "w x I w", "step_sign"): "gyroscopic_sign",
-    ("the moment of a body", "w x I w", "step_half"): "gyroscopic_half",
-    ("the moment of a body", "I Jw' v", "step_left_out"): "no_angular_acceleration",
+    ("xyz", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
+    ("xyz: of a moving joint", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
     ("the inertia of a body", "", "step_unturned"): "inertia_frame",
     ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
     ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
@@ -264,25 +289,37 @@ SAYS = {
     "orbit": "m r x v of bodies is left out of the angular momentum",
     "orbit_sign": "m r x v of bodies has the other sign in the angular momentum",
     "com_frame": "centres of mass are not turned into world axes",
+    "xyz_after_rpy": "xyz of joints is turned by their rpy",
     "com_unweighted": "the centre of mass is the mean of the bodies' centres, without their masses",
 }
 
 
-def _register(name: str, run: Run, terms: Terms, **how: Any) -> None:
-    """A formulation, of the links as they are and of bodies merged from fixed links."""
+def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) -> None:
+    """A formulation, of the links as they are and of bodies merged from fixed links.
+
+    `after` is a term in which its slips show first, if that is answered; they are looked for there.
+    """
     variant = how.get("how", "")
-    cost = COST + 0.05 * bool(variant)
-    like = LIKE.get(run, _itself)
-    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True, like=like)(_of(run, **how))
+    cost, like = COST + 0.05 * bool(variant), LIKE.get(run, _itself)
+    slow = partial(_answers, after)
+    formulation(name, terms, KNOWN, variant, _always, cost, SAYS, True, like, slow)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
-    cost += 0.01
-    formulation(name, terms, KNOWN, both, fuses, cost, batched=True, like=like)(_of(run, fused=True, **how))
+    formulation(name, terms, KNOWN, both, fuses, cost + 0.01, None, True, like, slow)(_of(run, fused=True, **how))
+
+
+def _answers(after: str, case: Case) -> bool:
+    return after in case.observed
+
+
+def _always(case: Case) -> bool:
+    return True
 
 
 LIKE: dict[Run, Callable[[str], str]] = {
-    poses: lambda term: "frame_velocity" if term in MOVING else "fk", rotations: lambda term: "fk",
+    poses: lambda term: "frame_velocity" if term in MOVING else "fk",
+    rotations: lambda term: "fk" if term in OF_FRAMES else "com", reading: lambda term: "crba",
 }  # fmt: skip
-"""Where all slips of poses show."""
+"""Where all slips show."""
 
 
 def _itself(term: str) -> str:
@@ -309,13 +346,30 @@ def symbols(case: Case) -> bool:
     return few(case) and off("crba")(case)
 
 
+def fixed(case: Case) -> bool:
+    return not case.floating and not_large(case)
+
+
 RATES = ("jacobian_dot", "frame_acceleration")
-GROUPS = {"moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",)}
-for _name, _run, _moved in (("forward kinematics", poses, off("fk")), ("geometric Jacobians", jacobians, not_large)):
-    _register(_name, _run, _terms(*SEEN, moved=_moved))
-    _register(_name, _run, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
-    _register(_name, _run, _terms(*RATES, matrix=symbols), how=DIFFERENTIATED)
+TENSORS = ("centroidal_momentum_matrix", "kinetic_energy", "crba", "minv", "bias", "rnea", "aba", "coriolis")
+GROUPS = {
+    "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
+    "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
+    "rate": ("jacobian_dot",), "tensors": TENSORS,
+}  # fmt: skip
+_register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")))
+_register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
+_register("forward kinematics", poses, RATES, how=DIFFERENTIATED)
+_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
+_register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
+_register("geometric Jacobians", jacobians, RATES, how=DIFFERENTIATED)
+_register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
+for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
+    _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
+_register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
 for _name in WAYS:
-    _register(_name, rotations, _terms(*SEEN, moved=off("fk")), way=_name)
+    _register(_name, rotations, _terms(posed=off("fk")), way=_name)
+    _register(_name, rotations, _terms(turned=off("fk")), after="fk", way=_name)
+    _register(_name, rotations, _terms(rate=off("fk"), matrix=symbols), after="fk", way=_name, how=DIFFERENTIATED)

@@ -187,11 +187,16 @@ def _momentum_by_q(view: View) -> np.ndarray:
     from ....call import evaluate as call
 
     s, zero = view.states, np.zeros_like(view.states["v"])
-    robot = view.case.robot if view.description is view.case.description else view.robot
-    by_q = [
-        call(robot, "rnea_derivatives", {"q": s["q"], "v": zero, "a": a}, engine="numpy")[:, 0] for a in (s["v"], zero)
-    ]
-    return np.asarray(by_q[0] - by_q[1])
+
+    def make() -> np.ndarray:
+        robot = view.case.robot if view.description is view.case.description else view.robot
+        by_q = [
+            call(robot, "rnea_derivatives", {"q": s["q"], "v": zero, "a": a}, engine="numpy")[:, 0]
+            for a in (s["v"], zero)
+        ]
+        return np.asarray(by_q[0] - by_q[1])
+
+    return view.once("d(M v)/dq", make)
 
 
 @proposer(

@@ -295,34 +295,6 @@ def q_ignored(view: View) -> States:
     return {**view.states, "q": np.broadcast_to(view.robot.neutral, (n, view.robot.nq)).copy()}
 
 
-@rule(
-    "base_pose",
-    "the base's pose is ignored",
-    "pass the base's position and quaternion",
-    ALL,
-    "state",
-    when=lambda case: case.floating,
-)
-def base_pose(view: View) -> States:
-    q = view.states["q"].copy()
-    q[:, :7] = (0, 0, 0, 1, 0, 0, 0)
-    return {**view.states, "q": q}
-
-
-@rule(
-    "base_turn",
-    "the base's orientation is inverted",
-    "pass the quaternion that turns the base's axes into the world's",
-    ALL,
-    "state",
-    when=lambda case: case.floating,
-)
-def base_turn(view: View) -> States:
-    q = view.states["q"].copy()
-    q[:, 4:7] *= -1
-    return {**view.states, "q": q}
-
-
 @proposer("single_precision", "the states are rounded to single precision", "pass arrays of doubles")
 def states_in_single_precision(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def rounded(*which: str) -> Callable[[View], States]:

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product
 from .poses import Poses, stacked
 from .steps import Steps, cross
@@ -30,10 +31,12 @@ class Columns:
         (runs, n, axes, 3): directions of the axes, and origins of the links that they move.
     w, v : list of array
         Motions of the links: from link to link, or `by_jacobians`.
+    world : bool
+        Whether the subject writes the base's columns for velocities in world axes.
     """
 
-    def __init__(self, poses: Poses, steps: Steps) -> None:
-        self.poses, self.steps, self.axes = poses, steps, poses.axes
+    def __init__(self, poses: Poses, steps: Steps, world: bool = False) -> None:
+        self.poses, self.steps, self.axes, self.world = poses, steps, poses.axes, world
         self.links, self.parents = [a.link for a in self.axes], [max(0, a.parent) for a in self.axes]
         base = [i for i, a in enumerate(self.axes) if a.base]
         joints = [i for i, a in enumerate(self.axes) if not a.base]
@@ -72,11 +75,15 @@ class Columns:
         if group and self.axes[group[0]].base:
             return self.steps.turn(site, R, a + 0 * R[..., 0])
         z = self.steps.turn(site, R, a + 0 * R[..., 0], **others)
+        o = self.o[..., group, :]
         wrong = {
             "that of the joint before": lambda: self._moved(group, z, self.before),
             "that of the next joint": lambda: self._moved(group, z, self.after),
+            "that of the first joint": lambda: z[..., :1, :] + 0 * z,
         }
-        return np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
+        z = np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
+        point = {"a point, with the position of its origin added": lambda: z + o}
+        return np.asarray(self.steps.pick("the direction in a column, of joints,", z, **point))
 
     def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray, z: float = 1.0) -> np.ndarray:
         """Of every axis, what another axis has; where there is none, the world's z, or its origin."""
@@ -113,8 +120,9 @@ class Columns:
         lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
         zero = np.zeros_like(lever)
         z = z + zero
+        angular, lever = self._exchanged(z, r, lever, group)
         column = steps.pick(
-            f"the column of a turning axis: {which}", _six(z, lever),
+            f"the column of a turning axis: {which}", _six(angular, lever),
             **{"[z; 0], without the lever arm": _six(z, zero), "[0; z x r], without z": _six(zero, lever),
                "[0; z], as of a sliding one": _six(zero, z), "[z; z]": _six(z, z), "[z x r; z]": _six(lever, z)},
         )  # fmt: skip
@@ -123,10 +131,30 @@ class Columns:
             slide = steps.pick(
                 f"the column of a sliding axis: {which}", slide,
                 **{"[z; z x r], as of a turning one": _six(z, cross(z, r)), "[z; z]": _six(z, z), "zero": 0 * slide,
-                   "[0; z x r]": _six(zero, cross(z, r)), "[z; 0]": _six(z, zero), "[0; -z]": -slide},
+                   "[0; z x r]": _six(zero, cross(z, r)), "[z; 0]": _six(z, zero), "[0; -z]": -slide,
+                   "[0; z + o], as if the axis were a point of the link": _six(zero, z + o)},
             )  # fmt: skip
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+
+    def _exchanged(
+        self, z: np.ndarray, r: np.ndarray, lever: np.ndarray, group: list[int]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Angular and linear part of turning columns; of the base, with two of its axes exchanged."""
+        if not self.axes[group[0]].base:
+            return z, lever
+        angular, linear = {}, {}
+        for a, b in ((0, 1), (0, 2), (1, 2)):
+            to = [0, 1, 2]
+            to[a], to[b] = b, a
+            # where the base's velocity is in world axes, the columns are those of the world's
+            y = z[..., to] if self.world else z[..., [*to, *range(3, z.shape[-2])], :]
+            other = cross(y, r)
+            for rows, x, u in (("angular rows", y, lever), ("linear rows", z, other), ("all rows", y, other)):
+                name = f"{'xyz'[a]} and {'xyz'[b]} exchanged in the {rows}"
+                angular[name], linear[name] = x, u
+        site = "the base's turning columns, with"
+        return self.steps.pick(site, z, **angular), self.steps.pick(site, lever, **linear)
 
     def _arms(self, group: list[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
         """Other lever arms."""
@@ -182,21 +210,32 @@ class Columns:
             **{"that of the frame's link": frames + 0 * w, "that of the axis against the frame": w - frames,
                "that of the root": self.w[0][..., None, None, :] + 0 * w},
         )  # fmt: skip
-        turned = steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
+        still = self.world and self.axes[group[0]].base  # axes of the world, for now
+        turned = 0 * cross(w, z) if still else steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
         ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "that of the joint": -u}
         moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **ends)
         zero = np.zeros_like(turned + moving)
-        lever = {"(w x z) x r": cross(turned + zero, p - o), "z x dr/dt": cross(z + zero, moving)}
+        lever = {"z x dr/dt": cross(z + zero, moving)}
+        if not still:
+            lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, p - o), **lever}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
         column = _six(turned + zero, rate)
-        linear = {"[0; its linear part]": _six(zero, rate)}
+        linear = {"[0; its linear part], without the turning of the axis": _six(zero, rate)}
         column = steps.pick(f"the rate of a turning column: {which}", column, **linear)
         slide = _six(zero, turned + zero)
         if not self.turns[group].all():
             wrong = {"zero": 0 * slide, "that of a turning one": column}
             slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
         turns = self.turns[group, None]
-        return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+        rates = np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+        return rates + self._carried(self._columns(points, group, which, whose)) if still else rates
+
+    def _carried(self, J: np.ndarray) -> np.ndarray:
+        """J_w dR/dt, of the base's columns in world axes, J_w = J R^T: what its own axes have besides."""
+        qd = self.poses.qd
+        assert qd is not None
+        turning = cross_matrix(qd[..., None, :3])
+        return np.concatenate([J[..., :3] @ turning, J[..., 3:] @ turning], -1)
 
     def reduced(self, J: np.ndarray) -> np.ndarray:
         """The columns of v, of those of the axes; a joint that follows moves with its leader."""

@@ -13,38 +13,26 @@ section 5.6.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ....model.robot import Joint, Robot
 from ...subjects.convention import base_of
 from ...subjects.layout import product, rotations, transposed
-from ..description import Description, Part, fixed_axes, merged
+from ..description import Description, Part
+from .attitudes import PLAIN, Ways
 from .steps import Steps, cross
-from .turns import ONE, Turn, of_quaternion, rodrigues
-
-Rpy = Callable[[Steps, np.ndarray], np.ndarray]
-Quaternion = Callable[[Steps, np.ndarray, np.ndarray, str], np.ndarray]
+from .turns import ONE
 
 
-@dataclass(frozen=True)
-class Ways:
-    """How rotations are made: of joints, of roll, pitch and yaw (by default as the file was read), of quaternions."""
+@dataclass
+class Placed:
+    """Where a link is fixed on a body: its number, and the orientation and position there."""
 
-    turn: Turn = rodrigues
-    rpy: Rpy | None = None
-    quaternion: Quaternion = of_quaternion
-
-    def of_rpy(self, steps: Steps, rpy: np.ndarray, rotation: np.ndarray) -> np.ndarray:
-        """The rotation of an origin, by the way of this formulation where it is that of the file's angles."""
-        if self.rpy is None or not rpy.any() or np.abs(rotation - fixed_axes(rpy)).max() > 1e-14:
-            return rotation[None, None]
-        return self.rpy(steps, rpy)
-
-
-PLAIN = Ways()
+    body: int
+    A: np.ndarray
+    p: np.ndarray
 
 
 @dataclass
@@ -69,7 +57,13 @@ class Poses:
     Attributes
     ----------
     R, p : list of array
-        Of each link, parents first: (runs, n, 3, 3) and (runs, n, 3).
+        Of each link, parents first: (runs, n, 3, 3), which turns vectors, and (runs, n, 3).
+    attitudes : list of array
+        The orientations, in the way in which they are kept.
+    before : list of array
+        As R, without the turn of the link's own joint.
+    placed : list of Placed
+        Of each link: on which body it is fixed, and where.
     w, v : list of array
         Angular velocity, and velocity of the origin, in world axes; where velocities were given.
     axes : list of Axis
@@ -78,16 +72,20 @@ class Poses:
     """
 
     def __init__(
-        self, robot: Robot, d: Description, q: np.ndarray, qd: np.ndarray | None, steps: Steps, ways: Ways = PLAIN
+        self, robot: Robot, d: Description, q: np.ndarray, qd: np.ndarray | None, steps: Steps, ways: Ways = PLAIN,
+        fused: bool = False,
     ) -> None:  # fmt: skip
-        self.robot, self.d, self.steps, self.ways = robot, d, steps, ways
+        self.robot, self.d, self.steps, self.ways, self.fused = robot, d, steps, ways, fused
         self.q, self.qd = q[None], None if qd is None else qd[None]
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
         self.axes: list[Axis] = []
         self.of_link: list[list[int]] = [[]]
         zero = np.zeros((1, len(q), 3), q.dtype)
+        self.attitudes: list[np.ndarray] = [ways.start()]
         self.R: list[np.ndarray] = [ONE[None, None]]
+        self.before: list[np.ndarray] = [ONE[None, None]]
+        self.placed = [Placed(0, ways.start(), np.zeros((1, 1, 3)))]
         self.p, self.w, self.v = [zero], [zero], [zero]
         base = base_of(robot)
         if base is not None:
@@ -97,7 +95,9 @@ class Poses:
             self._add(part, joints.get(part.joint))
 
     def _base(self, joint: Joint) -> None:
-        R = self._quaternion(joint, "the base")
+        self.attitudes[0] = self._quaternion(joint, "the base")
+        R = self.ways.matrix(self.attitudes[0])
+        self.before[0] = R
         self.R[0], self.p[0] = R, self.q[..., joint.q.start : joint.q.start + 3]
         self._six(joint, 0, -1, base=True)
         if self.qd is not None:
@@ -107,7 +107,7 @@ class Poses:
 
     def _quaternion(self, joint: Joint, whose: str) -> np.ndarray:
         at = joint.q.start + 3
-        return self.ways.quaternion(self.steps, self.q[..., at], self.q[..., at + 1 : at + 4], whose)
+        return self.ways.of_quaternion(self.steps, self.q[..., at], self.q[..., at + 1 : at + 4], whose)
 
     def _six(self, joint: Joint, link: int, parent: int, base: bool = False) -> None:
         for k in range(6):
@@ -121,37 +121,71 @@ class Poses:
         """The next link: its pose, its axes and its velocity."""
         if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
             raise ValueError("a link that stands where its joint moves it")
-        steps, up, link = self.steps, self.number[part.parent], len(self.R)
-        which = "of a moving joint" if part.moves else "of a fixed joint"
-        Rp, Ro = self.R[up], self.ways.of_rpy(self.steps, part.rpy, part.rotation)
-        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * self.p[up], **{"by its own rpy too": lambda: Rp @ Ro})
-        p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
-        R = steps.pick(
-            f"the orientation of an origin: {which}", Rp @ Ro,
-            **{"multiplied in the other order": lambda: Ro @ Rp, "that of rpy alone": Ro,
-               "that of the parent alone": Rp},
-        )  # fmt: skip
+        steps, ways, up, link = self.steps, self.ways, self.number[part.parent], len(self.R)
+        Ao = ways.of_rpy(steps, part.rpy, part.rotation)
+        A, p, on = self._on_body(part, up, Ao) if self.fused else self._on_link(part, up, Ao)
+        before = A
         self.of_link.append([])
         if joint is not None and part.axial:
-            R, p = self._axial(part, joint, link, up, R, p, Ro)
+            A, p = self._axial(part, joint, link, up, A, p, Ao)
         elif joint is not None and part.type == "floating":
             k = joint.q.start
-            p = p + steps.turn("the position of a joint that floats", R, self.q[..., k : k + 3])
-            R = R @ self._quaternion(joint, "a joint that floats")
+            p = p + steps.turn("the position of a joint that floats", ways.matrix(A), self.q[..., k : k + 3])
+            A = ways.then(A, self._quaternion(joint, "a joint that floats"))
             self._six(joint, link, up)
         elif joint is not None and part.type == "planar":
-            R, p = self._planar(joint, link, up, R, p)
+            A, p = self._planar(joint, link, up, A, p)
         elif part.moves:
             raise ValueError(f"a joint of type {part.type}")
-        self.R.append(R)
+        self.attitudes.append(A)
+        moves = bool(self.of_link[link])
+        self.before.append(ways.matrix(before))
+        body = self.placed[up].body
+        fixed_there = self.fused and not moves
+        self.R.append(self.R[body] @ ways.matrix(on.A) if fixed_there else ways.matrix(A))
+        self.placed.append(on if fixed_there else Placed(link, ways.start(), np.zeros((1, 1, 3))))
         self.p.append(p)
         if self.qd is not None:
             self._velocity(link, up)
 
+    def _on_link(self, part: Part, up: int, Ao: np.ndarray) -> tuple[np.ndarray, np.ndarray, Placed]:
+        """Where the fixed side of a joint is, from the pose of the link that it is on."""
+        steps, ways, Rp, Ap = self.steps, self.ways, self.R[up], self.attitudes[up]
+        which = "of a moving joint" if part.moves else "of a fixed joint"
+        both = ways.then(Ap, Ao)
+        further = {"by its own rpy too": lambda: ways.matrix(both)}
+        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * self.p[up], **further)
+        p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
+        A = self._oriented(f"the orientation of an origin: {which}", Ap, Ao, both)
+        return A, p, self.placed[0]
+
+    def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray) -> np.ndarray:
+        others = {
+            "multiplied in the other order": lambda: self.ways.then(Ao, Ap), "that of rpy alone": Ao,
+            "that of the parent alone": Ap,
+        }  # fmt: skip
+        return np.asarray(self.steps.pick(site, both, **others))
+
+    def _on_body(self, part: Part, up: int, Ao: np.ndarray) -> tuple[np.ndarray, np.ndarray, Placed]:
+        """The same from the pose of the body that carries that link, on which it was placed when the file was read."""
+        steps, ways, there = self.steps, self.ways, self.placed[up]
+        which = "of a moving joint" if part.moves else "of a fixed joint"
+        further = {"by its own rpy too": lambda: ways.matrix(ways.then(there.A, Ao))}
+        xyz = steps.turn(f"xyz: {which}", ways.matrix(there.A), part.position[None, None], **further)
+        r = steps.add(f"the position of an origin on its body: {which}", **{"that of the parent": there.p, "xyz": xyz})
+        local = self._oriented(f"the orientation of an origin: {which}", there.A, Ao, ways.then(there.A, Ao))
+        on = Placed(there.body, local, r)
+        Ab, Rb, p = self.attitudes[there.body], self.R[there.body], self.p[there.body]
+        R = self._oriented(f"the orientation of what is fixed on a body: {which}", Ab, local, ways.then(Ab, local))
+        further = {"by its own rotation too": lambda: Rb @ ways.matrix(local)}
+        offset = steps.turn(f"the offset on a body: {which}", Rb, r + 0 * p, **further)
+        ends = {"the body's position": p, "the offset": offset}
+        return R, steps.add(f"the position of what is fixed on a body: {which}", **ends), on
+
     def _axial(
-        self, part: Part, joint: Joint, link: int, up: int, R: np.ndarray, p: np.ndarray, Ro: np.ndarray
+        self, part: Part, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray, Ao: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        steps, Rp, x = self.steps, self.R[up], self.q[..., joint.q.start]
+        steps, ways, Ap, x = self.steps, self.ways, self.attitudes[up], self.q[..., joint.q.start]
         ratio, offset = (float(c) for c in joint.coupling)
         follows = joint.mimic is not None
         if follows:
@@ -159,34 +193,35 @@ class Poses:
             x = steps.add("the position of a joint that follows", **terms)
         axis = part.unit_axis[None, None]
         if part.axis is not None and np.abs(part.axis - axis).max() > 1e-12:
-            axis = steps.pick("the axis of a joint", axis, **{"not normalised": part.axis[None, None]})
+            raw = {"not normalised": part.axis[None, None]}
+            axis = (ways.own or steps).pick("the axis of a joint", axis, **raw)
         if part.slides:
-            others = {"by the parent's rotation, without its own rpy": lambda: Rp}
-            along = steps.turn("the direction of a sliding joint", R, axis + 0 * p, **others)
+            others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
+            along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
             p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": along * x[..., None]})
         else:
-            T = self.ways.turn(self.steps, axis, x)
-            R = steps.pick(
-                "the rotation of a link", R @ T,
+            T, before = ways.of_axis(steps, axis, x), A
+            A = steps.pick(
+                "the rotation of a link", ways.then(A, T),
                 **{
-                    "with the joint's turn before its rpy": lambda: Rp @ T @ Ro,
-                    "with the joint's turn multiplied from the left": lambda: T @ R,
-                    "with the joint's turn transposed": lambda: R @ transposed(T),
-                    "without the joint's turn": lambda: R + 0 * T, "that of the joint's turn alone": T,
+                    "with the joint's turn before its rpy": lambda: ways.then(ways.then(Ap, T), Ao),
+                    "with the joint's turn multiplied from the left": lambda: ways.then(T, before),
+                    "with the joint's turn transposed": lambda: ways.then(before, ways.inverse(T)),
+                    "without the joint's turn": lambda: before + 0 * T, "that of the joint's turn alone": T,
                 },
             )  # fmt: skip
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, ratio, follows))
-        return R, p
+        return A, p
 
     def _planar(
-        self, joint: Joint, link: int, up: int, R: np.ndarray, p: np.ndarray
+        self, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         k, v = joint.q.start, joint.v.start
         flat = np.concatenate([self.q[..., k : k + 2], 0 * self.q[..., :1]], -1)
-        p = p + self.steps.turn("the position of a planar joint", R, flat)
+        p = p + self.steps.turn("the position of a planar joint", self.ways.matrix(A), flat)
         for i, (turns, e) in enumerate(((False, ONE[0]), (False, ONE[1]), (True, ONE[2]))):
             self._axis(Axis(link, up, turns, e, v + i))
-        return R @ self.ways.turn(self.steps, ONE[2][None, None], self.q[..., k + 2]), p
+        return self.ways.then(A, self.ways.of_axis(self.steps, ONE[2][None, None], self.q[..., k + 2])), p
 
     def _velocity(self, link: int, up: int) -> None:
         """Of a link, from that of its parent."""
@@ -218,7 +253,7 @@ class Poses:
 
     def pose(self, link: int) -> np.ndarray:
         """(runs, n, 4, 4)."""
-        R, p = self.R[link], self.p[link]
+        R, p = self.ways.seen(self.attitudes[link]), self.p[link]
         H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
         H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
         return H
@@ -244,19 +279,6 @@ def position_rates(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
             s, c = np.sin(x[:, 2]), np.cos(x[:, 2])
             out[:, j.q] = np.stack([c * u[:, 0] - s * u[:, 1], s * u[:, 0] + c * u[:, 1], u[:, 2]], -1)
     return out
-
-
-def rehung(d: Description) -> Description:
-    """The same robot as a chain of moving bodies: fixed links are merged into what carries them, joints hang there."""
-    where, whole = d.carried(), merged(d)
-    carried = {p.joint: where[p.parent] for p in d.parts}
-    still = np.zeros(3)
-
-    def hung(p: Part) -> Part:
-        parent, H = carried[p.joint]
-        return p if parent == p.parent else replace(p.placed(H @ p.pose), parent=parent, rpy=still)
-
-    return replace(whole, parts=tuple(hung(p) for p in whole.parts))
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

@@ -81,7 +81,7 @@ def entry_by_entry(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np
     return _matrix(steps, table, f"of the rotation of {whose}")
 
 
-def of_rpy(steps: Steps, rpy: np.ndarray) -> np.ndarray:
+def of_rpy(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
     """Rz(yaw) Ry(pitch) Rx(roll), as the product of three matrices; rpy (3,)."""
     turns = []
     for k, (name, angle) in enumerate(zip("xyz", rpy, strict=True)):
@@ -92,16 +92,16 @@ def of_rpy(steps: Steps, rpy: np.ndarray) -> np.ndarray:
             "with both sines negative": R * ONE - np.sin(angle) * _sines(k), "without its 1": R - np.diag(ONE[k]),
             "1": ONE + 0 * R,
         }  # fmt: skip
-        turns.append(steps.pick(f"R{name} of roll, pitch and yaw", R, **wrong))
+        turns.append(steps.pick(f"R{name} of roll, pitch and yaw: {whose}", R, **wrong))
     x, y, z = turns
     others = {
         "Rx Ry Rz": lambda: x @ y @ z, "Rz Rx Ry": lambda: z @ x @ y, "Ry Rz Rx": lambda: y @ z @ x,
         "Ry Rx Rz": lambda: y @ x @ z, "Rx Rz Ry": lambda: x @ z @ y,
     }  # fmt: skip
-    return np.asarray(steps.pick("the product of roll, pitch and yaw", z @ y @ x, **others))
+    return np.asarray(steps.pick(f"the product of roll, pitch and yaw: {whose}", z @ y @ x, **others))
 
 
-def rpy_entries(steps: Steps, rpy: np.ndarray) -> np.ndarray:
+def rpy_entries(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
     """The same, entry by entry."""
     (cr, cp, cy), (sr, sp, sy) = (f(rpy)[:, None, None] for f in (np.cos, np.sin))
     table = [
@@ -111,7 +111,7 @@ def rpy_entries(steps: Steps, rpy: np.ndarray) -> np.ndarray:
          {"sy sp cr": sy * sp * cr, "cy sr": -cy * sr}],
         [{"sp": -sp}, {"cp sr": cp * sr}, {"cp cr": cp * cr}],
     ]  # fmt: skip
-    return _matrix(steps, table, "of the rotation by roll, pitch and yaw")
+    return _matrix(steps, table, f"of the rotation by roll, pitch and yaw: {whose}")
 
 
 def _matrix(steps: Steps, table: list[list[dict[str, np.ndarray]]], what: str) -> np.ndarray:

@@ -11,16 +11,40 @@ Robot, Autonomous Robots 35 (2013); Featherstone, Rigid Body Dynamics Algorithms
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
-from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
+from ..description import Body
+from .attitudes import INERTIAL
 from .columns import Columns
+from .lumps import READ, TURNED
 from .poses import Poses, stacked
-from .steps import Steps, cross
+from .steps import Slip, Steps, cross
+from .turns import ONE
+
+RIGHT = Steps(Slip("", "", ""))
+"""Steps at which nothing can go wrong, and nothing is noted."""
+
+
+class Piece(NamedTuple):
+    """A link's mass, centre and tensor, in the axes of what carries it."""
+
+    m: np.ndarray
+    c: np.ndarray
+    I: np.ndarray
+
+
+def together(pieces: Sequence[Piece]) -> Piece:
+    """One body: the arrays of `Piece` have the axes (runs, 1, ...)."""
+    m = sum((p.m for p in pieces[1:]), pieces[0].m)
+    c = sum((p.m[..., None] * p.c for p in pieces[1:]), pieces[0].m[..., None] * pieces[0].c) / m[..., None]
+    tensors = [p.I + steiners(p.m, p.c - c) for p in pieces] if len(pieces) > 1 else [pieces[0].I]
+    return Piece(m, c, sum(tensors[1:], tensors[0]))
 
 
 class Sums:
@@ -36,25 +60,43 @@ class Sums:
         (runs, n, bodies, ...): origins and orientations of the links, the centres of mass from there, and in the world.
     """
 
-    def __init__(self, poses: Poses, columns: Columns, steps: Steps) -> None:
-        self.poses, self.columns, self.steps = poses, columns, steps
-        d, moves = poses.d, [bool(row.any()) for row in poses.carries()]
+    def __init__(self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None) -> None:
+        self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
+        carries, d = poses.carries(), poses.d
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
-        self.grounded = sum(b.mass for k, b in every if not moves[k])
-        bodies = [(k, b) for k, b in every if moves[k]]
-        count, one = len(bodies), np.ones((1, 1))
+        self.grounded = sum(b.mass for k, b in every if not carries[k].any())
+        self.total = sum(b.mass for k, b in every if carries[k].any())
+        pieces: dict[int, list[Piece]] = {}
+        for k, b in every:
+            if carries[k].any():
+                on = poses.placed[k].body if poses.fused else k
+                pieces.setdefault(on, []).append(self._piece(k, b))
+        self.links, count = list(pieces), len(pieces)
+        made = [together(some) for some in pieces.values()]
+        one = np.ones((1, 1))
         self.counts = stacked([steps.part("the bodies", one, k, count) for k in range(count)], list(range(count)), 0)
-        self.links = [k for k, _ in bodies]
-        self.masses = np.array([b.mass for _, b in bodies])
-        self.m = self.counts * self.masses
+        m, com, tensors = (stacked([x[i] for x in made], list(range(count)), i) for i in range(3))
+        self.m = self.counts * m
         self.p, self.R = stacked(poses.p, self.links, 1), stacked(poses.R, self.links, 2)
-        turns = [poses.ways.of_rpy(poses.steps, b.rpy, b.rotation) for _, b in bodies]
-        tensors = [R @ b.inertia @ transposed(R) for R, (_, b) in zip(turns, bodies, strict=True)]
-        self.tensors = self.counts[..., None, None] * stacked(tensors, list(range(count)), 2)
-        com = np.array([b.com for _, b in bodies])
-        self.steiner = np.array([steiner(b.mass, b.com) for _, b in bodies])
+        self.tensors = self.counts[..., None, None] * tensors
+        self.steiner = steiners(m, com)
         self.r = steps.turn("the centre of mass of a body", self.R, com + 0 * self.p)
         self.c = steps.add("the place of a body's centre", **{"the link's origin": self.p, "R c": self.r})
+
+    def _piece(self, link: int, b: Body) -> Piece:
+        """A link's body in the axes of what carries it, or in its own."""
+        t, ways = self.poses, self.poses.ways
+        there = t.placed[link] if t.fused else t.placed[0]
+        turn = ways.of_rpy(t.steps, b.rpy, b.rotation, INERTIAL)
+        fixed = t.fused and there.body != link
+        J = b.inertia[None, None]
+        triangles = {"its upper triangle alone": np.triu(J), "its lower triangle alone": np.tril(J)}
+        I = self.reading.congruent(TURNED, ways.matrix(turn), self.reading.pick(READ, J, **triangles))
+        if not fixed:
+            return Piece(np.full((1, 1), b.mass), b.com[None, None], I)
+        Q = ways.matrix(there.A)
+        I = Q @ I @ transposed(Q) if self.reading is not RIGHT else _rotated(ways.matrix(ways.then(there.A, turn)), J)
+        return Piece(np.full((1, 1), b.mass), there.p + product(Q, b.com[None, None] + 0 * there.p), I)
 
     @cached_property
     def mass(self) -> np.ndarray:
@@ -71,7 +113,7 @@ class Sums:
     @cached_property
     def com(self) -> np.ndarray:
         """(runs, n, 3)."""
-        m = self.steps.pick("the weight of a body's centre", self.m, **{"1": self.counts})
+        m = self._masses("the weight of a body's centre")
         return np.asarray((m[..., None] * self.c).sum(-2) / self.mass)
 
     @cached_property
@@ -82,7 +124,7 @@ class Sums:
         return self.columns.reduced(self.columns.at(c, self.links, "a centre of mass"))
 
     def com_jacobian(self) -> np.ndarray:
-        m = self.steps.pick("the weight of a body's Jacobian", self.m, **{"1": self.counts})
+        m = self._masses("the weight of a body's Jacobian")
         return np.asarray((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) / self.mass[..., None])
 
     def com_jacobian_by_subtrees(self) -> np.ndarray:
@@ -108,6 +150,17 @@ class Sums:
         turns = cols.turns[:, None]
         J = m * (turns * lever + (1 - turns) * cols.z) / self.mass
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
+
+    def _masses(self, site: str) -> np.ndarray:
+        """(runs, 1, bodies), with what else is taken for them."""
+        m = self.m
+        wrong = {"1": self.counts}
+        if len(self.links) > 1:
+            wrong |= {
+                "that of the body before": np.roll(m, 1, -1), "that of the next body": np.roll(m, -1, -1),
+                "the mean mass": 0 * m + m.mean(-1, keepdims=True), "its square": m * m,
+            }  # fmt: skip
+        return np.asarray(self.steps.pick(site, m, **wrong))
 
     # momentum
 
@@ -155,7 +208,7 @@ class Sums:
         root = self.poses.p[0][..., None, :]
         wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
-        m = self.steps.pick("the mass in the potential energy", self.m, **{"1": self.counts})
+        m = self._masses("the mass in the potential energy")
         return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
 
     # the equations of motion
@@ -170,7 +223,7 @@ class Sums:
         return np.asarray(self.steps.add("the mass matrix", **terms))
 
     def gravity(self, g: np.ndarray) -> np.ndarray:
-        m = self.steps.pick("the mass in gravity's torques", self.m, **{"1": self.counts})
+        m = self._masses("the mass in gravity's torques")
         torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
@@ -207,6 +260,15 @@ class Sums:
         linear, angular = (product(A, x).sum(-2) for A, x in ((J[..., 3:], f), (J[..., :3], n)))
         forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
         return np.asarray(steps.add("the forces that velocities need", **forces))
+
+
+def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:
+    return np.asarray(R @ I @ transposed(R))
+
+
+def steiners(m: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """m (c.c 1 - c c^T), (..., 3, 3)."""
+    return np.asarray(m[..., None, None] * ((c * c).sum(-1)[..., None, None] * ONE - c[..., :, None] * c[..., None, :]))
 
 
 def _summed(A: np.ndarray, B: np.ndarray) -> np.ndarray:

@@ -1,0 +1,74 @@
+"""Rates of Jacobians by second derivatives of positions (the kinematic Hessian), joint by joint along a path.
+
+    d z_k / d q_m = z_m x z_k            of an earlier turning joint m
+    d2 p / d q_k d q_m = z_f x dp/dq_l   f the first and l the last of both along the path; 0 where f slides
+    dJ/dt = sum_m (dJ / d q_m) v_m
+
+References: Haviland and Corke, Manipulator Differential Kinematics, part 2, IEEE RAM 31 (2024), section II;
+Hourtash, The Kinematic Hessian and Higher Derivatives, CIRA (2005).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .columns import Columns
+from .steps import cross
+
+ORDER = "the order of joints along a path"
+REVERSED = "reversed"
+
+
+class SecondDerivatives(Columns):
+    """Columns whose rates are made of second derivatives; of fixed bases, and joints of one axis each."""
+
+    def rates(
+        self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
+    ) -> np.ndarray:  # fmt: skip
+        """(runs, n, points, 6, axes): d/dt of `at`."""
+        if any(a.base for a in self.axes) or len(set(self.links)) < len(self.axes):
+            raise ValueError("a base that moves, or joints of several axes")
+        steps, count = self.steps, len(self.axes)
+        J = np.swapaxes(self.at(points, links, whose), -1, -2)  # (..., axes, 6)
+        dp, z = J[..., 3:], self.z[..., None, :, :] + 0 * J[..., :3]
+        carries = self.poses.carries()[self.links]  # (k, m): m is k, or before it on its path
+        turns, own = self.turns > 0, np.eye(count, dtype=bool)
+        earlier = np.asarray(steps.pick(ORDER, (carries & ~own)[None], **{REVERSED: (carries.T & ~own)[None]}))
+        later = np.swapaxes(earlier, -1, -2)
+        z_k, z_m = z[..., :, None, :], z[..., None, :, :]
+        axis_of_m, axis_of_k = cross(z_m, dp[..., :, None, :]), cross(z_k, dp[..., None, :, :])
+        of_m, of_k = turns[None, :, None] * axis_of_m, turns[:, None, None] * axis_of_k
+
+        def where(mask: np.ndarray) -> np.ndarray:
+            return mask.reshape(-1, 1, 1, count, count, 1).astype(float)
+
+        terms = {
+            "that by an earlier joint": where(earlier) * of_m, "that by a later joint": where(later) * of_k,
+            "that by the joint itself (centrifugal)": where(own[None]) * of_k,
+        }  # fmt: skip
+        ddp = steps.add("the second derivative of a position", **terms)
+        both = where(earlier | later | own)
+        others = {
+            "z_k x dp_m whichever comes first": lambda: both * of_k,
+            "z_m x dp_k whichever comes first": lambda: both * of_m,
+            "with the axis of the later joint before the column of the earlier one": lambda: (
+                where(earlier) * of_k + where(later) * of_m + where(own[None]) * of_k
+            ),
+        }  # fmt: skip
+        ddp = steps.pick("the second derivative of a position, as a product,", ddp, **others)
+        turning = turns[:, None, None] * turns[None, :, None] * cross(z_m, z_k)
+        others = {
+            "later joints, not by earlier ones": lambda: where(later) * turning,
+            "all joints of the path": lambda: both * turning,
+        }  # fmt: skip
+        dz = steps.pick("the derivative of an axis, by earlier joints, is counted", where(earlier) * turning, **others)
+        dz = steps.add("the derivative of an angular column", **{"z_m x z_k": dz})
+        qd = self.poses.qd
+        assert qd is not None
+        rate = np.concatenate(np.broadcast_arrays(dz, ddp), -1)  # (..., k, m, 6)
+        by_axis = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
+        moving = self._moving(links)
+        felt = np.swapaxes(moving, -1, -2)[..., None, :, :]  # a joint off the path moves nothing
+        return np.swapaxes((rate * by_axis * felt).sum(-2), -1, -2) * moving
