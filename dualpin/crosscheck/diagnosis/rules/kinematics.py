@@ -266,6 +266,7 @@ def fuses(case: Case) -> bool:
 
 
 KNOWN = {
+    ("the arm r in w x r", "without the travel of a sliding joint", "step_other"): "slide_radius",
     ("the linear part of a turning column", "", "step_swapped"): "jacobian_linear_sign",
     ("the moment of a body", "w x I w", "step_left_out"): "gyroscopic",
     ("the moment of a body", "w x I w", "step_sign"): "gyroscopic_sign",

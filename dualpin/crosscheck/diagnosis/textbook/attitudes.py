@@ -44,6 +44,15 @@ class Ways:
             return rotation[None, None]
         return self.rpy(steps, rpy, whose)
 
+    @property
+    def placing(self) -> Ways:
+        """The way in which links on fixed joints are placed on their bodies when a file is read."""
+        return self
+
+    def placed(self, A: np.ndarray) -> np.ndarray:
+        """What was made so, in this way."""
+        return A
+
     def of_axis(self, steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
         return self.turn(steps, axis, q)
 
@@ -105,6 +114,13 @@ class Quaternions(Ways):
 
     def start(self) -> np.ndarray:
         return np.eye(4)[0][None, None]
+
+    @property
+    def placing(self) -> Ways:
+        return PLAIN if self.converted else self
+
+    def placed(self, A: np.ndarray) -> np.ndarray:
+        return self._of_matrix(A, ORIGIN) if self.converted else A
 
     def of_axis(self, steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
         return self._about(axis, q, "of a joint's angle")

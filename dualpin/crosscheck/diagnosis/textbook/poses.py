@@ -85,7 +85,8 @@ class Poses:
         self.attitudes: list[np.ndarray] = [ways.start()]
         self.R: list[np.ndarray] = [ONE[None, None]]
         self.before: list[np.ndarray] = [ONE[None, None]]
-        self.placed = [Placed(0, ways.start(), np.zeros((1, 1, 3)))]
+        self.placed = [Placed(0, ways.placing.start(), np.zeros((1, 1, 3)))]
+        self.travel: dict[int, np.ndarray] = {}
         self.p, self.w, self.v = [zero], [zero], [zero]
         base = base_of(robot)
         if base is not None:
@@ -123,8 +124,10 @@ class Poses:
             raise ValueError("a link that stands where its joint moves it")
         steps, ways, up, link = self.steps, self.ways, self.number[part.parent], len(self.R)
         Ao = ways.of_rpy(steps, part.rpy, part.rotation)
-        A, p, on = self._on_body(part, up, Ao) if self.fused else self._on_link(part, up, Ao)
+        A, p, on = self._on_body(part, up) if self.fused else self._on_link(part, up, Ao)
         before = A
+        if self.fused:
+            up = self.parent[link] = self.placed[up].body
         self.of_link.append([])
         if joint is not None and part.axial:
             A, p = self._axial(part, joint, link, up, A, p, Ao)
@@ -140,10 +143,9 @@ class Poses:
         self.attitudes.append(A)
         moves = bool(self.of_link[link])
         self.before.append(ways.matrix(before))
-        body = self.placed[up].body
         fixed_there = self.fused and not moves
-        self.R.append(self.R[body] @ ways.matrix(on.A) if fixed_there else ways.matrix(A))
-        self.placed.append(on if fixed_there else Placed(link, ways.start(), np.zeros((1, 1, 3))))
+        self.R.append(self.R[up] @ ways.placing.matrix(on.A) if fixed_there else ways.matrix(A))
+        self.placed.append(on if fixed_there else Placed(link, ways.placing.start(), np.zeros((1, 1, 3))))
         self.p.append(p)
         if self.qd is not None:
             self._velocity(link, up)
@@ -156,27 +158,32 @@ class Poses:
         further = {"by its own rpy too": lambda: ways.matrix(both)}
         xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * self.p[up], **further)
         p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
-        A = self._oriented(f"the orientation of an origin: {which}", Ap, Ao, both)
+        A = self._oriented(f"the orientation of an origin: {which}", Ap, Ao, both, self.ways)
         return A, p, self.placed[0]
 
-    def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray) -> np.ndarray:
+    def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray, ways: Ways) -> np.ndarray:
         others = {
-            "multiplied in the other order": lambda: self.ways.then(Ao, Ap), "that of rpy alone": Ao,
+            "multiplied in the other order": lambda: ways.then(Ao, Ap), "that of rpy alone": Ao,
             "that of the parent alone": Ap,
         }  # fmt: skip
         return np.asarray(self.steps.pick(site, both, **others))
 
-    def _on_body(self, part: Part, up: int, Ao: np.ndarray) -> tuple[np.ndarray, np.ndarray, Placed]:
+    def _on_body(self, part: Part, up: int) -> tuple[np.ndarray, np.ndarray, Placed]:
         """The same from the pose of the body that carries that link, on which it was placed when the file was read."""
         steps, ways, there = self.steps, self.ways, self.placed[up]
+        placing = ways.placing
+        Ao = placing.of_rpy(steps, part.rpy, part.rotation)
         which = "of a moving joint" if part.moves else "of a fixed joint"
-        further = {"by its own rpy too": lambda: ways.matrix(ways.then(there.A, Ao))}
-        xyz = steps.turn(f"xyz: {which}", ways.matrix(there.A), part.position[None, None], **further)
+        both = placing.then(there.A, Ao)
+        further = {"by its own rpy too": lambda: placing.matrix(both)}
+        xyz = steps.turn(f"xyz: {which}", placing.matrix(there.A), part.position[None, None], **further)
         r = steps.add(f"the position of an origin on its body: {which}", **{"that of the parent": there.p, "xyz": xyz})
-        local = self._oriented(f"the orientation of an origin: {which}", there.A, Ao, ways.then(there.A, Ao))
-        on = Placed(there.body, local, r)
+        local = self._oriented(f"the orientation of an origin: {which}", there.A, Ao, both, placing)
+        on, local = Placed(there.body, local, r), ways.placed(local)
         Ab, Rb, p = self.attitudes[there.body], self.R[there.body], self.p[there.body]
-        R = self._oriented(f"the orientation of what is fixed on a body: {which}", Ab, local, ways.then(Ab, local))
+        R = self._oriented(
+            f"the orientation of what is fixed on a body: {which}", Ab, local, ways.then(Ab, local), ways
+        )
         further = {"by its own rotation too": lambda: Rb @ ways.matrix(local)}
         offset = steps.turn(f"the offset on a body: {which}", Rb, r + 0 * p, **further)
         ends = {"the body's position": p, "the offset": offset}
@@ -198,7 +205,8 @@ class Poses:
         if part.slides:
             others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
             along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
-            p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": along * x[..., None]})
+            self.travel[link] = along * x[..., None]
+            p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": self.travel[link]})
         else:
             T, before = ways.of_axis(steps, axis, x), A
             A = steps.pick(
@@ -235,8 +243,10 @@ class Poses:
         own = steps.add("the angular velocity of a link", **{"that of the parent": self.w[up], "z qd": turning})
         self.w.append(own)
         w = steps.pick("the angular velocity in w x r", self.w[up], **{"that of the link itself": own})
-        unturned = {"not turned into world axes": lambda: product(transposed(self.R[up]), r)}
-        arm = steps.pick("the arm r in w x r", r, **unturned)
+        others = {"not turned into world axes": lambda: product(transposed(self.R[up]), r)}
+        if link in self.travel:
+            others["without the travel of a sliding joint"] = lambda: r - self.travel[link]
+        arm = steps.pick("the arm r in w x r", r, **others)
         terms = {"that of the parent": self.v[up], "w x r": cross(w, arm), "z qd of a sliding joint": sliding}
         self.v.append(steps.add("the velocity of a link", **terms))
 

@@ -87,8 +87,9 @@ class Sums:
         """A link's body in the axes of what carries it, or in its own."""
         t, ways = self.poses, self.poses.ways
         there = t.placed[link] if t.fused else t.placed[0]
-        turn = ways.of_rpy(t.steps, b.rpy, b.rotation, INERTIAL)
         fixed = t.fused and there.body != link
+        ways = ways.placing
+        turn = ways.of_rpy(t.steps, b.rpy, b.rotation, INERTIAL)
         J = b.inertia[None, None]
         triangles = {"its upper triangle alone": np.triu(J), "its lower triangle alone": np.tril(J)}
         I = self.reading.congruent(TURNED, ways.matrix(turn), self.reading.pick(READ, J, **triangles))
