@@ -233,13 +233,30 @@ def coriolis_frozen(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return transposed(P) @ other.answer("coriolis", C, s, M) @ P
 
 
-@rule(
-    "inverse_factors", "the factors of the inverse stand in the other order (L^-1 L^-T of M = L L^T)",
-    "M^-1 = L^-T L^-1", ("minv",), "answer",
-)  # fmt: skip
-def inverse_factors(view: View, term: str, x: np.ndarray) -> np.ndarray:
-    inverse = np.linalg.inv(np.linalg.cholesky(np.linalg.inv(x)))
-    return np.asarray(inverse @ transposed(inverse))
+FACTORS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "stand in the other order (L^-1 L^-T of M = L L^T)": lambda K: K @ transposed(K),
+    "are L^-1 twice (M = L L^T)": lambda K: K @ K,
+    "are L^-T twice (M = L L^T)": lambda K: transposed(K @ K),
+    "lack L^-T: L^-1 alone (M = L L^T)": lambda K: K,
+    "lack L^-1: L^-T alone (M = L L^T)": transposed,
+}
+"""What may be made of K = L^-1, which depends on the order of the columns: these act on the subject's."""
+
+
+@proposer("inverse_factors", "the factors of the inverse are wrong", "M^-1 = L^-T L^-1, with M = L L^T")
+def inverse_factors(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(words: str) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            M = np.linalg.inv(x) if term == "minv" else view.case.predict("crba")
+            if M is None:
+                raise ValueError("no mass matrix")
+            inverse = FACTORS[words](np.linalg.inv(np.linalg.cholesky(M)))
+            return inverse if term == "minv" else product(inverse, product(M, x))
+
+        says = f"the factors of the inverse {words}"
+        return replace(h, says=says, terms=("minv", "aba"), place="answer", act=act)
+
+    return [one(words) for words in FACTORS]
 
 
 @rule(

@@ -140,7 +140,10 @@ DIFFERENCES = {
 # --- inverses ------------------------------------------------------------------------------------
 
 
-@proposer("damped_inverse", "the inverse of M is damped", "solve with M itself; it has full rank")
+@proposer(
+    "damped_inverse", "the inverse of M is damped: a number is added on its diagonal",
+    "solve with M itself; it has full rank",
+)  # fmt: skip
 def damped_inverse(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """(M + k 1)^-1, or (M^2 + k 1)^-1 M as damped least squares have it; k from the answers."""
     M, found = case.predict("crba"), []

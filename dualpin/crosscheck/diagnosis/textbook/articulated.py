@@ -77,10 +77,18 @@ def _inward(
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
         u = steps.add("u", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]})
         bodies[k.number] = Body(c, U, D, u)
-        outer = U[..., :, None] * U[..., None, :] / D[..., None]
+        square = U[..., :, None] * U[..., None, :]
+        outer = steps.pick("U D^-1 U^T", square / D[..., None], **{"not divided by D": square})
         Ia = steps.add("I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
         I_c = steps.pick("the inertia in I^a c", Ia, **{"I^A": IA})
-        pa = steps.add("p^a", **{"p^A": pA, "I^a c": product(I_c, c), "U D^-1 u": U * u / D})
+        pa = steps.add(
+            "p^a",
+            **{
+                "p^A": pA,
+                "I^a c": product(I_c, c),
+                "U D^-1 u": steps.pick("U D^-1 u", U * u / D, **{"not divided by D": U * u}),
+            },
+        )
     last, count = k.number - 1, len(tree.links) - 1
     I_up = steps.congruent("a child's inertia, X^T I^a X,", transposed(X), Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
@@ -110,8 +118,9 @@ def _last(
         if k.moves:
             b = bodies[k.number]
             a_k = steps.add("a' of a link", **{"X a of the parent": a_k, "c": b.c})
-            needed = steps.add("D qdd", **{"u": b.u, "-U^T a'": -(b.U * a_k).sum(-1)[..., None]})
-            qdd = needed / b.D
+            a_U = steps.pick("the acceleration in U^T a'", a_k, **{"the parent's, in its own axes": acc[k.parent]})
+            needed = steps.add("D qdd", **{"u": b.u, "-U^T a'": -(b.U * a_U).sum(-1)[..., None]})
+            qdd = steps.pick("D^-1 (u - U^T a')", needed / b.D, **{"not divided by D": needed})
             columns[k.column] = qdd[..., 0]
             a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(steps, k) * qdd})
         acc.append(a_k)

@@ -120,10 +120,7 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
 
 def of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str, where: str = "along its axis") -> np.ndarray:
     """The velocity or acceleration of a joint."""
-    columns = [link.column for link in tree.links if link.moves]
-    at = columns.index(k.column)
-    before, after = (columns[(at + d) % len(columns)] for d in (-1, 1))
-    others = {"that of the previous joint": x[..., before, None], "that of the next joint": x[..., after, None]}
+    others = {f"that of the {which} joint": x[..., j.column, None] for which, j in tree.neighbours(k).items()}
     return np.asarray(steps.pick(f"the {what} of a joint: {where}", x[..., k.column, None], **others))
 
 
@@ -171,7 +168,9 @@ def _inward(
     for k in reversed(tree.links):
         f_k, n_k, pose = f[k.number], n[k.number], poses[k.number]
         if k.moves:
-            moment, push = (k.z * n_k).sum(-1), (k.z * f_k).sum(-1)
+            others = {f"of the {which} joint": j.z for which, j in tree.neighbours(k).items()}
+            z = steps.pick("the axis along which a joint feels", k.z, **others)
+            moment, push = (z * n_k).sum(-1), (z * f_k).sum(-1)
             columns[k.column] = (
                 steps.pick("what a sliding joint feels", push, **{"the moment along its axis": moment})
                 if k.slides

@@ -19,16 +19,23 @@ from .steps import Steps
 ONE = np.eye(3)
 TURNED = "the tensor of <inertial>, turned by rpy,"
 READ = "the tensor of <inertial>"
+CARRIED = "a fixed link's tensor, turned into the axes of its body,"
 
 
 class Piece(NamedTuple):
-    """A link of a body: Q and c, its axes and its centre of mass in those of the body; R and J of its <inertial>."""
+    """A link of a body: Q and p, how it stands there; mass, centre, R and J of its <inertial>."""
 
     mass: float
-    c: np.ndarray
-    Q: np.ndarray
+    com: np.ndarray
     R: np.ndarray
     J: np.ndarray
+    Q: np.ndarray
+    p: np.ndarray
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it stands on another link."""
+        return bool(np.abs(self.Q - ONE).max() > 0 or self.p.any())
 
 
 def listed(d: Description) -> list[Part]:
@@ -50,8 +57,7 @@ def pieces(d: Description, fused: bool = True) -> dict[str, list[Piece]]:
     for link, b in [(d.root, d.base), *((p.link, p.body) for p in listed(d))]:
         if b is not None:
             carrier, H = where[link] if fused else (link, np.eye(4))
-            piece = Piece(b.mass, (H @ np.append(b.com, 1.0))[:3], H[:3, :3], b.rotation, b.inertia)
-            found.setdefault(carrier, []).append(piece)
+            found.setdefault(carrier, []).append(Piece(b.mass, b.com, b.rotation, b.inertia, H[:3, :3], H[:3, 3]))
     return found
 
 
@@ -60,52 +66,62 @@ def tensor(steps: Steps, piece: Piece) -> np.ndarray:
     triangles = {"its upper triangle alone": np.triu(piece.J), "its lower triangle alone": np.tril(piece.J)}
     J = steps.pick(READ, piece.J[None, None], **{k: x[None, None] for k, x in triangles.items()})
     I = steps.congruent(TURNED, piece.R[None, None], J)
-    Q = piece.Q[None, None]
-    return np.asarray(Q @ I @ np.swapaxes(Q, -1, -2))
+    return np.asarray(steps.congruent(CARRIED, piece.Q[None, None], I) if piece.fixed else I)
+
+
+def centre(steps: Steps, piece: Piece) -> np.ndarray:
+    """Of a link, in the axes of the body."""
+    if not piece.fixed:
+        return piece.com
+    turned = steps.turn("a fixed link's centre", piece.Q, piece.com)
+    return np.asarray(steps.add("the place of a fixed link's centre", **{"the link's place": piece.p, "R c": turned}))
 
 
 def at_once(steps: Steps, group: list[Piece]) -> Body:
     """Centre first, then all tensors about it."""
-    mass = sum(p.mass for p in group)
-    weighted = sum((p.mass * p.c for p in group), np.zeros(3)) / (mass or 1.0)
+    masses, centres = np.array([p.mass for p in group]), np.array([centre(steps, p) for p in group])
+    mass, weighted = masses.sum(), masses @ centres
     others = {
-        "the mean of the links' centres": np.mean([p.c for p in group], axis=0), "that of the first link": group[0].c,
-        "that of the last link": group[-1].c, "their sum, not divided by the mass": weighted * mass,
+        "the mean of the links' centres": centres.mean(0), "that of the first link": centres[0],
+        "that of the last link": centres[-1], "their sum, not divided by the mass": weighted,
     }  # fmt: skip
-    C = steps.pick("the centre of merged links", weighted, **others)
+    C = steps.pick("the centre of merged links", weighted / (mass or 1.0), **others)
+    wrong = {"that of the first link": masses[0], "that of the last link": masses[-1]}
+    total = steps.pick("the mass of merged links", mass, **wrong)
     I = np.zeros((3, 3))
     for k, p in enumerate(group):
-        d = steps.add("the arm of Steiner's term", **{"the link's centre": p.c, "the common centre": -C})
-        m = steps.pick("the mass in Steiner's term", np.array(p.mass), **{"that of all": np.array(mass)})
+        d = steps.add("the arm of Steiner's term", **{"the link's centre": centres[k], "the common centre": -C})
+        m = steps.pick("the mass in Steiner's term", masses[k], **{"that of all": mass})
         terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, m, d)}
         I = I + steps.part(
             "the links that are merged", steps.add("the inertia of merged links", **terms), k, len(group)
         )
-    return Body(mass, C, np.zeros(3), ONE, I)
+    return Body(float(total), C, np.zeros(3), ONE, I)
 
 
 def one_by_one(steps: Steps, group: list[Piece]) -> Body:
     """Link after link is added to what is there."""
     first, *more = group
-    m, c, I = first.mass, first.c, tensor(steps, first)[0, 0]
+    m, c, I = np.array(first.mass), centre(steps, first), tensor(steps, first)[0, 0]
     for p in more:
-        whole = m + p.mass
-        others = {"the mean of the two": (c + p.c) / 2, "that of what is there": c, "that of the new link": p.c}
-        C = steps.pick(
-            "the centre of what is there and a fixed link", (m * c + p.mass * p.c) / (whole or 1.0), **others
-        )
-        there = _steiner(steps, np.array(m), c - C, ": of what is there")
+        mass, new = np.array(p.mass), centre(steps, p)
+        right = (m * c + mass * new) / ((m + mass) or 1.0)
+        others = {"the mean of the two": (c + new) / 2, "that of what is there": c, "that of the new link": new}
+        C = steps.pick("the centre of what is there and a fixed link", right, **others)
         terms = {
-            "the tensor of what is there": I, "Steiner's term of what is there": there,
+            "the tensor of what is there": I,
+            "Steiner's term of what is there": _steiner(steps, m, c - C, ": of what is there"),
             "the fixed link's tensor": tensor(steps, p)[0, 0],
-            "Steiner's term of the fixed link": _steiner(steps, np.array(p.mass), p.c - C, ": of the fixed link"),
+            "Steiner's term of the fixed link": _steiner(steps, mass, new - C, ": of the fixed link"),
         }  # fmt: skip
         I = steps.add("the inertia of what is there and a fixed link", **terms)
+        terms = {"the mass of what is there": m, "the fixed link's mass": mass}
+        whole = steps.add("the mass of what is there and a fixed link", **terms)
         both = np.concatenate([[whole], C, I.ravel()])
-        new = np.concatenate([[p.mass], p.c, tensor(Steps(), p)[0, 0].ravel()])
-        both = steps.pick("what is there with a fixed link", both, **{"the last link alone, which replaces it": new})
-        m, c, I = float(both[0]), both[1:4], both[4:].reshape(3, 3)
-    return Body(m, c, np.zeros(3), ONE, I)
+        last = np.concatenate([[mass], new, tensor(Steps(), p)[0, 0].ravel()])
+        both = steps.pick("what is there with a fixed link", both, **{"the last link alone, which replaces it": last})
+        m, c, I = both[0], both[1:4], both[4:].reshape(3, 3)
+    return Body(float(m), c, np.zeros(3), ONE, I)
 
 
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:

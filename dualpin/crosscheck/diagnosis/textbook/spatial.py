@@ -130,7 +130,9 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             F = steps.pick("X in X^T F, by which a force is handed down,", turned, **others)
             far, step, at = step != "of the first step", "of further steps", tree.links[at.parent]
             if at.moves:
-                felt = (subspace(steps, at) * F).sum(-1)
+                of_column = {"that of the joint whose column it is": subspace(steps, k)}
+                S = steps.pick("S in an entry of H, S_j^T F,", subspace(steps, at), **of_column)
+                felt = (S * F).sum(-1)
                 wrong = {"left out, so that only neighbours are coupled": felt * (not far)}
                 felt = steps.pick("an entry of H beyond the parent", felt, **wrong)
                 entries[k.column, at.column] = entries[at.column, k.column] = felt

@@ -116,6 +116,7 @@ def _coriolis(view: View, steps: Steps) -> np.ndarray:
         "the derivative of C v by v": by_v, "half the derivative of C v by v": lambda: by_v() / 2,
         "the forces C v of unit velocities, by columns": of_unit_velocities,
         "the forces C v of unit velocities, times these": lambda: of_unit_velocities() * v[None, :, None, :],
+        "C with gravity in every column": lambda: (view.compute("coriolis") + g[..., None])[None],
         "the derivative of all forces by q": lambda: view.compute("rnea_derivatives", a=zero)[None, :, 0],
     }  # fmt: skip
     return np.asarray(steps.pick("the matrix C", view.compute("coriolis")[None], **others))
@@ -128,7 +129,17 @@ def _forward(view: View, term: str, steps: Steps) -> np.ndarray:
         terms = {k: x[:, :, None] for k, x in terms.items()} | {"J^T f": _pushed(view, steps)}
     left = steps.add("the force that accelerates, tau - C v - g", **terms)
     inverse = _inverted(view, steps)
-    return product(inverse[:, :, None] if term == "aba_f_ext" else inverse, left)
+    if term == "aba_f_ext":
+        inverse = inverse[:, :, None]
+    tau, rest = view.states["tau"][None], Cv + g
+    if term == "aba_f_ext":
+        return product(inverse, left)
+    others = {
+        "M^-1 tau - (C v + g), with M^-1 of tau alone": lambda: product(inverse, tau) - rest,
+        "tau - M^-1 (C v + g), with M^-1 of the bias alone": lambda: tau - product(inverse, rest),
+        "M^-1 (tau - C v) - g, without M^-1 of gravity": lambda: product(inverse, tau - Cv) - g,
+    }  # fmt: skip
+    return np.asarray(steps.pick("the acceleration M^-1 (tau - C v - g)", product(inverse, left), **others))
 
 
 # --- derivatives ---------------------------------------------------------------------------------

@@ -139,6 +139,12 @@ class Tree:
         same = order == depth_first
         return {"": order} if same else {" (depth first)": depth_first, " (breadth first)": order}
 
+    def neighbours(self, k: Link) -> dict[str, Link]:
+        """The links that move before and after it in the list, which begins again at its end."""
+        moving = [link for link in self.links if link.moves]
+        at = moving.index(k)
+        return {"previous": moving[at - 1], "next": moving[(at + 1) % len(moving)]}
+
     def near(self, k: Link, of: Callable[[Link], np.ndarray]) -> dict[str, np.ndarray]:
         """What another link has: that before it in a list, a base that moves."""
         found = {"that of the base": of(self.links[0])} if self.floating else {}

@@ -39,7 +39,9 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     columns: dict[int, np.ndarray] = {}
     for k in reversed(tree.links):
         if k.moves:
-            columns[k.column] = _felt(steps, k, moving[k.number].z, f[k.number], n[k.number])
+            others = {f"of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
+            z = steps.pick("the axis along which a joint feels", moving[k.number].z, **others)
+            columns[k.column] = _felt(steps, k, z, f[k.number], n[k.number])
         if k.parent >= 0:
             _hand_on(steps, tree, k, poses, f, n)
     back = transposed(poses[0].R0)
@@ -200,6 +202,14 @@ def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.nd
     on = steps.pick("what a link hands on", on, nothing=0 * on)
     on = steps.pick("the children that hand on force and moment", on, **tree.alone(k, on))
     f_k, n_k = on[..., :3], on[..., 3:]
+    pose, on_parent = poses[k.number], poses[up].p0 - poses[max(0, tree.links[up].parent)].p0
+    arms = {
+        "that to the child's centre of mass": lambda: r + product(pose.R0, tree.links[k.number].c),
+        "that from the world's origin": lambda: pose.p0 + 0 * r,
+        "that of the parent (index i in place of i + 1)": on_parent + 0 * r,
+        "in the child's axes": lambda: product(transposed(pose.R0), r),
+    }  # fmt: skip
+    r = steps.pick("the arm in r x f", r, **arms)
     have = "its own and that of earlier children"
     handed = steps.part("the links that hand on their force", f_k, last, count)
     handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
