@@ -191,7 +191,11 @@ class Case:
             together = [(s, v) for s, v in zip(stories, views, strict=True) if v is not None]
             for s in stories:
                 self._predictions[term, identity(s)] = None
-            for (story, view), x, other in zip(together, *self._evaluated(term, together), strict=True):
+            evaluated = _tried(self._evaluated, term, together)
+            if evaluated is None:  # one of them makes no sense: each by itself
+                alone = [_tried(self._evaluated, term, [one]) or ([None], [None]) for one in together]
+                evaluated = [x for (x,), _ in alone], [other for _, (other,) in alone]
+            for (story, view), x, other in zip(together, *evaluated, strict=True):
                 self._predictions[term, identity(story)] = _tried(self._finished, term, story, view, x, other)
 
     def _evaluated(self, term: str, together: Sequence[tuple[Story, View]]) -> tuple[list[Any], list[Any]]:
@@ -234,8 +238,12 @@ class Case:
             _fill(out, at, evaluate(robot, question, inputs, self.frames, reference))
         return out
 
-    def _finished(self, term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None) -> np.ndarray:
+    def _finished(
+        self, term: str, story: Story, view: View, x: np.ndarray | None, other: np.ndarray | None
+    ) -> np.ndarray | None:
         """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
+        if x is None:
+            return None
         forces = _forces(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
         if forces is not None:
             x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)

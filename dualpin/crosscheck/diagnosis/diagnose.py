@@ -27,6 +27,7 @@ DOUBT = 0.3
 """What a cause costs besides where terms that it would have changed are right without it."""
 AGAIN = 0.1
 """What a cause costs that another formulation shows, where it was told already."""
+FIRST = 2  # terms of which slips are tried too, where others have no cause
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 MOST = 16  # stories of a term that it looks at
 
@@ -102,22 +103,29 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         return search.open
 
     def doubtful(search: Search) -> bool:
-        return search.doubtful([t for t, s in searches.items() if not s.open])
+        explained = [t for t, s in searches.items() if not s.open]
+        examined = {h.cause for s in searches.values() if s.slipped for story in s.stories for h in story}
+        return not search.slipped and search.doubtful(explained, examined)
 
     def one_more(search: Search) -> None:
         search.added(_causes(case, searches))
 
-    def slips(search: Search) -> None:
-        search.slips(_causes(case, searches))
+    def besides(search: Search) -> None:
+        search.slips_besides(_causes(case, searches)[:2])
 
+    slips = "slips of textbook algorithms"
     for term in off:
         stage("single causes", Search.singles, unexplained, [term])
         if sum(s.tried and s.open for s in searches.values()) == 1:  # what it has may be behind all others
-            stage("slips of textbook algorithms", slips, unexplained, [term])
+            stage(slips, Search.slips, unexplained, [term])
             if not found:
                 stage("two causes of the whole robot", Search.plain_pairs, unexplained, [term])
     stage("a cause of other terms and one more", one_more, unexplained, off)
-    stage("slips of textbook algorithms", slips, doubtful, off)
+    if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
+        plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
+        stage(slips, Search.slips, lambda s: True, plain)
+    stage(slips, Search.slips, doubtful, off)
+    stage("slips beside a cause of other terms", besides, unexplained, off)
     stage("two causes together", Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     for search in searches.values():  # what was found last may explain a term before

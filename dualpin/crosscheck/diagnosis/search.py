@@ -143,10 +143,10 @@ class Search:
         self.near: list[_Near] = []
         self.seen: set[frozenset[object]] = {frozenset()}
         self._whole, self._single = (catalogue.of(term, one, self.before.error) for one in (False, True))
-        self._slipped: list[Hypothesis] = []
+        self._near_slips: list[Hypothesis] = []
         self._others: set[frozenset[object]] = set()
         self._beam: list[Story] = []
-        self.tried = False
+        self.tried = self.slipped = False
 
     @property
     def late(self) -> bool:
@@ -156,10 +156,16 @@ class Search:
     def open(self) -> bool:
         return not self.good
 
-    def doubtful(self, explained: Collection[str]) -> bool:
-        """Whether nothing explains it but estimated numbers, what right terms contradict, or terms without a cause."""
+    def doubtful(self, explained: Collection[str], examined: Collection[object]) -> bool:
+        """Whether nothing explains it but estimated numbers, what right terms contradict, or terms without a cause.
+
+        Causes that were `examined` are those beside which slips were looked for already.
+        """
         told = [[h for h in s if h.key not in SAME] for s in self.good.values()]
-        return not any(cost(s) <= PLAIN and not any(self._doubts(h, explained) for h in s) for s in told)
+        return not any(
+            cost(s) <= PLAIN and not any(h.cause not in examined and self._doubts(h, explained) for h in s)
+            for s in told
+        )
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
         unsure = (h.key in DOUBTFUL and h.cost > 1.1) or not set(h.made_of) <= set(explained)
@@ -186,15 +192,25 @@ class Search:
         if self.open:
             self.consider(self._toggled())
 
-    def slips(self, bases: Sequence[Story] = ()) -> None:
-        """Slips of textbook algorithms, alone or with what explains other terms."""
-        others = [b for b in bases if identity(b) not in self.good and any(self.term in h.terms for h in b)]
-        for base in ((), *others[:2]) if not self._slipped else ():
-            near = self.consider(self.catalogue.slips(self.term, self.until, base))
-            if not base:
-                self._slipped = [h for n in near for h in n.story]
-            if any(cost(s) <= PLAIN for s in self.good.values()):
-                break
+    def slips(self) -> None:
+        """Slips of textbook algorithms."""
+        near = self.consider(self.catalogue.slips(self.term, self.until))
+        self._near_slips = [h for n in near for h in n.story]
+        self.slipped = True
+
+    def slips_besides(self, causes: Sequence[Story]) -> None:
+        """Slips, beside a cause of other terms that does not explain all of this one."""
+        here = {identity(s): s for c in causes for h in c for s in self._shown(h) if identity(s) not in self.good}
+        stories = list(here.values())
+        near = zip(stories, self.case.scores(self.term, stories), strict=True)
+        for cause, score in sorted(near, key=lambda x: x[1].rms)[:2]:
+            if score.rms < self.before.rms and self.open and not self.late:
+                self.consider(self.catalogue.slips(self.term, self.until, cause))
+
+    def _shown(self, h: Hypothesis) -> list[Story]:
+        """A cause of other terms as it shows in this one."""
+        same = [(h,)] if self.term in h.terms else []
+        return [*same, *((k,) for k in self.catalogue.kin(h, self.term))]
 
     def added(self, found: Sequence[Story]) -> None:
         """What explains other terms, and one cause more."""
@@ -221,13 +237,13 @@ class Search:
         level = pairs_of_forces(self.case, self.term)
         single = self._single if len(self.case.robot) <= LARGE else []
         for story in self._beam:
-            level += self._with(story, [*self._fits(story), *self._whole, *self._slipped, *single])
+            level += self._with(story, [*self._fits(story), *self._whole, *self._near_slips, *single])
         self._beam = _kept(self.consider(level))
 
     def triples(self) -> None:
         """And three."""
         if self.open and self._beam:
-            more = [*self._whole, *self._slipped]
+            more = [*self._whole, *self._near_slips]
             self.consider([s for b in self._beam for s in self._with(b, [*self._fits(b), *more])])
 
     def explanation(self) -> Explanation:

@@ -24,7 +24,7 @@ from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, Terms, formulation
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
-SECOND = "by second derivatives"
+SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
@@ -49,7 +49,7 @@ class Made:
         Whether fixed links are merged into the bodies that carry them.
     how : str
         Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
-        rates are made "by second derivatives".
+        rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
     """
 
     view: View
@@ -84,10 +84,13 @@ class Made:
         how = self.view.layout.how
         world = how.angular == how.linear == "world"
         columns = (SecondDerivatives if self.how == SECOND else Columns)(tree, self.rest, world)
-        return columns.by_jacobians() if self.how == JACOBIANS and tree.qd is not None else columns
+        return columns.by_jacobians() if self.how in (JACOBIANS, SECOND) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Sums:
-        return Sums(tree, self.columns(tree), self.rest, self.reading)
+        sums = Sums(tree, self.columns(tree), self.rest, self.reading)
+        if self.how == PROJECTED:
+            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT)
+        return sums
 
     def term(self, term: str) -> np.ndarray:
         """The answer to a question, (runs, n, ...)."""
@@ -279,7 +282,10 @@ KNOWN = {
     ("the weight of a body's centre", "1", "step_other"): "com_unweighted",
     ("the axis of a column", "", "step_unturned"): "axis_frame",
     ("xyz", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
-    ("xyz: of a moving joint", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
+    **{
+        (site, "by its own rpy too", "step_other_turn"): "xyz_after_rpy"
+        for site in ("xyz: of a moving joint", "xyz on a body", "xyz on a body: of a moving joint")
+    },
     ("the inertia of a body", "", "step_unturned"): "inertia_frame",
     ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
     ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
@@ -356,7 +362,7 @@ TENSORS = ("centroidal_momentum_matrix", "kinetic_energy", "crba", "minv", "bias
 GROUPS = {
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
-    "rate": ("jacobian_dot",), "tensors": TENSORS,
+    "rate": ("jacobian_dot",), "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
 }  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")))
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
@@ -365,6 +371,7 @@ _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("geometric Jacobians", jacobians, RATES, how=DIFFERENTIATED)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
+_register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
 _register("bodies", reading, _terms(tensors=not_large))

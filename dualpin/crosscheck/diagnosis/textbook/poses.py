@@ -184,8 +184,8 @@ class Poses:
         R = self._oriented(
             f"the orientation of what is fixed on a body: {which}", Ab, local, ways.then(Ab, local), ways
         )
-        further = {"by its own rotation too": lambda: Rb @ ways.matrix(local)}
-        offset = steps.turn(f"the offset on a body: {which}", Rb, r + 0 * p, **further)
+        further = {"by its own rpy too": lambda: Rb @ ways.matrix(local)}
+        offset = steps.turn(f"xyz on a body: {which}", Rb, r + 0 * p, **further)
         ends = {"the body's position": p, "the offset": offset}
         return R, steps.add(f"the position of what is fixed on a body: {which}", **ends), on
 
@@ -244,8 +244,7 @@ class Poses:
         self.w.append(own)
         w = steps.pick("the angular velocity in w x r", self.w[up], **{"that of the link itself": own})
         others = {"not turned into world axes": lambda: product(transposed(self.R[up]), r)}
-        if link in self.travel:
-            others["without the travel of a sliding joint"] = lambda: r - self.travel[link]
+        others["without the travel of a sliding joint"] = lambda: r - self.travel.get(link, 0 * r)
         arm = steps.pick("the arm r in w x r", r, **others)
         terms = {"that of the parent": self.v[up], "w x r": cross(w, arm), "z qd of a sliding joint": sliding}
         self.v.append(steps.add("the velocity of a link", **terms))

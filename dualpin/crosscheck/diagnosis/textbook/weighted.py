@@ -56,12 +56,15 @@ class Sums:
         Of the bodies.
     m : array
         (runs, 1, bodies).
+    motion : Sums, optional
+        Where velocities and accelerations of bodies are taken from, if not from these Jacobians.
     p, R, r, c : array
         (runs, n, bodies, ...): origins and orientations of the links, the centres of mass from there, and in the world.
     """
 
     def __init__(self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None) -> None:
         self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
+        self.motion: Sums | None = None
         carries, d = poses.carries(), poses.d
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
         self.grounded = sum(b.mass for k, b in every if not carries[k].any())
@@ -253,8 +256,9 @@ class Sums:
         """C v: what velocities need."""
         steps, qd = self.steps, self.poses.qd
         assert qd is not None
-        w, _ = self.centre_velocities()
-        rest = product(self.rates, qd[..., None, :])
+        moving = self.motion or self
+        w, _ = moving.centre_velocities()
+        rest = product(moving.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
         n, f = steps.add("the moment of a body", **parts), self.m[..., None] * rest[..., 3:]
