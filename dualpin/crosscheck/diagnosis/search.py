@@ -161,11 +161,10 @@ class Search:
 
         Causes that were `examined` are those beside which slips were looked for already.
         """
-        told = [[h for h in s if h.key not in SAME] for s in self.good.values()]
         return not any(
-            cost(s) <= PLAIN and not any(h.cause not in examined and self._doubts(h, explained) for h in s)
-            for s in told
-        )
+            cost(told) <= PLAIN and not any(self._doubts(h, explained) for h in told if h.cause not in examined)
+            for story in self.good.values() for told in [[h for h in story if h.key not in SAME]]
+        )  # fmt: skip
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
         unsure = (h.key in DOUBTFUL and h.cost > 1.1) or not set(h.made_of) <= set(explained)
