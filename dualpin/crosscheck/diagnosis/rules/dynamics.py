@@ -58,7 +58,6 @@ SAYS = {
     "moment_not_handed_on": "moments are not handed on from joint to joint, forces are",
     "gravity_at_origin": "gravity acts at links' origins, not at their centres of mass",
     "gravity_in_base": "gravity turns with the base",
-    "com_frame": "centres of mass are not turned into world axes",
     "gravity_each_link": "gravity is added at every link, not at the base alone",
 }
 """The keys of slips that have one of their own, whatever the formulation."""
@@ -93,7 +92,6 @@ KNOWN = {
     ("the inertia in world axes", "", "step_from_left"): "inertia_frame_half",
     ("the arm to the centre of mass", "", "step_unturned"): "com_frame",
     ("the joint's axis", "", "step_unturned"): "axis_frame",
-    ("the arm to the centre of mass", "", "step_unturned"): "com_frame",
     ("the joint's axis: of sliding links", "", "step_unturned"): "slide_axis_frame",
     ("the arm to a sliding link", "without its travel", "step_other"): "slide_radius",
     ("the point at which weight acts", "the link's origin", "step_other"): "gravity_at_origin",
