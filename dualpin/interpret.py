@@ -16,7 +16,7 @@ import numpy as np
 
 from .algorithms.sharing import sharing
 from .model.robot import Robot
-from .scalars import Exact, Scalar
+from .scalars import ZERO, Exact, Scalar
 from .terms import Options, Term, flat
 
 SLICE = 1024  # samples at a time, so that the columns of one slice stay in the cache
@@ -52,12 +52,13 @@ def interpret(robot: Robot, term: Term, options: Options, inputs: Sequence[np.nd
 
 def _interpreted(robot: Robot, term: Term, options: Options, inputs: Sequence[np.ndarray]) -> np.ndarray:
     n, shape = len(inputs[0]), term.shape(robot, **options)
-    out = np.empty((n, math.prod(shape)))
+    out = np.zeros((n, math.prod(shape)))
     for start in range(0, n, SLICE):
         part = [x[start : start + SLICE] for x in inputs]
         block = out[start : start + SLICE]
         for i, value in enumerate(_results(robot, term, options, part)):
-            block[:, i] = float(value) if type(value) is Exact else value
+            if value is not ZERO:
+                block[:, i] = float(value) if type(value) is Exact else value
     return out.reshape((n, *shape))
 
 

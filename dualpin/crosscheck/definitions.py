@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -206,9 +205,14 @@ class Definitions:
         """M^-1 b."""
         return solution(self._factors, b)
 
-    @cached_property
+    @property
     def _factors(self) -> Array:
-        return factors(self.mass_matrix(), self.mp.mp.eps)
+        """Those of M; of the last q they are kept, since several terms are often worst at the same sample."""
+        kept, at = memory(self.given), tuple(self.q)
+        found = kept.get("factors of M")
+        if found is None or found[0] != at:
+            found = kept["factors of M"] = at, factors(self.mass_matrix(), self.mp.mp.eps)
+        return found[1]
 
     # --- frames, directions, sums --------------------------------------------------------------------
 
