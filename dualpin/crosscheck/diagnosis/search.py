@@ -161,10 +161,11 @@ class Search:
 
         Causes that were `examined` are those beside which slips were looked for already.
         """
-        return not any(
-            cost(told) <= PLAIN and not any(self._doubts(h, explained) for h in told if h.cause not in examined)
-            for story in self.good.values() for told in [[h for h in story if h.key not in SAME]]
-        )  # fmt: skip
+        for story in self.good.values():
+            told = [h for h in story if h.key not in SAME and h.cause not in examined]
+            if cost(told) <= PLAIN and not any(self._doubts(h, explained) for h in told):
+                return False
+        return True
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
         unsure = (h.key in DOUBTFUL and h.cost > 1.1) or not set(h.made_of) <= set(explained)
