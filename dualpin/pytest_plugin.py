@@ -126,6 +126,8 @@ class RobotNode(pytest.Collector):
 
     robot: str
     subject: str
+    told = ""
+    """The term that said already why nothing was compared."""
 
     @classmethod
     def of(cls, session: pytest.Session, robot: str, subject: str) -> RobotNode:
@@ -167,6 +169,15 @@ class RobotNode(pytest.Collector):
             return str(e)
         self.config.stash[JUDGED][self.nodeid] = found.to_json()
         return found
+
+    @cached_property
+    def refused(self) -> bool:
+        """Whether a subject answered nothing at all, for one reason, such as a module that is not there."""
+        if not self.subject or isinstance(self.report, str):
+            return False
+        terms = [t for robot in self.report.robots for t in robot.terms.values()]
+        reasons = {t.reason for t in terms}
+        return len(terms) > 1 and len(reasons) == 1 and all(t.status == "not compared" for t in terms)
 
     def _judged(self) -> Report:
         from .crosscheck import judge
@@ -239,6 +250,11 @@ class TermItem(_Item):
             raise WrongError(lines("\n".join(told(self.name, result, t))))
         if t.status == "not compared":
             reason = lines(t.reason or "nothing was compared")
+            if node.refused:  # one error for one reason, not one for each term
+                if node.told:
+                    pytest.skip(f"{self.name} was not compared, see {node.told}")
+                node.told = self.name
+                raise WrongError(f"nothing was compared: {reason}")
             if self.config.option.dualpin_strict or (result.subject and not reason.startswith(EXCUSED)):
                 raise WrongError(f"{self.name} was not compared: {reason}")
             pytest.skip(f"{self.name} was not compared: {reason}")

@@ -72,6 +72,14 @@ def test_a_wrong_subject_is_named_with_its_fix_and_silence_is_no_agreement(run):
     done.stdout.fnmatch_lines(["SKIPPED*rnea was not compared: not offered"])
 
 
+def test_a_subject_that_answers_nothing_is_one_failure(run):
+    done = run("--dualpin", "arm.urdf", "--dualpin-subject", "nowhere:Subject", "--dualpin-terms", "crba,gravity,rnea",
+               "-rs")  # fmt: skip
+    done.assert_outcomes(failed=1, skipped=2)
+    done.stdout.fnmatch_lines(["nothing was compared: *No module named 'nowhere'*"])
+    done.stdout.fnmatch_lines(["SKIPPED*was not compared, see gravity"])
+
+
 def test_strict_fails_what_a_subject_does_not_offer(run):
     words = ("--dualpin", "arm.urdf", "--dualpin-subject", "mine.py:Subject", "--dualpin-terms", "crba,rnea")
     done = run(*words, "--dualpin-strict")

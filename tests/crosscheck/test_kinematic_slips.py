@@ -175,3 +175,55 @@ def named_by_itself(ask: Asking, count: int, seed: int) -> tuple[int, int]:
 def test_most_slips_name_themselves(robot, floating):
     named, shown = named_by_itself(asking(robot, 12, 0, tuple(QUESTIONS), floating=floating), 60, 2)
     assert named >= 0.95 * shown
+
+
+@pytest.mark.parametrize("fused", [False, True])
+def test_rates_by_second_derivatives_and_forces_of_right_motions_are_right(trees, fused):
+    view = Case(silent(trees[0])).view(())  # second derivatives are of fixed bases and single axes
+    for term in ("jacobian_dot", "frame_acceleration", "bias", "rnea", "coriolis"):
+        x = kinematics.jacobians(view, term, Steps(), how=kinematics.SECOND, fused=fused)[0]
+        assert apart(x, view.compute(term)) < 1e-11, term
+    for ask in trees:
+        view = Case(silent(ask)).view(())
+        x = kinematics.jacobians(view, "bias", Steps(), how=kinematics.PROJECTED, fused=fused)[0]
+        assert apart(x, view.compute("bias")) < 1e-11
+
+
+@pytest.mark.campaign
+def test_a_slip_that_two_terms_show_by_different_computations_is_told_once(trees):
+    """Velocities that are right, and forces and a mass matrix by a Jacobian that is not."""
+    ask = trees[0]
+    view = Case(silent(ask)).view(())
+    steps = Steps()
+    kinematics.jacobians(view, "bias", steps)
+    slip = next(s for s in steps.found if s.what == "[z; z]" and s.site == "the column of a sliding axis")
+    made = {
+        "crba": kinematics.jacobians(view, "crba", Steps(slip))[0],
+        "bias": kinematics.jacobians(view, "bias", Steps(slip), how=kinematics.PROJECTED)[0],
+    }
+    silence = silent(ask)
+    found = diagnose(Case(replace(silence, terms=made))).findings
+    assert [(f.key, sorted(f.terms)) for f in found] == [("step_other", ["bias", "crba"])]
+    assert slip.what in found[0].says
+
+
+POSES_OF_BASE = {
+    "base_pose: the base's position is ignored": lambda x: x * [0, 0, 0, 1, 1, 1, 1],
+    "base_turn: the base's orientation is inverted": lambda x: x * [1, 1, 1, 1, -1, -1, -1],
+    "base_entry: qx of the base's pose has the other sign": lambda x: x * [1, 1, 1, 1, -1, 1, 1],
+}
+
+
+@pytest.mark.parametrize("words", POSES_OF_BASE)
+def test_a_base_that_is_taken_to_stand_elsewhere_is_named(words):
+    """Whose velocity is what was sent, in the world's axes."""
+    ask = asking(PROBE, 2, 0, ("fk", "jacobian", "jacobian_dot", "com", "bias"), floating=True)
+    silence = silent(ask, angular="world", linear="world")
+    layout = Layout(ask.robot, silence.how)
+    q = ask.states["q"].copy()
+    q[:, :7] = POSES_OF_BASE[words](q[:, :7])
+    theirs = {**silence.sent, "q": layout.positions(q)}
+    elsewhere = Case(replace(silence, asking=replace(ask, states=layout.back(theirs)), sent=theirs))
+    made = {t: elsewhere.predict(t) for t in ask.terms}
+    found = diagnose(Case(replace(silence, terms=made))).findings
+    assert [f"{f.key}: {f.says}" for f in found] == [words]

@@ -76,8 +76,8 @@ def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
     return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
 
 
-FALLING = (*WEIGHED, *PUSHED, *DERIVED, "joint_torque_regressor", "potential_energy")
-"""Terms in which gravity counts."""
+FALLING = (*WEIGHED, *PUSHED, *DERIVED, "joint_torque_regressor", "potential_energy", "frame_acceleration")
+"""Terms in which gravity counts; in accelerations beside another cause, where they are those of an accelerometer."""
 
 
 def gravity_of(case: Case, g: Sequence[float] | np.ndarray) -> Hypothesis:
