@@ -25,6 +25,8 @@ ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
 DOUBT = 0.3
 """What a cause costs besides where terms that it would have changed are right without it."""
+EACH = 0.002
+"""And for each of these terms: of two causes that predict the same, the one that fewer of them contradict is told."""
 AGAIN = 0.1
 """What a cause costs that another formulation shows, where it was told already."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
@@ -182,7 +184,7 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
 
 def _price(case: Case) -> Callable[[Hypothesis], float]:
     """What right terms contradict costs more."""
-    return lambda h: h.cost + DOUBT * bool(case.spared(h))
+    return lambda h: h.cost + DOUBT * bool(case.spared(h)) + EACH * len(case.spared(h))
 
 
 def _add(findings: list[Finding], new: Finding) -> None:
