@@ -75,14 +75,16 @@ def _inward(
         S = subspace(steps, k)
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
-        u = steps.add("u", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]})
+        u = steps.add(
+            "u of articulated bodies", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]}
+        )
         bodies[k.number] = Body(c, U, D, u)
         square = U[..., :, None] * U[..., None, :]
         outer = steps.pick("U D^-1 U^T", square / D[..., None], **{"not divided by D": square})
-        Ia = steps.add("I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
-        I_c = steps.pick("the inertia in I^a c", Ia, **{"I^A": IA})
+        Ia = steps.add("the articulated inertia I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
+        I_c = steps.pick("the articulated inertia in I^a c", Ia, **{"I^A": IA})
         pa = steps.add(
-            "p^a",
+            "the articulated bias force p^a",
             **{
                 "p^A": pA,
                 "I^a c": product(I_c, c),
@@ -96,8 +98,8 @@ def _inward(
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
     p_up = steps.pick("the children that hand on their bias force", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
-    I[k.parent] = steps.add("I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
-    p[k.parent] = steps.add("p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})
+    I[k.parent] = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
+    p[k.parent] = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})
 
 
 def _last(
@@ -117,9 +119,9 @@ def _last(
         a_k = steps.turn("the parent's acceleration", x, acc[k.parent], **other)
         if k.moves:
             b = bodies[k.number]
-            a_k = steps.add("a' of a link", **{"X a of the parent": a_k, "c": b.c})
+            a_k = steps.add("a' of articulated bodies", **{"X a of the parent": a_k, "c": b.c})
             a_U = steps.pick("the acceleration in U^T a'", a_k, **{"the parent's, in its own axes": acc[k.parent]})
-            needed = steps.add("D qdd", **{"u": b.u, "-U^T a'": -(b.U * a_U).sum(-1)[..., None]})
+            needed = steps.add("D qdd of articulated bodies", **{"u": b.u, "-U^T a'": -(b.U * a_U).sum(-1)[..., None]})
             qdd = steps.pick("D^-1 (u - U^T a')", needed / b.D, **{"not divided by D": needed})
             columns[k.column] = qdd[..., 0]
             a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(steps, k) * qdd})

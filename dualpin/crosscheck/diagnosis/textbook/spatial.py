@@ -117,12 +117,15 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     base = I[0]
     for k in (k for k in tree.links if k.moves):
         F = product(
-            steps.pick("the inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}), subspace(steps, k)
+            steps.pick("the composite inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}),
+            subspace(steps, k),
         )
         entries[k.column, k.column] = (subspace(steps, k) * F).sum(-1)
         step, at = "of the first step", k
         while at.parent >= 0:
-            turned = to_parent(steps, f"F, carried down as X^T F: {step}", X[at.number], F)
+            turned = to_parent(
+                steps, f"the force F of composite bodies, carried down as X^T F: {step}", X[at.number], F
+            )
             others = {
                 "that of the next link down": lambda x=X[at.parent], y=F: _carried(x, y),
                 "that of the first link, in every step": lambda x=X[k.number], y=F: _carried(x, y),
