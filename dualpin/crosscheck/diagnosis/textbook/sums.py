@@ -90,7 +90,9 @@ def _inverted(view: View, steps: Steps) -> np.ndarray:
         "L^-1 of M = L L^T": lambda: np.linalg.inv(np.linalg.cholesky(M)),
     }  # fmt: skip
     for k in DAMPED:
-        others[f"the inverse of M + {k:g}"] = partial(solved, M + k * one, one[None, None])
+        others[f"the inverse of M + {k:g} 1, with a number added on the diagonal"] = partial(
+            solved, M + k * one, one[None, None]
+        )
         others[f"(M^T M + {k:g})^-1 M^T"] = partial(solved, transposed(M) @ M + k * one, transposed(M))
     return np.asarray(steps.pick("the inverse of M", solved(M, one[None, None]), **others))
 
