@@ -28,8 +28,10 @@ COLUMNS = 100_000
 
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
-KEPT = 4096
-"""How many intermediate results are kept."""
+KEPT = 512
+"""How many robots of edited descriptions are kept."""
+KEPT_BYTES = 2**26
+"""Of intermediate results that many stories need."""
 STEP = 2.0**-12
 """Of velocities: small beside those at which a force changes its sign, and large beside their rounding."""
 ROUNDINGS = 64 * float(np.finfo(float).eps)
@@ -68,10 +70,12 @@ class View:
         """What many stories need of the same robot and states: made once, not to be written to."""
         kept, key = self.case.kept, (id(self.description), id(self.states), what)
         if key not in kept:
-            if len(kept) >= KEPT:
-                kept.clear()
             x = make()
             x.flags.writeable = False
+            self.case.bytes += x.nbytes
+            if self.case.bytes > KEPT_BYTES:
+                kept.clear()
+                self.case.bytes = x.nbytes
             kept[key] = self.description, self.states, x  # so that neither is another's place in memory
         return kept[key][2]
 
@@ -92,6 +96,7 @@ class Case:
         self._robots: dict[int, tuple[Description, Robot]] = {}
         self._edits: dict[Any, tuple[Description, Hypothesis, Description]] = {}
         self.kept: dict[Any, tuple[Description, States, np.ndarray]] = {}
+        self.bytes = 0
 
     # what rules look at
 
@@ -165,7 +170,10 @@ class Case:
         return view
 
     def _edited(self, d: Description, h: Hypothesis) -> Description:
-        """The same object for the same edit, since much is kept of each description."""
+        """The same object for the same edit of what the file says, since much is kept of each description."""
+        if d is not self.description:
+            found: Description = h.act(d, h.items)
+            return found
         key = id(d), h.identity, id(h.act)
         if key not in self._edits:
             self._edits[key] = d, h, h.act(d, h.items)
