@@ -23,10 +23,8 @@ BUDGETS = (8.0, 50.0)
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
-DOUBT = 0.3
-"""What a cause costs besides where terms that it would have changed are right without it."""
-EACH = 0.002
-"""And for each of these terms: of two causes that predict the same, the one that fewer of them contradict is told."""
+DOUBT = 0.35
+"""What a cause costs besides, times the share of the terms it would have changed that are right without it."""
 AGAIN = 0.1
 """What a cause costs that another formulation shows, where it was told already."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
@@ -184,7 +182,13 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
 
 def _price(case: Case) -> Callable[[Hypothesis], float]:
     """What right terms contradict costs more."""
-    return lambda h: h.cost + DOUBT * bool(case.spared(h)) + EACH * len(case.spared(h))
+    off = {t for t in case.observed if not case.score(t).right}
+
+    def price(h: Hypothesis) -> float:
+        spared = len(case.spared(h))
+        return h.cost + (DOUBT * spared / (spared + len(off & set(h.terms))) if spared else 0.0)
+
+    return price
 
 
 def _add(findings: list[Finding], new: Finding) -> None:

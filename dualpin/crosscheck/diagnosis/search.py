@@ -30,6 +30,8 @@ FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
+KNOWN = 1.06
+"""The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
@@ -37,7 +39,7 @@ SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 LARGE = 40  # joints from which pairs of single links are not tried
-DOUBTFUL = ESTIMATED | {"tool_offset", "base_offset", "origin_fit"}
+DOUBTFUL = ESTIMATED | {"tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
 
 
@@ -168,7 +170,7 @@ class Search:
         return True
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
-        unsure = (h.key in DOUBTFUL and h.cost > 1.1) or not set(h.made_of) <= set(explained)
+        unsure = (h.key in DOUBTFUL and h.cost > KNOWN) or not set(h.made_of) <= set(explained)
         return unsure or bool(self.case.spared(h))
 
     def known(self, others: Iterable[Story]) -> None:

@@ -122,7 +122,7 @@ def friction_smooth(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 
 @rule("saturated", "forces are cut off at a bound", "give them uncut; what an actuator can do is another question",
-      ("bias", "rnea", "gravity"), "relation", cost=1.3)  # fmt: skip
+      ("bias", "rnea", "gravity"), "relation", cost=1.5)  # fmt: skip
 def saturated(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     """The largest value of a row stands in it at least twice, and what is predicted is beyond."""
     top = np.abs(observed).max(axis=0)
