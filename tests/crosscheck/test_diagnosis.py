@@ -12,6 +12,7 @@ import pytest
 
 import dualpin as dp
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.apart import told_apart
 from dualpin.crosscheck.diagnosis.description import built, describe
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.keys import keys, table
@@ -176,6 +177,14 @@ def test_what_explains_as_well_is_said_and_told_apart(probe):
     (finding,) = found.findings
     assert finding.key in ("inertial_xyz", "inertial_origin") and finding.alternatives
     assert finding.apart == {}  # gravity cannot distinguish them: both leave the centres at the links' origins
+
+
+@pytest.mark.parametrize("term", ["rnea_f_ext", "aba_f_ext"])
+def test_stories_of_a_robot_under_a_wrench_are_told_apart(probe, term):
+    case = Case(_silent(probe))
+    dropped = next(h for rule in RULES for h in rule.propose(case) if h.key == "fixed_dropped")
+    state = told_apart(case, term, (), (dropped,))
+    assert state["term"] == term and len(state["f_ext"]) == 6 and state["first"] != state["other"]
 
 
 def test_an_unknown_cause_is_located_not_named(probe, monkeypatch):

@@ -24,7 +24,7 @@ def told_apart(case: Case, term: str, a: Story, b: Story) -> dict[str, Any]:
     for j in case.robot:
         if j.mimic is None and j.model.additive:
             q[:, j.q] = rng.uniform(-3, 3, (TRIED, j.model.nq))
-    states = {"q": q, "v": v, "a": acc, "tau": rng.uniform(-5, 5, v.shape)}
+    states = {"q": q, "v": v, "a": acc, "tau": rng.uniform(-5, 5, v.shape), "f_ext": rng.uniform(-10, 10, (TRIED, 6))}
     asking = replace(case.asking, states=states)
     asking.__dict__["frames"] = case.frames
     sent = layout.states(states)
