@@ -1,4 +1,4 @@
-"""How campaigns scale: ``python -m validation.scaling`` (over 7 min alone; writes validation/scaling.json).
+"""How campaigns scale: ``python -m validation.scaling`` (some 6 min alone; writes validation/scaling.json).
 
 Three figures decide what a campaign costs: a unit's own time, what one worker adds to it (its process,
 transport, kernels from the cache), and what the parent needs for each unit, which no worker shares.
@@ -21,7 +21,7 @@ from dualpin.crosscheck.checks import Case
 from dualpin.machine import versions
 
 ROBOTS = ("ur5", "panda", "solo12", "talos")
-UNITS_EACH = 4
+UNITS_EACH = 2
 SHORT = 1000
 """Units of one sample, for what is not computing."""
 CORES, MANY_ROBOTS, MANY_SAMPLES = 1000, 10_000, 1_000_000
