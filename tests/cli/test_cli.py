@@ -115,7 +115,7 @@ def test_a_closed_pipe_is_no_error():
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_ctrl_c_leaves_partial_results_and_says_so(tmp_path):
     command = [sys.executable, "-m", "dualpin", "validate", "ur5", "panda", "talos", "tiago_dual", "--floating",
-               "--terms", "rnea,crba,minv,coriolis", "--samples", "40", "--engine", "numpy", "--jobs", "1",
+               "--terms", "rnea,crba,minv,coriolis", "--samples", "400", "--engine", "numpy", "--jobs", "1",
                "--out", str(tmp_path)]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     partial = tmp_path / "partial.sqlite"
