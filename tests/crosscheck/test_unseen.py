@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 
 from dualpin.crosscheck.diagnosis import Case, diagnose
+from dualpin.crosscheck.findings import Finding
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, written
-from validation.referee.unseen import PROBE, kept, outcome
+from validation.referee.unseen import PROBE, judged, kept, outcome
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -22,7 +23,15 @@ def test_without_mistakes_they_are_right(code):
 
 def test_each_mistake_changes_its_code():
     for name, mistake in MISTAKES.items():
-        assert written(mistake.code, name) is not None  # raises where the place is not there, or twice
+        assert written(mistake.code, *name.split("+")) is not None  # raises where the place is not there, or twice
+
+
+def test_verdicts_are_those_of_what_was_said():
+    for found in kept().values():
+        for name, x in found.items():
+            said = [Finding(*one.split(": ", 1), terms=["explained"]) for one in x["said"]]
+            wrong = [] if x["verdict"] == "invisible" else ["explained", *x["open"]]
+            assert judged(name, wrong, said)["verdict"] == x["verdict"], name
 
 
 @pytest.mark.campaign
