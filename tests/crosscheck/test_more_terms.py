@@ -181,3 +181,25 @@ def test_damping_is_known_under_a_wrench_and_in_derivatives_where_some_frames_ar
     report = dp.judge("double_pendulum", {"rnea_f_ext": rnea_f_ext, "rnea_derivatives": derivatives}, 4)
     assert [(f.key, f.terms) for f in report.findings] == [("damping", ["rnea_f_ext", "rnea_derivatives"])]
     assert "not answered for" in report.terms["rnea_f_ext"].note
+
+
+def test_terms_under_a_wrench_follow_from_a_wrong_jacobian():
+    """Also from one whose own cause nobody knows."""
+    robot = dp.load("double_pendulum")
+
+    def jacobian(q, frame):
+        J = dp.jacobian(robot, q, frame=frame)
+        J[1] += np.sin(3 * q[0])
+        return J
+
+    def torques(q, f_ext, frame):
+        return jacobian(q, frame).T @ f_ext
+
+    subject = {
+        "jacobian": jacobian,
+        "rnea_f_ext": lambda q, v, a, f, frame: dp.rnea(robot, q, v, a) - torques(q, f, frame),
+        "aba_f_ext": lambda q, v, tau, f, frame: dp.aba(robot, q, v, tau + torques(q, f, frame)),
+    }
+    findings = dp.judge("double_pendulum", subject, 4).findings
+    assert {t for f in findings if f.key == "follows" for t in f.terms} == {"rnea_f_ext", "aba_f_ext"}
+    assert {f.key for f in findings if "jacobian" in f.terms} <= {"partly"}

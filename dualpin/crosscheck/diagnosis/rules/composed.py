@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
-from ...subjects.layout import product
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from .register import proposer
@@ -18,7 +17,8 @@ PARTS = {
     "bias": ("gravity", "coriolis"),
     "rnea": ("crba", "bias", "gravity", "coriolis"),
     "aba": ("crba", "bias", "gravity", "coriolis"),
-    "rnea_f_ext": ("rnea",),
+    "rnea_f_ext": ("rnea", "jacobian"),
+    "aba_f_ext": ("crba", "bias", "gravity", "coriolis", "jacobian"),
     "minv": ("crba",),
     "kinetic_energy": ("crba",),
     "gravity": ("com_jacobian",),
@@ -61,20 +61,26 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
         D = apart(part)
         return np.einsum("n...ij,nj->n...i", D, sent[what]) if D.ndim else D
 
+    def pushed() -> np.ndarray:
+        """What the error of the Jacobians does to J^T f."""
+        D = apart("jacobian")
+        return np.einsum("nkij,ni->nkj", D, sent["f_ext"]) if D.ndim else D
+
     def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
         bias = apart("bias") + apart("gravity") + along("coriolis", "v")
         if term == "bias":
             return x + bias
         if term == "rnea":
             return x + along("crba", "a") + bias
-        if term == "aba":
+        if term == "rnea_f_ext":
+            return x + (apart("rnea")[:, None] if "rnea" in parts else 0) - pushed()
+        if term in ("aba", "aba_f_ext"):
             M = case.predict("crba")
             if M is None:
                 raise ValueError("no mass matrix")
-            forces = product(M, x) - bias
-            return np.linalg.solve(observed["crba"] if "crba" in parts else M, forces[..., None])[..., 0]
-        if term == "rnea_f_ext":
-            return x + apart("rnea")[:, None]
+            many = (slice(None), None) if term == "aba_f_ext" else ()
+            forces = np.einsum("nij,n...j->n...i", M, x) - (bias[many] if bias.ndim else bias) + pushed()
+            return np.linalg.solve((observed["crba"] if "crba" in parts else M)[many], forces[..., None])[..., 0]
         if term == "minv":
             return np.linalg.inv(observed["crba"])
         if term == "kinetic_energy":
