@@ -1,4 +1,4 @@
-"""How campaigns scale: ``python -m validation.scaling`` (some 6 min alone; writes validation/scaling.json).
+"""How campaigns scale: ``python -m validation.scaling`` (some 8 min alone; writes validation/scaling.json).
 
 Three figures decide what a campaign costs: a unit's own time, what one worker adds to it (its process,
 transport, kernels from the cache), and what the parent needs for each unit, which no worker shares.
