@@ -16,6 +16,7 @@ from . import samples
 
 pytest.importorskip("jinja2")
 webdriver = pytest.importorskip("selenium.webdriver")
+support = pytest.importorskip("selenium.webdriver.support.ui")
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
 if not CHROMIUM or not DRIVER:
@@ -86,7 +87,8 @@ def opened(browser, path: Path, width=1280, height=900, scheme="light"):
     feature = {"name": "prefers-color-scheme", "value": scheme}
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
     browser.get(path.as_uri())
-    assert browser.execute_script("return document.documentElement.dataset.ready") == "yes"
+    wait = support.WebDriverWait(browser, 20, poll_frequency=0.02)  # on a busy machine scripts may end after the load
+    wait.until(lambda b: b.execute_script("return document.documentElement.dataset.ready") == "yes")
     if SHOTS:
         Path(SHOTS).mkdir(parents=True, exist_ok=True)
         browser.save_screenshot(f"{SHOTS}/{path.stem}-{width}-{scheme}.png")
@@ -226,7 +228,6 @@ def test_a_point_says_what_it_is(browser, whole):
         webdriver.ActionChains(browser).move_by_offset(1, 1).move_to_element(point).perform()
         return tip.is_displayed()
 
-    support = pytest.importorskip("selenium.webdriver.support.ui")
     support.WebDriverWait(browser, 20).until(shown)
     assert "us a sample" in tip.text
 
