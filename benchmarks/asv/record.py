@@ -1,6 +1,6 @@
 """Measure this commit in this environment and keep the result:  python benchmarks/asv/record.py [MACHINE]  (make asv)
 
-On a machine that does nothing else, some ten minutes.  Paths of the environment are left out of what is kept, so
+On a machine that does nothing else, some two minutes.  Paths of the environment are left out of what is kept, so
 that it reads the same wherever it was made.
 """
 
