@@ -114,7 +114,7 @@ def write(results: dict[str, dict[str, Any]]) -> None:
         "Six codes, on the probe: 94 were asked whose very kinds were unknown (59 named), and 30 of which the kinds",
         "missed had been told. Six rules were written from these 124; the other 65 were asked with them, and six of",
         "the 65 had been read (of the 59 that had not, 25 are named). Then all of them were read, and rules were",
-        "written from them, so that their figures below (of dualpin dfd47ec) say only that what is known is named; as",
+        "written from them, so that their figures below (of dualpin 1dd48bf) say only that what is known is named; as",
         "first asked 107 of 188 were. Words were added for the sentences of keys that",
         f"came later, where these say the mistake: {sum(bool(m.added) for m in MISTAKES.values() if not m.group)} of "
         f"{sum(not m.group for m in MISTAKES.values())}.", "",
