@@ -97,7 +97,7 @@ def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[
 
 def _along(steps: Steps, k: Link, f: np.ndarray) -> np.ndarray:
     other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
-    site = "the force along a joint's axis, S^T f," + (": of sliding joints" if k.slides else ": of turning joints")
+    site = "the force along a joint's axis, S^T f" + (": of sliding joints" if k.slides else ": of turning joints")
     return np.asarray(
         steps.pick(site, (subspace(steps, k) * f).sum(-1), **{"that of the other half of f": (other * f).sum(-1)})
     )

@@ -59,14 +59,16 @@ KINDS = {
         "the factors of a cross product change places",
     ),
     "step_unturned": Kind(
-        "{site} is not brought into the other axes", "transform it", "a quantity is not brought into other axes"
+        "{site} is not brought into the other axes", "turn {site} into the axes of what it is added to",
+        "a quantity is not brought into other axes",
     ),
     "step_turned_back": Kind(
         "{site} is transformed by the transposed matrix", "transpose the matrix",
         "a quantity is brought into other axes by the transposed matrix",
     ),
     "step_other_turn": Kind(
-        "{site} is transformed {what}", "use the other matrix", "a quantity is transformed by another matrix"
+        "{site} is transformed {what}", "transform {site} by its own matrix, not {what}",
+        "a quantity is transformed by another matrix",
     ),
     "step_from_left": Kind(
         "{site} is turned from the left alone (R I in place of R I R^T)", "multiply by R^T from the right",
@@ -77,7 +79,9 @@ KINDS = {
         "a matrix is turned from the right alone",
     ),
     "step_untransposed": Kind("{site} is not transposed", "transpose it", "a matrix is not transposed"),
-    "step_other": Kind("{site} is {what}", "take the right one", "another quantity stands in a place of an equation"),
+    "step_other": Kind(
+        "{site} is {what}", "look at {site}: {what} is wrong here", "another quantity stands in a place of an equation"
+    ),
     "step_first": Kind("the first of {site} is left out", "begin one earlier", "the first turn of a loop is left out"),
     "step_last": Kind("the last of {site} is left out", "end one later", "the last turn of a loop is left out"),
 }  # fmt: skip
