@@ -18,7 +18,7 @@ import numpy as np
 from ..subjects.questions import QUESTIONS
 from .case import Case
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .rules import RULES
 from .scores import Score
 from .textbook.slipped import made_of
@@ -344,12 +344,12 @@ def _merged(chosen: Sequence[Hypothesis]) -> Hypothesis:
     if first.place == "word":  # each names its columns itself
         acts = [h.act for h in chosen]
 
-        def act(w: object) -> object:
+        def act(w: Wording) -> Wording:
             turned: list[str] = []
             for f in acts:
                 w = f(w)
-                turned += w.turned  # type: ignore[attr-defined]
-            return replace(w, turned=tuple(turned))  # type: ignore[type-var]
+                turned += w.turned
+            return replace(w, turned=tuple(turned))
 
         return replace(first, items=items, act=act, cost=1.0 + 0.5 * len(chosen))
     return replace(first, items=items, cost=1.0 + 0.5 * len(chosen))
