@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from dualpin.crosscheck.diagnosis.textbook.steps import KINDS, Slip, Steps, rows
+from dualpin.crosscheck.diagnosis.textbook import words
+from dualpin.crosscheck.diagnosis.textbook.steps import Slip, Steps
+from dualpin.crosscheck.diagnosis.textbook.words import KINDS, RIGHT, plural, rows
 
+FOLDER = Path(words.__file__).parent
 ROTATION = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3
 TENSOR = np.diag([1.0, 2.0, 3.0]) + 0.1
 A, B = np.array([[1.0, 2.0, 3.0]]), np.array([[0.5, -1.0, 4.0]])
@@ -55,3 +60,47 @@ def test_a_slip_that_no_step_has_changes_nothing(slip):
 def test_another_matrix_that_a_place_does_not_have_is_not_taken_there():
     slip = Slip("the vector", "by twice the matrix", "step_other_turn")
     assert (Steps(slip).turn("the vector", ROTATION, A) == A @ ROTATION.T).all()
+
+
+@pytest.mark.parametrize(
+    ("slip", "says", "fix"),
+    [
+        (Slip("the children that hand on their force", "the first of each link alone", "step_other"),
+         "the children that hand on their force are the first of each link alone",
+         "the children that hand on their force must be all children of a link"),
+        (Slip("the inertia of a body: in I alpha", "", "step_unturned"),
+         "the inertia of a body, in I alpha, is not transformed into the axes in which it is used",
+         "transform the inertia of a body, in I alpha, into the axes of what it is added to or multiplied by"),
+        (Slip("the force that is handed on, X^T f,", "by the inverse", "step_other_turn"),
+         "the force that is handed on, X^T f, is transformed by the inverse",
+         "transform the force that is handed on, X^T f, by the matrix of this step, not by the inverse"),
+        (Slip("the forces of bodies", "", "step_last"), "the loop over the forces of bodies leaves out the last",
+         "end the loop over the forces of bodies with the last"),
+        (Slip("the rate of a column", "(w x z) x r, the turning of the axis,", "step_left_out"),
+         "(w x z) x r, the turning of the axis, is left out of the rate of a column",
+         "add (w x z) x r, the turning of the axis, to the rate of a column"),
+        (Slip("the gain", "one", "step_other"), "the gain is one", "correct the gain: here it is one"),
+    ],
+)  # fmt: skip
+def test_what_is_said_of_a_slip_is_a_sentence(slip, says, fix):
+    assert (slip.says, slip.fix) == (says, fix)
+
+
+def test_what_is_plural():
+    many = ["the axes that have a column", "the sine and cosine of an angle", "the torques of gravity", "their forces"]
+    one = [
+        "the mass of bodies",
+        "the axis of joints",
+        "the bias",
+        "what joints feel",
+        "S of joints",
+        "the body's place",
+    ]
+    assert all(map(plural, many))
+    assert not any(map(plural, one))
+
+
+def test_what_belongs_in_a_place_is_told_of_places_that_there_are():
+    texts = [p.read_text(encoding="utf-8") for p in sorted(FOLDER.glob("*.py")) if p.name != "words.py"]
+    heads = {site.rstrip(",") for site in RIGHT}
+    assert {head for head in heads if not any(f'"{head}' in text for text in texts)} == set()

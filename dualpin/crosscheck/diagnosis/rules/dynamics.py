@@ -88,9 +88,9 @@ KNOWN = {
 } | {
     ("what a sliding joint feels", "the moment along its axis", "step_other"): "slide_moment",
     ("what a link hands on", "nothing", "step_other"): "not_handed_on",
-    ("the inertia in world axes", "", "step_unturned"): "inertia_frame",
-    ("the inertia in world axes", "", "step_turned_back"): "inertia_frame_transposed",
-    ("the inertia in world axes", "", "step_from_left"): "inertia_frame_half",
+    ("the inertia of a body", "", "step_unturned"): "inertia_frame",
+    ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
+    ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
     ("the arm to the centre of mass", "", "step_unturned"): "com_frame",
     ("the joint's axis", "", "step_unturned"): "axis_frame",
     ("the joint's axis: of sliding links", "", "step_unturned"): "slide_axis_frame",

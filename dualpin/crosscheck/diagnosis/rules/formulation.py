@@ -19,7 +19,8 @@ import numpy as np
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from ..textbook.slipped import Run, Slipped
-from ..textbook.steps import Slip, Steps, rows
+from ..textbook.steps import Slip, Steps
+from ..textbook.words import rows
 from .register import RULES, Rule
 
 OTHER = 0.005

@@ -14,7 +14,8 @@ from ..case import Case
 from ..description import Body, Description, merged
 from ..hypothesis import Hypothesis
 from ..textbook.lumps import Piece, at_once, one_by_one, pieces
-from ..textbook.steps import Slip, Steps, rows
+from ..textbook.steps import Slip, Steps
+from ..textbook.words import rows
 from .register import INERTIAL, MASSIVE, differ, proposer
 
 WAYS: dict[str, Callable[[Steps, list[Piece]], Body]] = {"all at once": at_once, "one by one": one_by_one}

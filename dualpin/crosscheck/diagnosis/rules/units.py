@@ -110,7 +110,7 @@ def _snapped(rpy: np.ndarray) -> np.ndarray:
 
 
 @joint_rule(
-    "rpy_snapped", "rpy of joints is rounded to the next multiple of pi/4", "take the file's numbers as they are"
+    "rpy_snapped", "rpy of joints is rounded to the nearest multiple of pi/4", "take the file's numbers as they are"
 )
 def rpy_snapped(p: Part, d: Description) -> Part:
     return replace(p, rotation=_product((2, 1, 0), _snapped(p.rpy)))

@@ -18,8 +18,8 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .link_axes import gathered
-from .spatial import HAVE, crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transform
-from .steps import Steps
+from .spatial import crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transform
+from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
 
@@ -110,7 +110,7 @@ def _last(
     if tree.floating:
         push = steps.add("the force that moves the base", **{"tau": tau[..., :6], "-p^A": -p[0]})
         a0 = solved(I[0], push[..., None])[..., 0]
-        up = steps.turn("gravity, brought into the base's axes,", X[0], -down)
+        up = steps.turn("gravity, in world axes,", X[0], -down)
         acc, base = [a0], [steps.add("the base's acceleration", **{"I^-1 (tau - p)": a0, "g": -up})]
     columns: dict[int, np.ndarray] = {}
     for k in tree.links[1:]:

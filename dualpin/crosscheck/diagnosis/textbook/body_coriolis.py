@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .spatial import HAVE, crf, crm, inertia, next_velocity, subspace, to_parent, transform
-from .steps import Steps
+from .spatial import crf, crm, inertia, next_velocity, subspace, to_parent, transform
+from .steps import HAVE, Steps
 from .tree import Link, Tree
 
 ONE = np.eye(6)

@@ -77,9 +77,9 @@ class Columns:
         z = self.steps.turn(site, R, a + 0 * R[..., 0], **others)
         o = self.o[..., group, :]
         wrong = {
-            "that of the joint before": lambda: self._moved(group, z, self.before),
-            "that of the next joint": lambda: self._moved(group, z, self.after),
-            "that of the first joint": lambda: z[..., :1, :] + 0 * z,
+            "the joint before": lambda: self._moved(group, z, self.before),
+            "the next joint": lambda: self._moved(group, z, self.after),
+            "the first joint": lambda: z[..., :1, :] + 0 * z,
         }
         z = np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
         point = {"a point, with the position of its origin added": lambda: z + o}
@@ -151,9 +151,9 @@ class Columns:
             y = z[..., to] if self.world else z[..., [*to, *range(3, z.shape[-2])], :]
             other = cross(y, r)
             for rows, x, u in (("angular rows", y, lever), ("linear rows", z, other), ("all rows", y, other)):
-                name = f"{'xyz'[a]} and {'xyz'[b]} exchanged in the {rows}"
+                name = f"exchanged, {'xyz'[a]} with {'xyz'[b]}, in {rows}"
                 angular[name], linear[name] = x, u
-        site = "the base's turning columns, with"
+        site = "the base's turning columns"
         return self.steps.pick(site, z, **angular), self.steps.pick(site, lever, **linear)
 
     def _arms(self, group: list[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
@@ -183,11 +183,14 @@ class Columns:
         numbers, own = np.arange(len(self.axes)), self.links == np.array(links)[:, None]
         first = (self.before < 0) | base[self.before]
         wrong = {
-            "all, also those that do not move it": np.ones_like(right), "all but the last": right & (numbers != last),
-            "all with a smaller number, as in one chain": (numbers <= last) | (right & base),
-            "all but that of its own link": right & (base | ~own), "all but the first": right & (base | ~first),
-            "the last alone": right & (base | (numbers == last)), "the joints, without the base": right & ~base,
-        }  # fmt: skip
+            "those of all joints, also of those that do not move it": np.ones_like(right),
+            "those of all joints with a smaller number, as in one chain": (numbers <= last) | (right & base),
+            "all but that of the last joint": right & (numbers != last),
+            "all but that of the first joint": right & (base | ~first),
+            "all but that of its own link": right & (base | ~own),
+            "only that of the last joint": right & (base | (numbers == last)),
+            "those of the joints, without the base": right & ~base,
+        }
         shaped = {name: x[None, None, :, None] for name, x in wrong.items()}
         return np.asarray(self.steps.pick("the axes that have a column", right[None, None, :, None], **shaped))
 
@@ -257,8 +260,8 @@ def referred(
     w, v = rows[..., :3], rows[..., 3:]
     if reference == "local":
         back = np.swapaxes(R, -1, -2)[..., None, :, :]
-        w = steps.turn(f"{what}, brought into the frame's axes: the angular part", back, w)
-        v = steps.turn(f"{what}, brought into the frame's axes: the linear part", back, v)
+        w = steps.turn(f"{what}, in world axes: its angular part", back, w)
+        v = steps.turn(f"{what}, in world axes: its linear part", back, v)
     elif reference == "world":
         terms = {"v": v, "p x w": cross(p[..., None, :] + 0 * w, w)}
         v = steps.add(f"the linear part of {what}, of the point at the world's origin", **terms)

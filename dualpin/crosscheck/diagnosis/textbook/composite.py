@@ -17,11 +17,10 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
-from .steps import Steps, cross
+from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, tree_of
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
-HAVE = "its own and that of earlier children"
 
 
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:

@@ -38,8 +38,8 @@ def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndar
             x = z
         else:
             others = {
-                "to the link's origin": cross(z, pose.p0 - at.p0), "from the world's origin": cross(z, c),
-                "from the parent's joint": cross(z, c - poses[j.parent].p0),
+                "that to the link's origin": cross(z, pose.p0 - at.p0), "that from the world's origin": cross(z, c),
+                "that from the parent's joint": cross(z, c - poses[j.parent].p0),
             }  # fmt: skip
             terms = {"z x (p - p_j)": cross(z, pose.p0 - at.p0), "z x r": cross(z, r)}
             x = steps.add("Jv of a turning joint", **terms)
@@ -69,7 +69,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         given = steps.pick(
             "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
         )
-        I = steps.congruent("the inertia in world axes", poses[k.number].R0, given)
+        I = steps.congruent("the inertia of a body", poses[k.number].R0, given)
         m = k.mass + np.zeros((1, 1, 1, 1))
         m = steps.pick("the mass in m Jv^T Jv", m, **tree.masses(k, m))
         terms = {"m Jv^T Jv": m * (Jv @ transposed(Jv)), "Jw^T I Jw": Jw @ (I @ transposed(Jw))}

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .steps import Steps, cross
+from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
 
@@ -76,7 +76,7 @@ def _base(steps: Steps, tree: Tree, pose: Pose, v: np.ndarray, a: np.ndarray, g:
         zero = np.zeros((*v.shape[:-1], 3), v.dtype)
         return Motion(zero, zero, zero - product(back, g))
     w, linear = v[..., :3], v[..., 3:6]
-    up = -steps.turn("gravity, brought into the base's axes,", back, g + 0 * linear)
+    up = -steps.turn("gravity, in world axes,", back, g + 0 * linear)
     terms = {"the given acceleration": a[..., 3:6], "w x v": cross(w, linear), "-g": up}
     return Motion(w, a[..., :3], steps.add("the acceleration of the base", **terms))
 
@@ -168,8 +168,8 @@ def _inward(
     for k in reversed(tree.links):
         f_k, n_k, pose = f[k.number], n[k.number], poses[k.number]
         if k.moves:
-            others = {f"of the {which} joint": j.z for which, j in tree.neighbours(k).items()}
-            z = steps.pick("the axis along which a joint feels", k.z, **others)
+            others = {f"that of the {which} joint": j.z for which, j in tree.neighbours(k).items()}
+            z = steps.pick("the axis along which a joint feels force or moment", k.z, **others)
             moment, push = (z * n_k).sum(-1), (z * f_k).sum(-1)
             columns[k.column] = (
                 steps.pick("what a sliding joint feels", push, **{"the moment along its axis": moment})
@@ -191,12 +191,12 @@ def _inward(
             "without the joint's travel": k.p + 0 * pose.p,
         }
         arm = steps.pick("the arm in r x f", pose.p, **others)
-        up, last, count, have = k.parent, k.number - 1, len(tree.links) - 1, "its own and that of earlier children"
+        up, last, count = k.parent, k.number - 1, len(tree.links) - 1
         handed = steps.part("the links that hand on their force", handed, last, count)
-        f[up] = steps.add("the force at a joint", **{have: f[up], "the child's f": handed})
+        f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
         turned = steps.part("the links that hand on their moment", turned, last, count)
         n[up] = steps.add(
-            "the moment at a joint", **{have: n[up], "the child's n": turned, "r x f": cross(arm, pushed)}
+            "the moment at a joint", **{HAVE: n[up], "the child's n": turned, "r x f": cross(arm, pushed)}
         )
     base = [n[0], f[0]] if tree.floating else []
     return gathered(columns, base, q)

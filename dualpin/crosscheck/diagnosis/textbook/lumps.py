@@ -17,9 +17,9 @@ from ..description import Body, Description, Part
 from .steps import Steps
 
 ONE = np.eye(3)
-TURNED = "the tensor of <inertial>, turned by rpy,"
+TURNED = "the tensor of <inertial>, in the axes of its rpy,"
 READ = "the tensor of <inertial>"
-CARRIED = "a fixed link's tensor, turned into the axes of its body,"
+CARRIED = "a fixed link's tensor, in its own axes,"
 
 
 class Piece(NamedTuple):
@@ -83,7 +83,7 @@ def at_once(steps: Steps, group: list[Piece]) -> Body:
     mass, weighted = masses.sum(), masses @ centres
     others = {
         "the mean of the links' centres": centres.mean(0), "that of the first link": centres[0],
-        "that of the last link": centres[-1], "their sum, not divided by the mass": weighted,
+        "that of the last link": centres[-1], "the sum m c, not divided by the mass": weighted,
     }  # fmt: skip
     C = steps.pick("the centre of merged links", weighted / (mass or 1.0), **others)
     wrong = {"that of the first link": masses[0], "that of the last link": masses[-1]}

@@ -212,10 +212,10 @@ class Poses:
             A = steps.pick(
                 "the rotation of a link", ways.then(A, T),
                 **{
-                    "with the joint's turn before its rpy": lambda: ways.then(ways.then(Ap, T), Ao),
-                    "with the joint's turn multiplied from the left": lambda: ways.then(T, before),
-                    "with the joint's turn transposed": lambda: ways.then(before, ways.inverse(T)),
-                    "without the joint's turn": lambda: before + 0 * T, "that of the joint's turn alone": T,
+                    "that with the joint's turn before its rpy": lambda: ways.then(ways.then(Ap, T), Ao),
+                    "that with the joint's turn multiplied from the left": lambda: ways.then(T, before),
+                    "that with the joint's turn transposed": lambda: ways.then(before, ways.inverse(T)),
+                    "that without the joint's turn": lambda: before + 0 * T, "that of the joint's turn alone": T,
                 },
             )  # fmt: skip
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, ratio, follows))

@@ -60,10 +60,10 @@ class SecondDerivatives(Columns):
         ddp = steps.pick("the second derivative of a position, as a product,", ddp, **others)
         turning = turns[:, None, None] * turns[None, :, None] * cross(z_m, z_k)
         others = {
-            "later joints, not by earlier ones": lambda: where(later) * turning,
-            "all joints of the path": lambda: both * turning,
+            "that by later joints": lambda: where(later) * turning,
+            "that by all joints of the path": lambda: both * turning,
         }  # fmt: skip
-        dz = steps.pick("the derivative of an axis, by earlier joints, is counted", where(earlier) * turning, **others)
+        dz = steps.pick("the derivative of an axis by earlier joints", where(earlier) * turning, **others)
         dz = steps.add("the derivative of an angular column", **{"z_m x z_k": dz})
         qd = self.poses.qd
         assert qd is not None

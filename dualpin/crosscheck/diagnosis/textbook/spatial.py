@@ -18,11 +18,10 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from .link_axes import gathered
-from .steps import Steps, cross
+from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
 
 LINEAR = "the product of the linear velocity"
-HAVE = "its own and that of earlier children"
 
 
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -32,7 +31,7 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, a))
     down = gravity(steps, g) + zero
     if tree.floating:
-        up = steps.turn("gravity, brought into the base's axes,", X[0], -down)
+        up = steps.turn("gravity, in world axes,", X[0], -down)
         speed = v[..., :6] + zero
         # the rate of the base's spatial velocity has no w x v: what is given is the rate of its columns
         acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
@@ -99,7 +98,7 @@ def _along(steps: Steps, k: Link, f: np.ndarray) -> np.ndarray:
     other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
     site = "the force along a joint's axis, S^T f" + (": of sliding joints" if k.slides else ": of turning joints")
     return np.asarray(
-        steps.pick(site, (subspace(steps, k) * f).sum(-1), **{"that of the other half of f": (other * f).sum(-1)})
+        steps.pick(site, (subspace(steps, k) * f).sum(-1), **{"taken from the other half of f": (other * f).sum(-1)})
     )
 
 
@@ -165,7 +164,7 @@ def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.nda
         h[k.parent] = steps.add(
             "the momentum of what a joint moves", **{HAVE: h[k.parent], "the child's X^T h": handed}
         )
-    whole = to_parent(steps, "the momentum, brought into the world's axes,", X[0], h[0])
+    whole = to_parent(steps, "the momentum, in the base's axes,", X[0], h[0])
     n, p = whole[..., :3], whole[..., 3:]
     G = np.repeat(com, tree.nv, axis=1)
     n = steps.add("the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p)})

@@ -21,12 +21,13 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from . import words
 
 T = TypeVar("T")
 
 
 class Slip(NamedTuple):
-    """One thing that went wrong: at which step, with what, and how (a key of `KINDS`)."""
+    """One thing that went wrong: at which step, with what, and how (a key of `words.KINDS`)."""
 
     site: str
     what: str
@@ -34,62 +35,19 @@ class Slip(NamedTuple):
 
     @property
     def says(self) -> str:
-        return KINDS[self.how].says.format(site=self.site.replace(": ", ", "), what=self.what)
+        return words.says(*self)
 
     @property
     def fix(self) -> str:
-        return KINDS[self.how].fix.format(site=self.site, what=self.what)
+        return words.fix(*self)
 
-
-class Kind(NamedTuple):
-    """A kind of slip: its words about one step, its fix, and its line in the table of keys."""
-
-    says: str
-    fix: str
-    row: str
-
-
-KINDS = {
-    "step_left_out": Kind("{what} is left out of {site}", "add {what}", "a term of an equation is left out"),
-    "step_sign": Kind("{what} has the other sign in {site}", "turn its sign", "a term of an equation has another sign"),
-    "step_half": Kind("{what} is counted half in {site}", "count it once", "a term of an equation is counted half"),
-    "step_twice": Kind("{what} is counted twice in {site}", "count it once", "a term of an equation is counted twice"),
-    "step_swapped": Kind(
-        "the factors of the cross product change places in {site}", "change them back",
-        "the factors of a cross product change places",
-    ),
-    "step_unturned": Kind(
-        "{site} is not brought into the other axes", "turn {site} into the axes of what it is added to",
-        "a quantity is not brought into other axes",
-    ),
-    "step_turned_back": Kind(
-        "{site} is transformed by the transposed matrix", "transpose the matrix",
-        "a quantity is brought into other axes by the transposed matrix",
-    ),
-    "step_other_turn": Kind(
-        "{site} is transformed {what}", "transform {site} by its own matrix, not {what}",
-        "a quantity is transformed by another matrix",
-    ),
-    "step_from_left": Kind(
-        "{site} is turned from the left alone (R I in place of R I R^T)", "multiply by R^T from the right",
-        "a matrix is turned from the left alone",
-    ),
-    "step_from_right": Kind(
-        "{site} is turned from the right alone (I R^T in place of R I R^T)", "multiply by R from the left",
-        "a matrix is turned from the right alone",
-    ),
-    "step_untransposed": Kind("{site} is not transposed", "transpose it", "a matrix is not transposed"),
-    "step_other": Kind(
-        "{site} is {what}", "look at {site}: {what} is wrong here", "another quantity stands in a place of an equation"
-    ),
-    "step_first": Kind("the first of {site} is left out", "begin one earlier", "the first turn of a loop is left out"),
-    "step_last": Kind("the last of {site} is left out", "end one later", "the last turn of a loop is left out"),
-}  # fmt: skip
 
 _WEIGHTS = {"step_left_out": 0.0, "step_sign": -1.0, "step_half": 0.5, "step_twice": 2.0}
 _TURNS = ("step_unturned", "step_turned_back")
-EVERYWHERE = "every equation where it stands"
+EVERYWHERE = "every equation where it belongs"
 """The site of a slip that is made wherever a term of that name is added."""
+HAVE = "the sum so far (its own and of earlier children)"
+"""What a child's share is added to."""
 Words = Mapping[tuple[str, str], Sequence[tuple[str, str]]]
 _Row = Callable[[Any], Any]
 _Mine = tuple[int, "Slip"]
@@ -283,8 +241,3 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-
-
-def rows() -> Mapping[str, str]:
-    """The lines of all kinds in the table of keys."""
-    return {key: kind.row for key, kind in KINDS.items()}

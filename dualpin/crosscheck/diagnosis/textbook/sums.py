@@ -58,8 +58,11 @@ def _pushed(view: View, steps: Steps) -> np.ndarray:
     others: dict[str, Callable[[], np.ndarray]] = {
         f"J^T f with the {r} Jacobian": partial(torques, r) for r in REFERENCES if r != asked
     }  # fmt: skip
-    others |= {"without the moment": lambda: torques(asked, 0.0), "without the force": lambda: torques(asked, 1.0, 0.0)}
-    others["with moment and force in each other's place"] = lambda: product(
+    others |= {
+        "J^T f without the moment": lambda: torques(asked, 0.0),
+        "J^T f without the force": lambda: torques(asked, 1.0, 0.0),
+    }
+    others["J^T f with moment and force in each other's place"] = lambda: product(
         transposed(view.compute("jacobian", asked)[None]), f[..., [3, 4, 5, 0, 1, 2]]
     )
     return np.asarray(steps.pick("what the external force adds", torques(asked), **others))
@@ -90,9 +93,7 @@ def _inverted(view: View, steps: Steps) -> np.ndarray:
         "L^-1 of M = L L^T": lambda: np.linalg.inv(np.linalg.cholesky(M)),
     }  # fmt: skip
     for k in DAMPED:
-        others[f"the inverse of M + {k:g} 1, with a number added on the diagonal"] = partial(
-            solved, M + k * one, one[None, None]
-        )
+        others[f"that of M with {k:g} added on the diagonal"] = partial(solved, M + k * one, one[None, None])
         others[f"(M^T M + {k:g})^-1 M^T"] = partial(solved, transposed(M) @ M + k * one, transposed(M))
     return np.asarray(steps.pick("the inverse of M", solved(M, one[None, None]), **others))
 

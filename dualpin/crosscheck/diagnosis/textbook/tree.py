@@ -160,7 +160,7 @@ class Tree:
     def alone(self, k: Link, x: np.ndarray) -> dict[str, np.ndarray]:
         """What a child gives where others overwrite it, or it them."""
         siblings = self._children[k.parent]
-        ends = {"the first one alone": siblings[0], "the last one alone": siblings[-1]}
+        ends = {"the first of each link alone": siblings[0], "the last of each link alone": siblings[-1]}
         return {words: x * float(k.number == last) for words, last in ends.items()}
 
     @property

@@ -123,7 +123,7 @@ def _matrix(steps: Steps, table: list[list[dict[str, np.ndarray]]], what: str) -
 
 def _sin_cos(steps: Steps, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of a joint's angle, (..., 1, 1) each."""
-    x = steps.pick("the angle of a joint", q, **{"half of it": q / 2, "twice it": 2 * q})
+    x = steps.pick("the angle of a joint", q, halved=q / 2, doubled=2 * q)
     pair = np.stack([np.sin(x), np.cos(x)], -1)
     pair = steps.pick(
         "the sine and cosine of a joint's angle", pair,

@@ -107,12 +107,15 @@ class Sums:
         """What sums are divided by, (runs, 1, 1)."""
         m = self.m[..., None]
         right = m.sum(-2)
-        wrong = {"the number of bodies": np.full((1, 1, 1), float(len(self.links))), "1": np.ones((1, 1, 1))}
+        wrong = {
+            "the number of bodies": np.full((1, 1, 1), float(len(self.links))),
+            "1, not the mass": np.ones((1, 1, 1)),
+        }
         if self.grounded:
-            wrong["that of all links, also of those that cannot move"] = right + self.grounded
+            wrong["the mass of all links, also of those that cannot move"] = right + self.grounded
         if self.links[0] == 0:
-            wrong["that of all links but the base"] = m[..., 1:, :].sum(-2)
-        return np.asarray(self.steps.pick("the mass that divides the sum", right, **wrong))
+            wrong["the mass of all links but the base"] = m[..., 1:, :].sum(-2)
+        return np.asarray(self.steps.pick("the divisor of the sum over bodies", right, **wrong))
 
     @cached_property
     def com(self) -> np.ndarray:

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .link_axes import gathered, of_joint
-from .steps import Steps, cross
+from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
 
@@ -39,8 +39,8 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     columns: dict[int, np.ndarray] = {}
     for k in reversed(tree.links):
         if k.moves:
-            others = {f"of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
-            z = steps.pick("the axis along which a joint feels", moving[k.number].z, **others)
+            others = {f"that of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
+            z = steps.pick("the axis along which a joint feels force or moment", moving[k.number].z, **others)
             columns[k.column] = _felt(steps, k, z, f[k.number], n[k.number])
         if k.parent >= 0:
             _hand_on(steps, tree, k, poses, f, n)
@@ -112,7 +112,7 @@ def _next(
     w_r = steps.pick(f"the angular velocity {site}", up.w, **{"the link's own": w}, **ws)
     alpha_r = steps.pick(f"the angular acceleration {site}", up.alpha, **{"the link's own": alpha}, **alphas)
     arms = {
-        "to its centre of mass": r + product(pose.R0, k.c), "from the world's origin": pose.p0 + 0 * r,
+        "that to its centre of mass": r + product(pose.R0, k.c), "that from the world's origin": pose.p0 + 0 * r,
         "in the parent's axes": product(transposed(on.R0), r),
     }  # fmt: skip
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
@@ -147,14 +147,13 @@ def _bodies(
             "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
         )
         I, spun = (
-            steps.congruent(f"the inertia in world axes: {where}", pose.R0, given)
-            for where in ("in I alpha", "in w x I w")
+            steps.congruent(f"the inertia of a body: {where}", pose.R0, given) for where in ("in I alpha", "in w x I w")
         )
         others = tree.near(k, lambda x: moving[x.number].w)
         w = [steps.pick(f"the angular velocity in w x I w: {x}", m.w, **others) for x in ("its first", "its second")]
         for_spin = {
-            "its principal moments, not turned": k.moments,
-            "about the link's origin, not turned": k.about_origin,
+            "that of its principal moments, not turned": k.moments,
+            "that about the link's origin, not turned": k.about_origin,
         }
         spun = steps.pick("the inertia in w x I w", spun, **for_spin)
         moments = {"I alpha": product(I, m.alpha), "w x I w": cross(w[0], product(spun, w[1]))}
@@ -162,8 +161,8 @@ def _bodies(
         at = steps.pick("the point at which weight acts", c, **{"the link's origin": 0 * c})
         from_parent = pose.p0 - poses[max(0, k.parent)].p0
         arms = {
-            "that from the parent's joint to the link's": from_parent, "from the parent's joint": from_parent + c,
-            "from the world's origin": pose.p0 + c, "half as long": 0.5 * c,
+            "that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c,
+            "that from the world's origin": pose.p0 + c, "half as long": 0.5 * c,
         }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", c, **arms)
         own = {"N": N, "r x f": cross(arm, F) + cross(at - c, -weight)}
@@ -182,7 +181,7 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: lis
         "the angular acceleration that carries a centre of mass", m.alpha, **{"the parent's": up.alpha}, **alphas
     )
     from_parent = poses[k.number].p0 - poses[max(0, k.parent)].p0
-    arms = {"that from the parent's joint to the link's": from_parent, "from the parent's joint": from_parent + c}
+    arms = {"that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c}
     c = steps.pick("the arm that carries a centre of mass", c, **arms)
     terms = {"that of the origin": m.a, "alpha x r": cross(alpha, c), "w x (w x r)": cross(w, cross(w, c))}
     return np.asarray(steps.add("the acceleration of the centre of mass", **terms))
@@ -210,12 +209,11 @@ def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.nd
         "in the child's axes": lambda: product(transposed(pose.R0), r),
     }  # fmt: skip
     r = steps.pick("the arm in r x f", r, **arms)
-    have = "its own and that of earlier children"
     handed = steps.part("the links that hand on their force", f_k, last, count)
     handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
-    f[up] = steps.add("the force at a joint", **{have: f[up], "the child's f": handed})
+    f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
     handed = steps.part("the links that hand on their moment", n_k, last, count)
-    n[up] = steps.add("the moment at a joint", **{have: n[up], "the child's n": handed, "r x f": cross(r, f_k)})
+    n[up] = steps.add("the moment at a joint", **{HAVE: n[up], "the child's n": handed, "r x f": cross(r, f_k)})
 
 
 def depth(tree: Tree, k: Link) -> int:
