@@ -122,12 +122,9 @@ MACRO = f"""#if defined(__GNUC__)
 
 def _statements(w: _Writer, program: Trace) -> list[str]:
     """Fills the lines; returns where each result is, or what it is."""
-    nodes, order = program.graph.nodes, program.graph.live(program.outputs)
+    nodes, (order, counted) = program.graph.nodes, program.walked
+    uses = list(counted)
     kept = {x.i for x in program.outputs if type(x) is Sym}
-    uses = dict.fromkeys(kept, 0)
-    for i in order:
-        for a in program.graph.operands(i):
-            uses[a] = uses.get(a, 0) + 1
     place: dict[int, str] = {}
 
     def done(i: int) -> None:
@@ -176,7 +173,7 @@ def _expression(w: _Writer, op: str, operands: list[str]) -> str:
 _OTHER = {"sin": "cos", "cos": "sin"}
 
 
-def _turned(w: _Writer, op: str, x: str, i: int, other: int | None, uses: dict[int, int], pairs: dict[int, str]) -> str:
+def _turned(w: _Writer, op: str, x: str, i: int, other: int | None, uses: list[int], pairs: dict[int, str]) -> str:
     """Sine and cosine of an angle are computed together; the second is kept if it is used."""
     if i in pairs:
         return pairs.pop(i)
@@ -184,7 +181,7 @@ def _turned(w: _Writer, op: str, x: str, i: int, other: int | None, uses: dict[i
     mine, beside = w.slot(), w.slot()
     s, c = (mine, beside) if op == "sin" else (beside, mine)
     w.lines.append(f"{w.name}_turn({x}, &{s}, &{c});")
-    if other in uses:
+    if other is not None and uses[other]:
         pairs[other] = beside
     else:
         w.release(beside)

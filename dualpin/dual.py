@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from . import parts
 from .delegates import home
 from .errors import ArgumentError, ArgumentTypeError
 from .extras import extra
@@ -72,7 +73,7 @@ class Dual(Parts):
     # the ring
 
     def __neg__(self) -> Dual:
-        return Dual(-self.real, -self.dual)
+        return _dual(-self.real, -self.dual)
 
     def __pos__(self) -> Dual:
         return self
@@ -80,7 +81,7 @@ class Dual(Parts):
     def __add__(self, b: Scalar) -> Dual:
         try:
             if type(b) is Dual:
-                return Dual(self.real + b.real, self.dual + b.dual)
+                return _dual(self.real + b.real, self.dual + b.dual)
             return NotImplemented if isinstance(b, Compound) else Dual(self.real + b, self.dual)
         except ValueError as e:
             raise unfit("+", self, b, e) from None
@@ -88,7 +89,7 @@ class Dual(Parts):
     def __sub__(self, b: Scalar) -> Dual:
         try:
             if type(b) is Dual:
-                return Dual(self.real - b.real, self.dual - b.dual)
+                return _dual(self.real - b.real, self.dual - b.dual)
             return NotImplemented if isinstance(b, Compound) else Dual(self.real - b, self.dual)
         except ValueError as e:
             raise unfit("-", self, b, e) from None
@@ -105,8 +106,8 @@ class Dual(Parts):
             if type(b) is Dual:
                 x, dx, y, dy = self.real, self.dual, b.real, b.dual
                 if x is ZERO or dy is ZERO:  # what is not there is not added
-                    return Dual(x * y, dx * y)
-                return Dual(x * y, x * dy if y is ZERO or dx is ZERO else x * dy + dx * y)
+                    return _dual(x * y, dx * y)
+                return _dual(x * y, x * dy if y is ZERO or dx is ZERO else x * dy + dx * y)
             return NotImplemented if isinstance(b, Compound) else Dual(self.real * b, self.dual * b)
         except ValueError as e:
             raise unfit("*", self, b, e) from None
@@ -216,6 +217,18 @@ class Dual(Parts):
         return array_function(Dual, func, args, options)
 
 
+_new, _ARRAY = object.__new__, np.ndarray
+
+
+def _dual(real: Scalar, dual: Scalar) -> Dual:
+    """The dual number of parts that were computed: only arrays may have to be broadcast."""
+    if real.__class__ is _ARRAY or dual.__class__ is _ARRAY:
+        real, dual = aligned(real, dual)
+    made = _new(Dual)
+    made.real, made.dual = real, dual
+    return made
+
+
 EPS = Dual(ZERO, ONE)
 
 
@@ -296,7 +309,7 @@ def power(x: Scalar, n: Scalar) -> Scalar:
     n = np.asarray(n) if isinstance(n, (list, tuple)) else n
     if type(n) is Dual:
         a = x.real if type(x) is Dual else x
-        value = _real_power(a, n.real, x)
+        value = parts.real_power(a, n.real, x)
         if np.any(array(n.dual) != 0) and isinstance(a, (float, int, np.ndarray)) and np.any(np.asarray(a) <= 0):
             raise ArgumentError(f"power: {x} to the {n}: an exponent with a dual part needs a positive base")
         slope = value * log(a) * n.dual if np.any(array(n.dual) != 0) else ZERO
@@ -308,21 +321,7 @@ def power(x: Scalar, n: Scalar) -> Scalar:
     if not isinstance(n, np.ndarray) and n == 1:
         return x
     less = np.where(n == 0, 0, n - 1) if isinstance(n, np.ndarray) else n - 1  # 0 a^0, not 0 a^-1
-    return Dual(_real_power(x.real, n, x), n * _real_power(x.real, less, x) * x.dual)
-
-
-def _real_power(a: Scalar, n: Scalar, x: Scalar) -> Scalar:
-    """a^n, refused at a = 0 with n < 0, and for a < 0 with a fractional n."""
-    if type(a) is Exact:
-        return exact(a.n**n)
-    if isinstance(a, np.integer):
-        a = float(a)
-    known = all(isinstance(v, (float, int, np.ndarray)) and np.asarray(v).dtype != object for v in (a, n))
-    if known:
-        raise_where((np.asarray(a) == 0) & (np.asarray(n) < 0), f"power of {x}: infinite at 0")
-        if np.any((np.asarray(a) < 0) & (np.asarray(n) % 1 != 0)):
-            raise ArgumentError(f"power: {x} to the {n} has no real value; complex parts have one")
-    return a**n
+    return Dual(parts.real_power(x.real, n, x), n * parts.real_power(x.real, less, x) * x.dual)
 
 
 def cos_sin(x: Scalar) -> tuple[Scalar, Scalar]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from .delegates import home
 from .errors import ArgumentError, DualDivisionError, ShapeError
-from .scalars import Exact, Scalar
+from .scalars import Exact, Scalar, exact
 
 SEQUENCES = {list, tuple, int, np.ndarray, str, type(None)}
 """Types of parts that are converted when a dual number is made; others are not changed."""
@@ -290,3 +290,17 @@ def _einsum(make: type, subscripts: str, *operands: Any, **options: Any) -> Any:
     duals = [(i, d) for i, (_, d) in enumerate(parts) if d is not None]
     terms = [np.einsum(subscripts, *real[:i], d, *real[i + 1 :], **options) for i, d in duals]
     return make(np.einsum(subscripts, *real, **options), sum(terms[1:], terms[0]))
+
+
+def real_power(a: Scalar, n: Scalar, x: Scalar) -> Scalar:
+    """a^n, refused at a = 0 with n < 0, and for a < 0 with a fractional n."""
+    if type(a) is Exact:
+        return exact(a.n**n)
+    if isinstance(a, np.integer):
+        a = float(a)
+    known = all(isinstance(v, (float, int, np.ndarray)) and np.asarray(v).dtype != object for v in (a, n))
+    if known:
+        raise_where((np.asarray(a) == 0) & (np.asarray(n) < 0), f"power of {x}: infinite at 0")
+        if np.any((np.asarray(a) < 0) & (np.asarray(n) % 1 != 0)):
+            raise ArgumentError(f"power: {x} to the {n} has no real value; complex parts have one")
+    return a**n

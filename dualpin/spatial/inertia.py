@@ -152,7 +152,7 @@ class Connection:
 
         def column(a: Vector3) -> Vector3:
             U = motor(a, ZERO_VECTOR)
-            return ((V.cross(I(U)) + U.cross(P) - I(V.cross(U))) / 2).dual
+            return (V.cross(I(U)) + U.cross(P) - I(V.cross(U))).dual / 2
 
         return cls(P.real, Matrix3(*map(column, AXES)).T)
 

@@ -75,8 +75,8 @@ def program(traced: Trace, registers: int, part: int = PART, together: int = ANG
     TooLongError
         If it is longer than `LONGEST`.
     """
-    nodes, order = traced.graph.nodes, traced.graph.live(traced.outputs)
-    steps = fused(traced, order)
+    nodes, (order, _) = traced.graph.nodes, traced.walked
+    steps = fused(traced)
     if len(steps) > LONGEST:
         raise TooLongError(
             f"{len(steps)} operations: too long for a GPU, where a program of at most {LONGEST} is worth it"

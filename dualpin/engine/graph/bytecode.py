@@ -48,7 +48,7 @@ def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
         for step in chunk:
             i, op, args = step.i, step.op, step.args
             results = [plan.slots + place for place in places[i]] if i in places else []
-            to = slot[i] if i in slot else results.pop(0)
+            to = slot[i] if i in slot else results[0]
             x = slot[args[0]]
             if op == "fma":
                 (of_product, of_sum), c = step.signs, slot[args[2]]
@@ -70,4 +70,5 @@ def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
                 _, y, a, b = (slot[k] for k in args)
                 yield SELECT, b, (to, x, y, a)
             for place in results:
-                yield MULTIPLY, 0, (place, to, one, nothing)
+                if place != to:
+                    yield MULTIPLY, 0, (place, to, one, nothing)

@@ -106,12 +106,12 @@ def schedule(
     With `direct`, results are stored directly to their row.  Programs of more operations than `bytecode_from`, or
     `tuning.BYTECODE_FROM`, are bytecode.
     """
-    graph = program.graph
-    nodes, order = graph.nodes, graph.live(program.outputs)
-    steps = fused(program, order)
+    nodes, (order, _) = program.graph.nodes, program.walked
+    steps = fused(program)
     bytecode = len(steps) > (tuning.BYTECODE_FROM if bytecode_from is None else bytecode_from)
+    spare = bytecode and len(steps) <= tuning.BYTECODE_FROM  # short enough for a slot of its own for each value
     direct = direct and not bytecode
-    stages = staged(nodes, order, steps, 1 if bytecode else chunk)
+    stages = staged(nodes, order, steps, len(steps) if spare else 1 if bytecode else chunk)
 
     starts = [sum(program.sizes[:k]) for k in range(len(program.sizes) + 1)]
     slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
@@ -133,7 +133,8 @@ def schedule(
         known = {key: slots + k for k, key in enumerate(keys)}
         slot |= {i: known[key] for i, key in numbers.items()}
         slots += len(known)
-    slots = place_passed(stages, slot, slots)
+    if not spare:
+        slots = place_passed(stages, slot, slots)
 
     places: dict[int, list[int]] = {}
     constants: dict[int, float] = {}
@@ -150,26 +151,19 @@ def schedule(
         outputs = [number[key] for key in results]
         places = {key: [k] for key, k in number.items() if isinstance(key, int)}
         constants = {k: key[1] for key, k in number.items() if not isinstance(key, int)}
+    if spare:
+        slots = place_all(steps, places, slot, slots)
     return Schedule(
         nodes, stages, slot, sine, cosine, slots, places, constants, outputs, program.sizes, together, direct, known
     )
 
 
-def fused(program: Trace, order: list[int]) -> dict[int, Step]:
+def fused(program: Trace) -> dict[int, Step]:
     """Steps by node; a product used once, by a sum, becomes part of it: a b + c in one operation.
 
     This is not left to the compiler, so that every vector width gives the same bits.
     """
-    nodes = program.graph.nodes
-    uses = [0] * len(nodes)
-    for i in order:
-        node = nodes[i]
-        if node[0] not in LEAVES:
-            for a in node[1:]:
-                uses[a] += 1
-    for out in program.outputs:
-        if type(out) is Sym:
-            uses[out.i] += 1
+    nodes, (order, uses) = program.graph.nodes, program.walked
     steps: dict[int, Step] = {}
     once: dict[int, int] = {}  # products that are used once and not yet part of a sum, and their places in the order
     for n, i in enumerate(order):
@@ -236,6 +230,19 @@ def _angles(nodes: list[Node], order: list[int]) -> dict[int, int]:
         if node[0] not in LEAVES:
             level[i] = max(map(level.__getitem__, node[1:])) + (node[0] in TRIGONOMETRIC)
     return {a: level[a] for a in order if a in turned}
+
+
+def place_all(steps: dict[int, Step], places: dict[int, list[int]], slot: dict[int, int], slots: int) -> int:
+    """A slot of its own for each value, that of a result among the results, which follow the slots.
+
+    For bytecode that serves until there is machine code: to find slots that are free takes half as long as the rest of
+    the schedule.
+    """
+    inside = [i for i in steps if i not in places]
+    slot.update(zip(inside, range(slots, slots + len(inside)), strict=True))
+    slots += len(inside)
+    slot.update((i, slots + places[i][0]) for i in steps if i in places)
+    return slots
 
 
 def place_passed(stages: list[Stage], slot: dict[int, int], slots: int) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -44,12 +45,13 @@ class Graph:
         self._index: dict[Node, int] = {}
 
     def node(self, *key: Any) -> int:
-        i = self._index.get(key)
-        if i is None:
-            i = self._index[key] = len(self.nodes)
-            if i > tuning.LARGEST_GRAPH:
+        nodes = self.nodes
+        new = len(nodes)
+        i = self._index.setdefault(key, new)
+        if i == new:
+            if new > tuning.LARGEST_GRAPH:
                 raise UntraceableError(f"more than {tuning.LARGEST_GRAPH} operations: too long to be compiled")
-            self.nodes.append(key)
+            nodes.append(key)
         return i
 
     def known(self, *key: Any) -> int | None:
@@ -63,34 +65,48 @@ class Graph:
     def constant(self, x: float) -> Sym:
         return Sym(self, self.node("const", float(x)))
 
-    def operands(self, i: int) -> tuple[int, ...]:
-        node = self.nodes[i]
-        return () if node[0] in LEAVES else node[1:]
-
     def live(self, outputs: Iterable[Any]) -> list[int]:
-        """Nodes the outputs depend on, each after its operands, depth first.
+        """Nodes the outputs depend on, each after its operands, depth first; see `walk`."""
+        return self.walk(outputs)[0]
 
-        Depth first, since a value computed just before its use seldom has to be stored: where the source
-        traverses the whole tree outwards and then inwards, this order finishes one subtree at a time.
+    def walk(self, outputs: Iterable[Any]) -> tuple[list[int], list[int]]:
+        """The order of the nodes that the outputs depend on, and how often each node is used, by them and as an output.
+
+        Each comes after its operands, depth first, since a value computed just before its use seldom has to be stored:
+        where the source traverses the whole tree outwards and then inwards, this order finishes one subtree at a time.
         """
-        order: list[int] = []
-        done = bytearray(len(self.nodes))
+        nodes, order = self.nodes, list[int]()
+        uses, done = [0] * len(nodes), bytearray(len(nodes))
         for out in outputs:
-            if type(out) is not Sym or done[out.i]:
+            if type(out) is not Sym:
                 continue
-            stack = [(out.i, iter(self.operands(out.i)))]
-            done[out.i] = 1
+            uses[out.i] += 1
+            stack = [] if done[out.i] else [out.i]
             while stack:
-                i, rest = stack[-1]
-                for a in rest:
-                    if not done[a]:
-                        done[a] = 1
-                        stack.append((a, iter(self.operands(a))))
-                        break
-                else:
+                i = stack.pop()
+                if i < 0:  # its operands are done
+                    order.append(~i)
+                    continue
+                if done[i]:
+                    continue
+                done[i] = 1
+                node = nodes[i]
+                if node[0] in LEAVES:
                     order.append(i)
-                    stack.pop()
-        return order
+                elif len(node) == 3:  # nearly all, so without a loop
+                    _, a, b = node
+                    uses[a] += 1
+                    uses[b] += 1
+                    if done[a] and done[b]:
+                        order.append(i)
+                    else:
+                        stack += (~i, b, a)
+                else:
+                    stack.append(~i)
+                    for a in node[:0:-1]:
+                        uses[a] += 1
+                        stack.append(a)
+        return order, uses
 
     def count(self, outputs: Iterable[Any]) -> dict[str, int]:
         """The number of each operation that the outputs need; "flops" is the sum of + - * inv."""
@@ -324,6 +340,11 @@ class Trace:
         self.graph, self.sizes = graph, list(sizes)
         self.outputs: list[Any] = [x if type(x) is Sym else float(x) + 0.0 for x in outputs]  # no -0
 
+    @cached_property
+    def walked(self) -> tuple[list[int], list[int]]:
+        """The order of its nodes and the number of their uses; see `Graph.walk`."""
+        return self.graph.walk(self.outputs)
+
     @property
     def flops(self) -> int:
         return self.graph.count(self.outputs)["flops"]
@@ -349,7 +370,7 @@ def trace(robot: Robot, term: Term, options: Options) -> Trace:
 def evaluate(program: Trace, inputs: Sequence[Sequence[Any]], functions: Any = math) -> list[Any]:
     """Evaluate a graph for given inputs, node by node, in the arithmetic of the inputs."""
     nodes, value = program.graph.nodes, {}
-    for i in program.graph.live(program.outputs):
+    for i in program.walked[0]:
         op, *args = nodes[i]
         if op == "in":
             value[i] = inputs[args[0]][args[1]]
