@@ -26,7 +26,7 @@ FOLDER = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s]+)\)")
 EVIDENT = re.compile(r"^<!-- evidence: (\S+) (.*?) -->\n", re.M)
 FENCE = re.compile(r"^```.*?^```", re.M | re.S)
 BIGGEST = 5_000_000  # bytes of a file that is linked
-RESULTS = ("results/report.json", "benchmarks/results.json", "integrators/results.json")
+RESULTS = ("results/report.json", "benchmarks/results/*.json", "integrators/results.json")
 SUMMARY = "evidence.html"  # what `dualpin report` makes of the results
 COMMANDS = "cli.md"  # what `dualpin --help` says
 FROM_DISK = """if (location.protocol === "file:") {
@@ -95,7 +95,7 @@ def _search_from_disk() -> None:
 def _summary() -> None:
     from dualpin import report
 
-    results = [ROOT / EVIDENCE / r for r in RESULTS if (ROOT / EVIDENCE / r).exists()]
+    results = [path for pattern in RESULTS for path in sorted((ROOT / EVIDENCE).glob(pattern))]
     if results:
         text = report.page(*(report.read(path) for path in results), title="dualpin: committed results")
         (STAGE / SUMMARY).write_text(text, encoding="utf-8")

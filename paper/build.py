@@ -10,6 +10,7 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 VALIDATION = HERE.parent / "validation"
+MEASURED = "amd-epyc-znver4.json"  # the processor that the paper names
 COLOURS = ("#1b6ca8", "#b9bec4")
 
 
@@ -35,7 +36,7 @@ def speed() -> None:
     import matplotlib.pyplot as plt
     import numpy as np
 
-    rows = json.loads((VALIDATION / "benchmarks" / "results.json").read_text(encoding="utf-8"))["main"]
+    rows = json.loads((VALIDATION / "benchmarks" / "results" / MEASURED).read_text(encoding="utf-8"))["main"]
     rows = [r for r in rows if r["batch"] == 4096 and not r["floating"] and r["term"] in ("rnea", "aba", "crba")]
     names = [f"{r['robot']}  {r['term']}" for r in rows]
     places = np.arange(len(rows))

@@ -1,7 +1,9 @@
 """Measure everything that docs/benchmarks.md reports:  python -m validation.benchmarks [--prepare] [--only SECTION ...]
 
-Writes results.json and results.md beside this file.  --prepare only compiles, so that a later run
-spends its time measuring.
+Writes results/PROCESSOR.json and .md, one for each processor, and results.md, their index, after each section and each
+robot of the main table, with the date and the commit.  What this commit has measured on this processor is not measured
+again (--again: it is), so a run that was interrupted, or ended after --minutes, goes on where it was.  --prepare only
+compiles, so that a later run spends its time measuring.
 """
 
 from __future__ import annotations
@@ -11,201 +13,88 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 import time
 import warnings
 from datetime import datetime, timezone
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import dualpin as dp
 from dualpin import bench
-from dualpin.call import find
 from dualpin.files import write_text
-from dualpin.model import Builder, Robot, revolute
-from dualpin.spatial import AXES, Inertia, Matrix3, Pose, Vector3
-from dualpin.terms import TERMS
 
-from .report import markdown
+from .report import index, markdown, named
+from .sections import SECTIONS, label, prepare, units
 
 HERE = Path(__file__).parent
-ROBOTS = [("ur5", False), ("panda", False), ("talos", False), ("g1", False), ("tiago_dual", False),
-          ("talos", True), ("g1", True)]  # fmt: skip
-FEW = ("rnea", "aba", "crba", "coriolis", "fk", "jacobian")  # of tiago_dual
-ONE_TO_MILLION = (1, 10, 100, 1_000, 10_000, 100_000, 1_000_000)
-DOFS = (4, 8, 16, 32, 64, 128, 256)
+RESULTS = HERE / "results"
 
 
-def terms_of(name: str) -> tuple[str, ...]:
-    return FEW if name == "tiago_dual" else bench.TERMS_MEASURED
+def commit() -> str:
+    """The commit checked out here."""
+    done = subprocess.run(
+        ["git", "-C", str(HERE), "rev-parse", "--short", "HEAD"], check=False, capture_output=True, text=True
+    )
+    return done.stdout.strip() if done.returncode == 0 else "unknown"
 
 
-def main_table() -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
-    for name, floating in ROBOTS:
-        rows += bench.run([name], terms_of(name), (4096, 1), floating=floating, progress=shown)
-    return rows
+def part(section: str, unit: str) -> str:
+    """The name of a section, or of a unit of it."""
+    return f"{section} {unit}".strip()
 
 
-def functions() -> list[dict[str, Any]]:
-    """One configuration through the public function and through `robot.kernel`, and Pinocchio's."""
-    rows = []
-    for name in ("ur5", "panda"):
-        robot = dp.load(name)
-        for term in ("rnea", "aba", "crba", "coriolis", "gravity", "fk", "jacobian"):
-            pair = bench.Pair(robot, term, 1, 1)
-            pair.check()
-            kernel, function = pair.ours()[0], pair.function()
-            mine, public, theirs = (1e6 * min(t) for t in bench.alternating([kernel, function, pair.theirs()[0]]))
-            rows.append({"robot": name, "term": term, "kernel_us": mine, "function_us": public, "pinocchio_us": theirs})
-            shown(rows[-1])
-    return rows
+def opened(machine: dict[str, Any]) -> dict[str, Any]:
+    """What is known of this processor."""
+    path = RESULTS / f"{named(machine['processor'])}.json"
+    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {"made": {}}
+    return {**found, "machine": machine, "command": "python -m validation.benchmarks"}
 
 
-def by_batch() -> list[dict[str, Any]]:
-    rows = []
-    for term in ("rnea", "crba"):
-        for n in ONE_TO_MILLION if term == "rnea" else ONE_TO_MILLION[:-1]:
-            rows += bench.run(["panda"], [term], (n,), progress=shown, repetitions=7)
-    return rows
+def entered(results: dict[str, Any], section: str, unit: str, rows: list[dict[str, Any]]) -> None:
+    """Replace the rows of a unit; those of the main table keep the order of the robots."""
+    kept = [r for r in results.get(section, []) if unit and label(r) != unit]
+    places = {name: k for k, name in enumerate(units(section))}
+    results[section] = sorted([*kept, *rows], key=lambda r: places.get(label(r), len(places))) if unit else rows
 
 
-def by_threads() -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
-    for name in ("panda", "talos"):
-        for term in ("rnea", "aba"):
-            robot = dp.load(name)
-            calls = []
-            pair = bench.Pair(robot, term, 65536, 1)
-            f, _ = pair.ours()
-
-            def on(n: int, times: int, f: Any = f) -> None:
-                dp.set_num_threads(n)
-                f(times)
-
-            calls = [partial(on, 1), partial(on, 2)]
-            one, two = map(min, bench.alternating(calls))
-            dp.set_num_threads(None)
-            rows.append({"robot": name, "term": term, "batch": 65536, "one_us": one / 65536 * 1e6,
-                         "two_us": two / 65536 * 1e6, "speedup": one / two})  # fmt: skip
-            shown(rows[-1])
-    return rows
-
-
-def chain(n: int) -> Robot:
-    """A serial chain of n revolute joints, axes in turn, links of 0.1 m."""
-    b = Builder(f"chain{n}")
-    J = Matrix3(Vector3(2e-3, 0.0, 0.0), Vector3(0.0, 2e-3, 0.0), Vector3(0.0, 0.0, 1e-3))
-    for i in range(n):
-        place = Pose(position=Vector3(0.02, 0.0, 0.1))
-        b.joint(f"joint{i}", revolute(AXES[i % 3]), f"link{i - 1}" if i else None, place,
-                Inertia(1.0, Vector3(0.0, 0.0, 0.05), J), link=f"link{i}")  # fmt: skip
-    return b.robot()
-
-
-def by_dof() -> list[dict[str, Any]]:
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for n in DOFS:
-            path = Path(folder) / f"chain{n}.urdf"
-            chain(n).to_urdf(path)
-            robot = dp.load(path)
-            for term in ("rnea", "aba", "crba") if n <= 64 else ("rnea", "aba"):
-                kernel = find(robot, TERMS[term], {})
-                (row,) = bench.run([robot], [term], (1024,), repetitions=7)
-                rows.append({"dof": n, "operations": kernel.operations, **row})
-                shown(rows[-1])
-    return rows
-
-
-def memory() -> list[dict[str, Any]]:
-    """Bytes a sample moves (inputs and result), and the scratch of a tile, whatever the batch."""
-    rows = []
-    for name in ("ur5", "panda", "talos", "tiago_dual"):
-        robot = dp.load(name)
-        for term in ("rnea", "crba", "coriolis"):
-            k = find(robot, TERMS[term], {})
-            rows.append({"robot": name, "term": term, "bytes_per_sample": 8 * (sum(k.sizes) + k.width),
-                         "scratch_bytes": k.scratch, "operations": k.operations})  # fmt: skip
-    return rows
-
-
-def cold_start() -> list[dict[str, Any]]:
-    """A new process to its first torques: with an empty cache, and with the kernel in it; and compilations."""
-    rows = []
-    for name in ("ur5", "panda", "talos", "tiago_dual"):
-        code = f"import dualpin as dp; r = dp.load({name!r}); dp.rnea(r, *r.sample(8, seed=0))"
-        with tempfile.TemporaryDirectory() as folder:
-            env = {**os.environ, "DUALPIN_CACHE_DIR": folder, "PYTHONWARNINGS": "ignore"}
-            times = []
-            for _ in range(3):
-                start = time.perf_counter()
-                subprocess.run([sys.executable, "-c", code], env=env, check=True)
-                times.append(time.perf_counter() - start)
-            rows.append({"robot": name, "cold_s": times[0], "warm_s": min(times[1:])})
-            shown(rows[-1])
-    return rows
-
-
-def compile_times() -> list[dict[str, Any]]:
-    from dualpin.engine.jit import kernel as kernels
-    from dualpin.engine.jit.host import this_host
-
-    rows = []
-    for name in ("panda", "talos", "tiago_dual"):
-        robot, host = dp.load(name), this_host()
-        for term in ("rnea", "aba", "crba", "coriolis", "fk", "minv"):
-            start = time.perf_counter()
-            about, code = kernels.compiled(robot, TERMS[term], {}, np.dtype(float), host, host.lanes(8))
-            seconds = time.perf_counter() - start
-            rows.append({"robot": name, "term": term, "operations": about["operations"], "seconds": seconds,
-                         "kilobytes": len(code) / 1024})  # fmt: skip
-            shown(rows[-1])
-    return rows
-
-
-SECTIONS = {
-    "main": main_table, "single": functions, "batch": by_batch, "threads": by_threads, "dof": by_dof,
-    "memory": memory, "compile": compile_times, "cold_start": cold_start,
-}  # fmt: skip
-
-
-def shown(row: dict[str, Any]) -> None:
-    print(*(f"{x:.4g}" if isinstance(x, float) else x for x in row.values()), file=sys.stderr, flush=True)
-
-
-def prepare() -> None:
-    for name, floating in ROBOTS:
-        robot = dp.load(name, floating=floating)
-        for term in terms_of(name):
-            pair = bench.Pair(robot, term, 1, 1)
-            pair.ours()
-            find(robot, pair.term, pair.options)
-            print(name, term, file=sys.stderr, flush=True)
+def written(results: dict[str, Any]) -> None:
+    path = RESULTS / f"{named(results['machine']['processor'])}.json"
+    write_text(path, json.dumps(results, indent=1) + "\n")
+    write_text(path.with_suffix(".md"), markdown(results))
+    every = {p.stem: json.loads(p.read_text(encoding="utf-8")) for p in sorted(RESULTS.glob("*.json"))}
+    write_text(HERE / "results.md", index(every))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.benchmarks", description=__doc__.partition("\n")[0])
     parser.add_argument("--prepare", action="store_true", help="compile, measure nothing")
-    parser.add_argument("--only", nargs="*", choices=sorted(SECTIONS), help="sections to measure anew")
+    parser.add_argument("--only", nargs="*", choices=SECTIONS, help="these sections")
+    parser.add_argument("--minutes", type=float, default=60.0, help="after which nothing further is begun")
+    parser.add_argument("--again", action="store_true", help="also what this commit has measured")
+    parser.add_argument("--repetitions", type=int, default=bench.REPETITIONS, help="of each cell of the main table")
     given = parser.parse_args()
     warnings.simplefilter("ignore", dp.DualpinWarning)
     if given.prepare:
         prepare()
         return
-    path = HERE / "results.json"
-    results = json.loads(path.read_text()) if path.exists() and given.only else {}
-    results["machine"] = bench.machine()
-    results["when"] = datetime.now(timezone.utc).strftime("%Y-%m-%d")
-    results["command"] = "python -m validation.benchmarks"
-    for name in given.only or SECTIONS:
-        results[name] = SECTIONS[name]()
-        results.setdefault("load", {})[name] = [round(x, 2) for x in os.getloadavg()]
-        write_text(path, json.dumps(results, indent=1) + "\n")
-        write_text(HERE / "results.md", markdown(results))
+    end, now = time.monotonic() + 60 * given.minutes, commit()
+    results = opened(bench.machine())
+    made = results["made"]
+    asked = [(section, unit) for section in given.only or SECTIONS for unit in units(section)]
+    left = asked if given.again else [x for x in asked if made.get(part(*x), {}).get("commit") != now]
+    for k, (section, unit) in enumerate(left):
+        if time.monotonic() > end:
+            print(f"{len(left) - k} of {len(asked)} parts are left: run it again to go on", file=sys.stderr)
+            break
+        print(f"[{k + 1}/{len(left)}] {section} {unit}", file=sys.stderr, flush=True)
+        start = time.perf_counter()
+        entered(results, section, unit, units(section, given.repetitions)[unit]())
+        made[part(section, unit)] = {
+            "date": datetime.now(timezone.utc).strftime("%Y-%m-%d"), "commit": now,
+            "dualpin": results["machine"]["dualpin"], "load": round(os.getloadavg()[0], 2),
+            "seconds": round(time.perf_counter() - start),
+        }  # fmt: skip
+        written(results)
 
 
 if __name__ == "__main__":

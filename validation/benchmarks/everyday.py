@@ -1,12 +1,19 @@
-"""Speed as users meet it: plain calls, sizes, single calls and cold starts.
+"""Speed as users meet it: plain calls, sizes, every function, single calls and cold starts.
 
-    python -m validation.benchmarks.everyday [--against FOLDER] [--only results sizes single cold validate] [--quick]
-    python -m validation.benchmarks.everyday --only terms      every function from 1 kB to 256 MB: plain beside `out`
+    python -m validation.benchmarks.everyday [--against FOLDER] [--only SECTION ...] [--quick] [--again]
+
+    results   plain calls, calls with `out`, NumPy's fill and Pinocchio, at batches of 512 and 4096
+    sizes     five terms from one sample to 1 GB: plain beside `out`
+    single    one configuration: kernel, plain call, Pinocchio
+    cold      the first call in a process with an empty cache
+    validate  `dualpin validate`, cold and warm
+    terms     every function from 1 kB to 256 MB: plain beside `out`
 
 Each section runs in processes of its own, one thread; with ``--against`` (a checkout of another commit) in turns with
-processes of that, so that before and after come from one run, of some five minutes.  After each process it writes
-everyday.json and everyday.md beside this file: interrupted, the same command goes on, for the same commits.
-Checked before timing: plain calls, calls with `out` and NumPy's execution agree.
+processes of that, so that before and after come from one run.  After each process everyday/PROCESSOR.json and .md are
+written: interrupted, the same command goes on, and what it measured of the same commits is not measured again.
+Sections keep their date and commits until they are measured for others.  Checked before timing: plain calls, calls with
+`out` and NumPy's execution agree.
 """
 
 from __future__ import annotations
@@ -35,7 +42,6 @@ SECTIONS = {
     "terms": (1, 0.2),
 }  # fmt: skip
 """Rounds, in which the versions take turns, and the seconds of what is measured within one."""
-USUAL = ("results", "sizes", "single", "cold", "validate")
 
 Rows = dict[str, float]
 """What was measured -> seconds, or microseconds a sample."""
@@ -198,12 +204,16 @@ def cold(seconds: float) -> Rows:
 
     Python may read its bytecode of the package, as it does where one is installed: a run before all others writes it.
     """
+    import dualpin as dp
+
     rows: Rows = {}
     usual = {**os.environ, "PYTHONWARNINGS": "ignore", "PYTHONDONTWRITEBYTECODE": ""}
     rehearsal = "import dualpin as dp; r = dp.load('ur5'); dp.rnea(r, *r.sample(seed=0))"
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-c", rehearsal], env={**usual, "DUALPIN_CACHE_DIR": folder}, check=True)
     for name, floating, term in COLD:
+        if not hasattr(dp, term):
+            continue  # of a later version
         code = f"""
 import time, dualpin as dp
 robot = dp.load({name!r}, floating={floating})
@@ -249,39 +259,42 @@ def validate(seconds: float) -> Rows:
 
 
 class Record:
-    """What was measured, in a file that is written after each process, so that an interrupted run goes on."""
+    """What was measured on this processor, in a file that is written after each process; an interrupted run goes on."""
 
-    def __init__(self, roots: dict[str, Path], sections: list[str], rounds: dict[str, int]) -> None:
+    def __init__(self, roots: dict[str, Path]) -> None:
         from dualpin import bench
+        from validation.benchmarks.report import named
 
-        about = {"machine": bench.machine(), "commits": {name: commit(root) for name, root in roots.items()}}
-        wanted = {"sections": sections, "rounds": rounds}
-        name = "everyday" if sections == list(USUAL) else f"everyday-{'-'.join(sections)}"
-        self.path, self.about, self.wanted = HERE / f"{name}.json", about | wanted, rounds
-        self.rows: dict[str, dict[str, Rows]] = {x: {name: {} for name in roots} for x in sections}
-        self.done: list[list[Any]] = []
-        with contextlib.suppress(OSError, ValueError, KeyError):
-            before = json.loads(self.path.read_text(encoding="utf-8"))
-            if {key: before[key] for key in self.about} == self.about and len(before["done"]) < self.total:
-                self.rows, self.done = before["rows"], before["done"]
+        self.machine, self.commits = bench.machine(), {name: commit(root) for name, root in roots.items()}
+        self.path = HERE / "everyday" / f"{named(self.machine['processor'])}.json"
+        self.sections: dict[str, Any] = {}
+        with contextlib.suppress(OSError):
+            self.sections = json.loads(self.path.read_text(encoding="utf-8"))["sections"]
 
-    @property
-    def total(self) -> int:
-        return sum(self.wanted.values()) * len(self.about["commits"])
+    def begun(self, name: str, rounds: int, again: bool) -> Any:
+        """The record of a section: a new one for other commits or rounds, or where it is to be measured again."""
+        found, wanted = self.sections.get(name, {}), {"commits": self.commits, "rounds": rounds}
+        if again or {key: found.get(key) for key in wanted} != wanted:
+            rows: dict[str, Rows] = {version: {} for version in self.commits}
+            found = wanted | {"machine": self.machine, "loads": [], "seconds": 0, "done": [], "rows": rows}
+        return found
 
-    def add(self, step: list[Any], found: Rows) -> None:
-        """The least of all rounds; a step is (section, round, version)."""
-        rows = self.rows[step[0]][step[2]]
+    def add(self, name: str, section: Any, turn: int, version: str, found: Rows, seconds: float) -> None:
+        """Enter a run of a section: of each row the least of all rounds is kept."""
+        rows = section["rows"][version]
         rows |= {key: min(x, rows.get(key, x)) for key, x in found.items()}
-        self.done.append(step)
-        made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
-        data = {"date": made, **self.about, "done": self.done, "rows": self.rows}
-        write_text(self.path, json.dumps(data, indent=1) + "\n")
-        processor, left = self.about["machine"]["processor"], self.total - len(self.done)
-        head = f"# Speed as users meet it\n\n{made}, {processor}. The shortest of all runs.\n\n"
-        missing = f"**Not complete: {left} of {self.total} runs are missing.**\n\n" if left else ""
-        tables = [table(section, rows) for section, rows in self.rows.items() if all(rows.values())]
-        write_text(self.path.with_suffix(".md"), head + missing + "\n".join(tables))
+        section["done"].append([turn, version])
+        section["loads"].append(round(os.getloadavg()[0], 2))
+        section["seconds"] = round(section["seconds"] + seconds)
+        section["date"] = datetime.now(timezone.utc).strftime("%Y-%m-%d")
+        self.sections = {x: section if x == name else self.sections[x] for x in SECTIONS if x in {*self.sections, name}}
+        self.write()
+
+    def write(self) -> None:
+        write_text(self.path, json.dumps({"sections": self.sections}, indent=1) + "\n")
+        head = f"# Speed as users meet it: {self.machine['processor']}\n\nThe shortest of all runs.\n\n"
+        tables = [table(x, about) for x, about in self.sections.items() if all(about["rows"].values())]
+        write_text(self.path.with_suffix(".md"), head + "\n".join(tables))
 
 
 def commit(root: Path) -> str:
@@ -300,13 +313,21 @@ def measured(section: str, root: Path, seconds: float) -> Rows:
     return found
 
 
-def table(section: str, rows: dict[str, Rows]) -> str:
+def table(section: str, about: Any) -> str:
     """The rows of each version side by side."""
+    rows: dict[str, Rows] = about["rows"]
     labels = list(dict.fromkeys(k.partition(" | ")[0] for k in rows["now"]))
     columns = list(dict.fromkeys(k.partition(" | ")[2] for k in rows["now"]))
     heads = [f"{c}{f', {version}' if len(rows) > 1 else ''}" for c in columns for version in rows]
     unit = "seconds" if section in ("cold", "validate") else "microseconds a sample"
-    lines = [f"## {section} ({unit})", "", f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
+    m, loads = about["machine"], about["loads"]
+    left = about["rounds"] * len(rows) - len(about["done"])
+    made = (
+        f"{about['date']}, {', '.join(f'{v} {c}' for v, c in about['commits'].items())}; rounds: {about['rounds']}"
+        f"{f', load {min(loads)} to {max(loads)}' if loads else ''}; Python {m['python']}, numpy {m['numpy']}, "
+        f"pin {m['pin']}.{f' **{left} runs are missing.**' if left else ''}"
+    )
+    lines = [f"## {section} ({unit})", "", made, "", f"| | {' | '.join(heads)} |", "|---" * (len(heads) + 1) + "|"]
     for label in labels:
         cells = [rows[v].get(f"{label} | {c}") for c in columns for v in rows]
         lines.append(f"| {label} | {' | '.join('' if x is None else f'{x:.4g}' for x in cells)} |")
@@ -332,8 +353,9 @@ def remarks(section: str, rows: Rows) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m validation.benchmarks.everyday")
     parser.add_argument("--against", type=Path, help="a checkout of another commit, measured in turns")
-    parser.add_argument("--only", nargs="*", choices=SECTIONS)
+    parser.add_argument("--only", nargs="*", choices=SECTIONS, help="these sections")
     parser.add_argument("--quick", action="store_true", help="one round, short")
+    parser.add_argument("--again", action="store_true", help="also what was measured of these commits")
     parser.add_argument("--section", choices=SECTIONS, help=argparse.SUPPRESS)
     parser.add_argument("--seconds", type=float, default=0.0, help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -342,18 +364,19 @@ def main() -> None:
         print(json.dumps(globals()[given.section](given.seconds)))
         return
     roots = ({"before": given.against.resolve()} if given.against else {}) | {"now": HERE.parents[1]}
-    sections = [x for x in SECTIONS if x in (given.only or USUAL)]
-    record = Record(roots, sections, {x: 1 if given.quick else SECTIONS[x][0] for x in sections})
-    for section in sections:
-        for turn in range(record.wanted[section]):
+    record = Record(roots)
+    for name in [x for x in SECTIONS if x in (given.only or SECTIONS)]:
+        rounds, seconds = (1, 0.05) if given.quick else SECTIONS[name]
+        section = record.begun(name, rounds, given.again)
+        for turn in range(rounds):
             for version, root in roots.items():
-                step = [section, turn, version]
-                if step not in record.done:
+                if [turn, version] not in section["done"]:
                     start = time.perf_counter()
-                    record.add(step, measured(section, root, 0.05 if given.quick else SECTIONS[section][1]))
+                    found = measured(name, root, seconds)
                     took = time.perf_counter() - start
-                    print(f"{len(record.done)}/{record.total} {section}, {version}: {took:.0f} s", file=sys.stderr)
-        print(table(section, record.rows[section]), flush=True)
+                    record.add(name, section, turn, version, found, took)
+                    print(f"{name} {turn + 1}/{rounds}, {version}: {took:.0f} s", file=sys.stderr, flush=True)
+        print(table(name, section), flush=True)
 
 
 if __name__ == "__main__":

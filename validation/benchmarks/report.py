@@ -1,7 +1,8 @@
-"""Results as Markdown."""
+"""Results as Markdown: those of one processor, and the index of all."""
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 TARGETS = {
@@ -44,15 +45,64 @@ def ratios(rows: list[dict[str, Any]], batch: int) -> str:
     return table(["", *(f"{n}{' + floating' if f else ''}" for n, f in names)], lines)
 
 
-def markdown(results: dict[str, Any]) -> str:
-    m = results["machine"]
+INDEX = ("ur5", "panda", "talos")
+"""Robots whose rows the index shows for each processor."""
+
+
+def named(processor: str) -> str:
+    """The name of a processor's file: "AMD EPYC (znver4)" is amd-epyc-znver4."""
+    return "-".join(re.findall(r"[a-z0-9]+", re.sub(r"\((R|TM)\)", " ", processor).lower()))
+
+
+def span(made: dict[str, dict[str, Any]], key: str) -> str:
+    """The values of all parts of a run: one, or the first and the last."""
+    found = sorted({x[key] for x in made.values()})
+    return f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
+
+
+def commits(made: dict[str, dict[str, Any]]) -> str:
+    return ", ".join(dict.fromkeys(x["commit"] for x in made.values()))
+
+
+def index(every: dict[str, dict[str, Any]]) -> str:
+    """All processors by the names of their files: when each was measured, and a few rows side by side."""
+    rows = [
+        [f"[{r['machine']['processor']}](results/{name}.md)", r["machine"]["cores"], r["machine"]["vector_bits"],
+         span(r["made"], "date"), span(r["made"], "dualpin"), commits(r["made"]), span(r["made"], "load"),
+         len(r["made"])]
+        for name, r in every.items()
+    ]  # fmt: skip
     text = [
         "# Speed beside Pinocchio\n",
-        f"Measured {results['when']} by `{results['command']}`: {m['processor']}, {m['cores']} cores, vectors of "
-        f"{m['vector_bits']} bits, {m['system']}; Python {m['python']}, dualpin {m['dualpin']}, numpy {m['numpy']}, "
-        f"llvmlite {m['llvmlite']}, pin {m['pin']} ({m['pin_is']}).  float64.\n",
-        "Both measured in turns in one process, after they were found to agree.  The machine was shared "
-        f"with other work; load averages after each section: {results.get('load', {})}.\n",
+        "Written by `python -m validation.benchmarks`, which measures on the processor that it runs on and keeps the "
+        "tables of all others with their dates.\n",
+        table(["processor", "cores", "bits of a vector", "date", "dualpin", "commit", "load", "parts"], rows),
+        "## Batches of 4096 on one thread\n",
+        "Microseconds a sample / times faster than Pinocchio (its loops in C++ for `rnea` and `aba`, otherwise a loop "
+        "in Python), by the shortest runs.\n",
+    ]
+    found = {
+        (name, r["robot"], r["term"]): f"{r['best_us_per_sample']:.3g} / {r['best_ratio']:.1f}"
+        for name, results in every.items()
+        for r in results.get("main", ())
+        if r["batch"] > 1 and not r["floating"] and r["robot"] in INDEX
+    }
+    cells = dict.fromkeys(x[1:] for x in found)
+    lines = [[f"{robot} `{term}`", *(found.get((name, robot, term), "") for name in every)] for robot, term in cells]
+    return "\n".join([*text, table(["", *(r["machine"]["processor"] for r in every.values())], lines)])
+
+
+def markdown(results: dict[str, Any]) -> str:
+    """The tables of one processor."""
+    m, made, key = results["machine"], results["made"], "load"
+    text = [
+        f"# Speed beside Pinocchio: {m['processor']}\n",
+        f"Measured {span(made, 'date')} by `{results['command']}`: {m['processor']}, {m['cores']} cores, vectors of "
+        f"{m['vector_bits']} bits, {m['system']}; Python {m['python']}, dualpin {span(made, 'dualpin')} "
+        f"(commit {commits(made)}), numpy {m['numpy']}, llvmlite {m['llvmlite']}, pin {m['pin']} ({m['pin_is']}).  "
+        "float64.\n",
+        "Both measured in turns in one process, after they were found to agree.  Load average after each part: "
+        f"{', '.join(f'{name} {about[key]}' for name, about in made.items())}.\n",
     ]
     if "main" in results:
         text += [
