@@ -22,6 +22,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import functools
 import math
 import mmap
 import os
@@ -50,7 +51,7 @@ _FLAGS: dict[str, int] = {"flags": mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS} if has
 
 
 class Block:
-    """Mapped memory, and a buffer type of its size whose finalizer returns it to the pool."""
+    """Mapped memory, and the buffer type of its size, whose finalizer returns it to the pool."""
 
     def __init__(self, size: int) -> None:
         self.size, self.process = size, _process
@@ -59,7 +60,13 @@ class Block:
             self.map.madvise(mmap.MADV_HUGEPAGE)
         start = ctypes.addressof(ctypes.c_char.from_buffer(self.map))
         self.address = -(-start // HUGE) * HUGE
-        self.lease: Any = type("Lease", (ctypes.c_char * size,), {"__del__": _returned, "__slots__": ("block",)})
+        self.lease = _lease(size)
+
+
+@functools.cache
+def _lease(size: int) -> Any:
+    """The buffer type of blocks of this size: one for all, since Python frees a type only when it collects garbage."""
+    return type("Lease", (ctypes.c_char * size,), {"__del__": _returned, "__slots__": ("block",)})
 
 
 _idle: list[Block] = []  # the last to become idle is the last

@@ -98,6 +98,22 @@ def test_the_pool_is_bounded_and_a_loop_does_not_grow(robot, q):
         memory.limit(before)
 
 
+def test_blocks_leave_no_garbage_that_only_the_collector_frees():
+    before = memory.limit()
+    gc.collect()
+    gc.disable()
+    try:
+        memory.limit(9 << 20)  # of the two sizes one can be idle: each result is mapped
+        mapped = memory.stats()["mapped"]
+        for k in range(40):
+            memory.empty(((3, 7)[k % 2] << 20,), np.dtype("u1"))
+        assert memory.stats()["mapped"] >= mapped + 39
+        assert gc.collect() < 40
+    finally:
+        gc.enable()
+        memory.limit(before)
+
+
 @pytest.mark.campaign
 def test_a_hundred_thousand_results_do_not_grow():
     code = """
