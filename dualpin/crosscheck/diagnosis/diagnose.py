@@ -6,7 +6,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,8 @@ from .apart import told_apart
 from .case import Case
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
+from .rules.register import DERIVED, PUSHED
+from .scores import scaled
 from .search import Catalogue, Explanation, Search
 
 BUDGETS = (8.0, 50.0)
@@ -27,6 +29,8 @@ DOUBT = 0.35
 """What a cause costs besides, times the share of the terms it would have changed that are right without it."""
 AGAIN = 0.1
 """What a cause costs that another formulation shows, where it was told already."""
+FOLLOWING = 0.9
+"""How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 MOST = 16  # stories of a term that it looks at
@@ -135,7 +139,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
 
 def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
     """The cheapest common causes of the terms that are explained so far, those of most terms first."""
-    picked = cheapest({t: s.stories for t, s in searches.items() if not s.open}, _price(case))
+    options = {t: s.stories for t, s in searches.items() if not s.open}
+    picked = cheapest(options, _price(case, options))
     told = Counter((h,) for story in picked.values() for h in story if h.key != "follows")
     return [story for story, _ in told.most_common()]
 
@@ -151,7 +156,8 @@ def _united(stories: Sequence[Story]) -> list[Story]:
 
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
-    picked = cheapest({t: e.stories for t, e in told.items() if e.named}, _price(case))
+    options = {t: e.stories for t, e in told.items() if e.named}
+    picked = cheapest(options, _price(case, options))
     whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
@@ -162,6 +168,11 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
     for variants, terms in whose.values():
         h = variants[0]
         after = {t: case.score(t, picked[t]).error for t in terms}
+        against = contradicted(case, h, told)
+        if len(against) > len(terms):
+            found.findings.append(_doubtful(h, terms, against, errors, after))
+            found.located |= {t: located(case, t, Explanation(t, told[t].before)) for t in terms}
+            continue
         others, apart = _alternatives(case, h, terms, picked, told)
         found.findings.append(
             Finding(
@@ -180,11 +191,41 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 found.located[term] = where
 
 
-def _price(case: Case) -> Callable[[Hypothesis], float]:
-    """What right terms contradict costs more."""
+DEEP = ("word", "edit", "state", "formula")
+"""Places of mistakes in what many terms are made of: reading, states, algorithms."""
+NEARER = 0.7
+"""The share of the root mean square that a cause leaves at most where something else is wrong as well."""
+
+
+def contradicted(case: Case, h: Hypothesis, told: Mapping[str, Explanation]) -> list[str]:
+    """Of terms without a cause: those that a mistake would have changed, and that it does not bring nearer."""
+    out = []
+    unknown = [t for t, e in told.items() if not e.named and t not in (*PUSHED, *DERIVED)]
+    for term in (t for t in unknown if t in h.terms and h.place in DEEP):
+        x, p = case.predict(term, (h,)), case.predict(term)
+        changed = x is not None and p is not None and (x.shape != p.shape or scaled(x, p) > case.tolerance)
+        if changed and not case.score(term, (h,)).rms < NEARER * told[term].before.rms:
+            out.append(term)
+    return out
+
+
+def _doubtful(
+    h: Hypothesis, terms: list[str], against: list[str], errors: Mapping[str, float], after: Mapping[str, float]
+) -> Finding:
+    """A cause that more wrong answers contradict than it explains."""
+    says = f"partly: {h} would explain {', '.join(terms)}, but not {', '.join(against)}"
+    evidence = {t: [errors[t], after[t]] for t in terms}
+    before, left = max(errors[t] for t in terms), max(after.values())
+    return Finding("partly", says, terms, before, left, list(h.items), fix=h.fix, evidence=evidence)
+
+
+def _price(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], float]:
+    """What right terms contradict costs more; what follows from terms that are explained, less."""
     off = {t for t in case.observed if not case.score(t).right}
 
     def price(h: Hypothesis) -> float:
+        if h.key == "follows" and set(h.made_of) <= set(explained):
+            return h.cost - FOLLOWING
         spared = len(case.spared(h))
         return h.cost + (DOUBT * spared / (spared + len(off & set(h.terms))) if spared else 0.0)
 

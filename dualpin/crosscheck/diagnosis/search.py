@@ -8,10 +8,10 @@ entries that are right, and the root mean square: the worst entry hides what a p
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,9 +23,11 @@ from .rules import RULES
 from .scores import Score
 from .textbook.slipped import made_of
 
+T = TypeVar("T")
 BEAM = 8
-BLOCK = 100  # stories that are scored before the time is looked at
-AT_ONCE = 800  # slips that are tried before the time is looked at
+BLOCKS = 24, 800  # stories that are scored before the time is looked at: at first, and at most
+LONG = 0.25
+"""Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
@@ -100,11 +102,8 @@ class Catalogue:
         for h in (h for h in self.late if term in h.terms and not h.afterwards):
             groups.setdefault(made_of(h.act, term), []).append(h)
         alike, scores = list(groups.values()), list[Score]()
-        for start in range(0, len(alike), AT_ONCE):
-            if start and time.process_time() > until:
-                break
-            block = [ordered((*base, same[0])) for same in alike[start : start + AT_ONCE]]
-            scores += few.scores(term, block)
+        for block in _in_time(alike, until):
+            scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
         near = [_near(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
@@ -279,11 +278,8 @@ class Search:
             if s and key not in self.seen:
                 self.seen.add(key)
                 fresh[key] = s
-        todo, found = list(fresh.values()), []
-        for start in range(0, len(todo), BLOCK):
-            if self.late and start:
-                break
-            block = todo[start : start + BLOCK]
+        found = []
+        for block in _in_time(list(fresh.values()), self.until):
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
                     self.good[identity(story)] = story
@@ -315,6 +311,18 @@ class Search:
                     out.append((_merged(chosen),))
             growing = grown
         return out
+
+
+def _in_time(todo: Sequence[T], until: float) -> Iterator[Sequence[T]]:
+    """In blocks, until it is late; the first block in any case."""
+    size, most = BLOCKS
+    start = 0
+    while start < len(todo) and not (start and time.process_time() > until):
+        begun = time.process_time()
+        yield todo[start : start + size]
+        start += size
+        took = time.process_time() - begun
+        size = min(most, max(1, int(size * min(4.0, LONG / max(took, 1e-3)))))
 
 
 # --- stories --------------------------------------------------------------------------------------

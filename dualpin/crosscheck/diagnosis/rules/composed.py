@@ -9,44 +9,103 @@ from dataclasses import replace
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product
 from ..case import Case, View
 from ..hypothesis import Hypothesis
-from .register import proposer
+from ..textbook import sums
+from ..textbook.words import rows
+from .dynamics import SUMS
+from .register import RULES, proposer
 
 PARTS = {
     "bias": ("gravity", "coriolis"),
     "rnea": ("crba", "bias", "gravity", "coriolis"),
-    "aba": ("crba", "bias", "gravity", "coriolis"),
+    "aba": ("crba", "bias", "gravity", "coriolis", "minv"),
     "rnea_f_ext": ("rnea", "jacobian"),
-    "aba_f_ext": ("crba", "bias", "gravity", "coriolis", "jacobian"),
+    "aba_f_ext": ("crba", "bias", "gravity", "coriolis", "jacobian", "minv"),
     "minv": ("crba",),
     "kinetic_energy": ("crba",),
     "gravity": ("com_jacobian",),
-    "centroidal_momentum_matrix": ("com",),
+    "centroidal_momentum_matrix": ("com", "com_jacobian"),
     "potential_energy": ("com",),
     "frame_velocity": ("jacobian",),
     "frame_acceleration": ("jacobian", "jacobian_dot"),
 }
 """What a code may make a term of: tau = M a + C v + g, V = J v, ..."""
+TWICE = ({"bias", "gravity"}, {"bias", "coriolis"}, {"crba", "minv"})
+"""Of which one is made of the other."""
+OF_PARTS = (
+    "velocity_scale", "inertia_scale", "bias_sign", "bias_ignored", "diagonal_inverse", "not_inverted",
+)  # fmt: skip
+"""Rules about how parts are put together."""
+OWN = "of the subject's own parts"
 
 
 @proposer("follows", "it differs as other terms do, of which it is made, and no further", "repair those first")
 def follows(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """The subject's own answers put together, in the place of right ones."""
-    off = {t for t, x in case.observed.items() if np.isfinite(x).all() and not case.score(t).right}
     out = []
-    for term, parts in PARTS.items():
-        wrong = [p for p in parts if p in off] if term in off else []
+    for term in PARTS:
+        wrong = parts_of(term, case)
         for n in range(1, len(wrong) + 1):
             for some in itertools.combinations(wrong, n):
-                if not ({"gravity", "coriolis"} & set(some) and "bias" in some):  # of which bias is made itself
+                if not any(both <= set(some) for both in TWICE):
                     what = ", ".join(some)
                     says = f"it differs as {what} {'does' if n == 1 else 'do'}, of which it is made, and no further"
                     made = replace(
                         h, says=says, fix=f"repair {what} first", terms=(term,), place="answer", made_of=some
                     )
                     out.append(replace(made, act=_composed(case, some), cost=1.2 + 0.1 * n))
-    return out
+    return out + [own for rule in RULES if rule.key in OF_PARTS for g in rule.propose(case) for own in _owned(g, case)]
+
+
+def parts_of(term: str, case: Case) -> tuple[str, ...]:
+    """Of a wrong term: the wrong answers of which it may be made."""
+    wrong = [t for t in PARTS.get(term, ()) if not _right(t, case)]
+    return () if _right(term, case) else tuple(wrong)
+
+
+def _right(term: str, case: Case) -> bool:
+    x = case.observed.get(term)
+    return x is None or not np.isfinite(x).all() or case.score(term).right
+
+
+# --- with another mistake -------------------------------------------------------------------------
+
+
+class Own(View):
+    """What the subject has: states as it gets them, its own answers where these are wrong, all in its own columns."""
+
+    def __init__(self, view: View, parts: tuple[str, ...]) -> None:
+        super().__init__(view.case, view.description, view.layout, view.case.sent)
+        self.parts = parts
+
+    def compute(self, term: str, reference: str = "", **states: np.ndarray) -> np.ndarray:
+        x = self.case.observed[term] if term in self.parts else self.case.predict(term)
+        if x is None or states or reference not in ("", self.layout.how.reference):
+            raise ValueError("what it would answer elsewhere is not known")
+        return x
+
+
+def _owned(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """A mistake in putting parts together, of parts that are wrong themselves."""
+
+    def of(term: str, parts: tuple[str, ...]) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            return np.asarray(h.act(Own(view, parts), term))
+
+        made = replace(h, place="answer", act=act, terms=(term,), variant=OWN, made_of=parts)
+        return replace(made, cost=h.cost + 0.1)
+
+    return [of(term, parts) for term in h.terms if h.place == "formula" and (parts := parts_of(term, case))]
+
+
+@proposer(OWN, OWN, "compare the step with the equation of the book", rows(), late=True)
+def summed(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """Slips in sums of the subject's own parts."""
+    if not any(parts_of(t, case) for t in sums.TERMS):
+        return []
+    return [own for rule in RULES if rule.key == SUMS for g in rule.propose(case) for own in _owned(g, case)]
 
 
 def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.ndarray], np.ndarray]:
@@ -80,6 +139,8 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
                 raise ValueError("no mass matrix")
             many = (slice(None), None) if term == "aba_f_ext" else ()
             forces = np.einsum("nij,n...j->n...i", M, x) - (bias[many] if bias.ndim else bias) + pushed()
+            if "minv" in parts:
+                return np.asarray(product(observed["minv"][many], forces))
             return np.linalg.solve((observed["crba"] if "crba" in parts else M)[many], forces[..., None])[..., 0]
         if term == "minv":
             return np.linalg.inv(observed["crba"])
@@ -95,7 +156,9 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
             linear = [case.how.rows.index(r) for r in ("vx", "vy", "vz")]
             angular = [case.how.rows.index(r) for r in ("wx", "wy", "wz")]
             out = x.copy()
-            out[:, angular] -= cross_matrix(apart("com")) @ (x if P is None else P)[:, linear]
+            if "com" in parts:
+                out[:, angular] -= cross_matrix(apart("com")) @ (x if P is None else P)[:, linear]
+            out[:, linear] += view.robot_mass * apart("com_jacobian")
             return out
         if term == "frame_velocity":
             return x + along("jacobian", "v")

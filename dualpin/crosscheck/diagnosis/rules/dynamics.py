@@ -108,7 +108,7 @@ MASSES = ("crba", "minv", "kinetic_energy", "coriolis")
 FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
 ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
 FUSED = "of bodies merged from fixed links"
-SPATIAL = "spatial vectors"
+SPATIAL, SUMS = "spatial vectors", "sums of parts"
 COLUMNS, SYMBOLS = "M by columns", "C from Christoffel's symbols"
 
 
@@ -172,4 +172,4 @@ register(
     "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), ("aba", "aba_f_ext"),
     "M in itself and in forward dynamics",
 )  # fmt: skip
-formulation("sums of right parts", sums.TERMS, KNOWN, batched=True)(sums.run)
+formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)

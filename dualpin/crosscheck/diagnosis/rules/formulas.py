@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...subjects.layout import product
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from .register import FORCED, proposer
@@ -16,13 +17,12 @@ SHARES = {"0": 0.0, "half": 0.5, "twice": 2.0, "with the other sign": -1.0}
 
 def _scaled(k_a: float, k_v: float, k_g: float) -> Callable[[View, str], np.ndarray | None]:
     def act(view: View, term: str) -> np.ndarray | None:
-        s, zero = view.states, np.zeros_like(view.states["v"])
-        g = view.compute("gravity")
+        s, g = view.states, view.compute("gravity")
         velocity = view.compute("bias") - g
         if term == "bias":
             return k_v * velocity + k_g * g
         if term == "rnea":
-            return k_a * (view.compute("rnea", v=zero) - g) + k_v * velocity + k_g * g
+            return k_a * product(view.compute("crba"), s["a"]) + k_v * velocity + k_g * g
         if term == "aba":
             M = view.compute("crba")
             return np.linalg.solve(M, (k_a * s["tau"] - k_v * velocity - k_g * g)[..., None])[..., 0]

@@ -105,7 +105,7 @@ class Quaternions(Ways):
         others = {"in the order of pitch, roll and yaw": lambda: self.then(z, self.then(x, y))}
         others["in the other order"] = lambda: self.then(x, self.then(y, z))
         made = self.then(z, self.then(y, x))
-        return np.asarray(self.steps.pick("the product of the quaternions of roll, pitch and yaw, as", made, **others))
+        return np.asarray(self.steps.pick("the product of the quaternions of roll, pitch and yaw", made, **others))
 
     @property
     def steps(self) -> Steps:
@@ -148,14 +148,14 @@ class Quaternions(Ways):
         wrong: dict[str, np.ndarray] = {}
         for signs, name in (((1, 2, 3), "the vector part"), *(((k,), "wxyz"[k]) for k in range(4))):
             other = Q * [-1.0 if k in signs else 1.0 for k in range(4)]
-            wrong[f"with the other sign of {name}"] = other
+            wrong[f"that with the other sign of {name}"] = other
             for k in range(4):
                 here = f"where {'wxyz'[k]} is the largest"
-                wrong[f"with the other sign of {name}, {here}"] = np.where(largest == k, other, Q)
+                wrong[f"that with the other sign of {name}, {here}"] = np.where(largest == k, other, Q)
         for a, b in ((1, 2), (1, 3), (2, 3)):
             to = [0, 1, 2, 3]
             to[a], to[b] = b, a
-            wrong[f"with {'wxyz'[a]} and {'wxyz'[b]} exchanged"] = Q[..., to]
+            wrong[f"that with {'wxyz'[a]} and {'wxyz'[b]} exchanged"] = Q[..., to]
         wrong["with the vector part not halved"] = Q * [1.0, 2.0, 2.0, 2.0]
         wrong["with the scalar last"] = Q[..., [1, 2, 3, 0]]
         return np.asarray(self.steps.pick(f"the quaternion of a rotation matrix: {whose}", Q, **wrong))

@@ -19,6 +19,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, tree_of
+from .world_axes import felt
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -35,8 +36,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         at = k
         while at.parent >= 0:
             if at.moves:
-                felt = (at.z * (f if at.slides else n)).sum(-1)
-                entries[k.column, at.column] = entries[at.column, k.column] = felt
+                entries[k.column, at.column] = entries[at.column, k.column] = felt(steps, at, at.z, f, n)
             n, f = _handed(steps, poses[at.number], n, f)
             at = tree.links[at.parent]
         if tree.floating:

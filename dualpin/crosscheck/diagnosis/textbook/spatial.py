@@ -94,12 +94,11 @@ def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[
     return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
 
 
-def _along(steps: Steps, k: Link, f: np.ndarray) -> np.ndarray:
+def _along(steps: Steps, k: Link, f: np.ndarray, S: np.ndarray | None = None) -> np.ndarray:
     other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
     site = "the force along a joint's axis, S^T f" + (": of sliding joints" if k.slides else ": of turning joints")
-    return np.asarray(
-        steps.pick(site, (subspace(steps, k) * f).sum(-1), **{"taken from the other half of f": (other * f).sum(-1)})
-    )
+    S = subspace(steps, k) if S is None else S
+    return np.asarray(steps.pick(site, (S * f).sum(-1), **{"taken from the other half of f": (other * f).sum(-1)}))
 
 
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
@@ -119,7 +118,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             steps.pick("the composite inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}),
             subspace(steps, k),
         )
-        entries[k.column, k.column] = (subspace(steps, k) * F).sum(-1)
+        entries[k.column, k.column] = _along(steps, k, F)
         step, at = "of the first step", k
         while at.parent >= 0:
             turned = to_parent(

@@ -41,7 +41,7 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
         if k.moves:
             others = {f"that of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
             z = steps.pick("the axis along which a joint feels force or moment", moving[k.number].z, **others)
-            columns[k.column] = _felt(steps, k, z, f[k.number], n[k.number])
+            columns[k.column] = felt(steps, k, z, f[k.number], n[k.number])
         if k.parent >= 0:
             _hand_on(steps, tree, k, poses, f, n)
     back = transposed(poses[0].R0)
@@ -187,7 +187,8 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: lis
     return np.asarray(steps.add("the acceleration of the centre of mass", **terms))
 
 
-def _felt(steps: Steps, k: Link, z: np.ndarray, f: np.ndarray, n: np.ndarray) -> np.ndarray:
+def felt(steps: Steps, k: Link, z: np.ndarray, f: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """What a joint feels of a force and a moment at its link's origin."""
     moment, push = (z * n).sum(-1), (z * f).sum(-1)
     if k.slides:
         return np.asarray(steps.pick("what a sliding joint feels", push, **{"the moment along its axis": moment}))
