@@ -20,6 +20,7 @@ from .case import Case
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .rules import RULES
+from .rules.composed import by_symbols
 from .scores import Score
 from .textbook.slipped import made_of
 
@@ -182,9 +183,18 @@ class Search:
                     for s in (ordered((k,)), ordered((*(g for g in here if g.identity != h.identity), k))):
                         mine.setdefault(identity(s), s)
             mine.setdefault(identity(here), here)
+        mine |= self._by_symbols(others)
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
+
+    def _by_symbols(self, others: Iterable[Story]) -> dict[frozenset[object], Story]:
+        """C of the mass matrix that a story explains."""
+        if self.term != "coriolis" or "crba" not in self.case.observed or self.case.score("crba").right:
+            return {}
+        of_mass = [s for s in others if all("crba" in h.terms for h in s) and self.case.score("crba", s).right]
+        found = [h for s in of_mass[:FEW_CAUSES] if (h := by_symbols(self.case, s))]
+        return {identity((h,)): (h,) for h in found}
 
     def singles(self) -> None:
         """Single causes, of which those of one link or joint may hold for several."""
