@@ -56,6 +56,14 @@ def _inward(turned_n=True, turned_f=True, turned_in_arm=True, assigned=False, ba
     return {"inward": inward}
 
 
+def _felt_along(axis):
+    return {"felt": lambda s, j, n, f: float(axis(j) @ (f if j.slides else n))}
+
+
+def _of_centre(f):
+    return {"of_centre": lambda s, w, alpha, a, c: f(w, alpha, a, c)}
+
+
 def _composite(turned_I=True, steiner=True, cross_terms=True, first=True, turned_h=True):
     def composite(s: Any, q: Any) -> Any:
         out = [(m, m * c, I + far(m, c)) for m, c, I in s.bodies]
@@ -81,21 +89,30 @@ def _aba(f):
 
 
 PASSES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
-    "w_unturned": (("angular velocity", "not brought"), _outward(turned_w=False)),
-    "alpha_unturned": (("angular acceleration", "not brought"), _outward(turned_alpha=False)),
+    "w_unturned": (("angular velocity", "not transformed"), _outward(turned_w=False)),
+    "alpha_unturned": (("angular acceleration", "not transformed"), _outward(turned_alpha=False)),
     "own_w_carries": (("carries a link's origin", "link's own"), _outward(own_w=True)),
-    "w_in_rate_unturned": (("w x z qd", "not brought"), _outward(parent_in_rate=True)),
+    "w_in_rate_unturned": (("w x z qd", "not transformed"), _outward(parent_in_rate=True)),
     "arm_in_links_axes": (("arm", "axes"), _outward(arm="back")),
-    "acceleration_unturned": (("acceleration", "not brought"), _outward(origin=False)),
-    "moment_unturned": (("moment that is handed on", "not brought"), _inward(turned_n=False)),
-    "force_unturned": (("force that is handed on", "not brought"), _inward(turned_f=False)),
-    "force_in_arm_unturned": (("force in r x f", "not brought"), _inward(turned_in_arm=False)),
+    "acceleration_unturned": (("acceleration", "not transformed"), _outward(origin=False)),
+    "moment_unturned": (("moment that is handed on", "not transformed"), _inward(turned_n=False)),
+    "force_unturned": (("force that is handed on", "not transformed"), _inward(turned_f=False)),
+    "force_in_arm_unturned": (("force in r x f", "not transformed"), _inward(turned_in_arm=False)),
     "arm_in_childs_axes": (("arm in r x f", "child's axes"), _inward(arm="child")),
-    "composite_unturned": (("child's inertia", "not brought"), _composite(turned_I=False)),
+    "felt_along_z": (("feels", "the z axis of the link's frame"), _felt_along(lambda j: np.array([0, 0, 1.0]))),
+    "felt_in_the_parents_axes": (("feels", "parent's axes"), _felt_along(lambda j: j.R @ j.axis)),
+    "children_overwrite": (("overwritten", "children"), _inward(assigned=True)),
+    "w_for_alpha": (
+        ("w is taken for alpha", "x c"), _of_centre(lambda w, alpha, a, c: a + cross(w, c) + cross(w, cross(w, c)))
+    ),
+    "one_cross_missing": (
+        ("centre of mass", "w x r"), _of_centre(lambda w, alpha, a, c: a + cross(alpha, c) + cross(w, c))
+    ),
+    "composite_unturned": (("child's inertia", "not transformed"), _composite(turned_I=False)),
     "composite_no_steiner": (("m (p.p 1 - p p^T)", "left out"), _composite(steiner=False)),
     "composite_no_cross": (("2 (h.p) 1", "left out"), _composite(cross_terms=False)),
     "composite_no_moment": (("m p", "left out"), _composite(first=False)),
-    "composite_h_unturned": (("first moment", "not brought"), _composite(turned_h=False)),
+    "composite_h_unturned": (("first moment", "not transformed"), _composite(turned_h=False)),
     "damped_inverse": (
         ("0.001",),
         _aba(lambda s, q, v, tau: np.linalg.solve(s.crba(q) + 1e-3 * np.eye(s.n), tau - s.bias(q, v))),

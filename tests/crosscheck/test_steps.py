@@ -23,14 +23,18 @@ def algorithm(steps: Steps) -> np.ndarray:
     total = steps.turn("the vector", ROTATION, total, **{"by twice the matrix": lambda: 2 * ROTATION})
     total = total @ steps.congruent("the tensor", ROTATION, TENSOR)
     total = total + steps.cross("the moment", A, B) @ steps.transpose("the matrix", ROTATION)
-    for x in steps.each("the bodies", [A, B, A + B]):
+    for x in steps.each("the bodies", [A, 2 * B, A + B]):
         total = total + x
+    for k, x in enumerate((B, 2 * A, 5 * B)):
+        total = total + steps.part("the joints", x, k, 3, alone=True)
+    total = total + steps.summed("what a child hands on", 4 * A, **{"the last one's is left": 0 * A})
+    total = total + steps.mistaken("the force", A, **{"the moment": B})
     return total * steps.pick("the factor", 2.0, half=1.0, none=lambda: 0.0)
 
 
 def test_without_a_slip_steps_are_right():
     total = (A + np.cross(B, A)) @ ROTATION.T @ (ROTATION @ TENSOR @ ROTATION.T)
-    expected = 2 * (total + np.cross(A, B) @ ROTATION.T + 2 * (A + B))
+    expected = 2 * (total + np.cross(A, B) @ ROTATION.T + 9 * A + 9 * B)
     assert np.abs(algorithm(Steps()) - expected).max() < 1e-14
 
 
@@ -38,17 +42,17 @@ def test_every_slip_changes_the_answer_in_a_way_of_its_own():
     steps = Steps()
     right = algorithm(steps)
     answers = [algorithm(Steps(slip)) for slip in steps.found]
-    assert len(answers) == 21 and {s.how for s in steps.found} == set(KINDS) == set(rows())
+    assert len(answers) == 34 and {s.how for s in steps.found} == set(KINDS) == set(rows())
     for k, x in enumerate(answers):
         assert np.abs(x - right).max() > 1e-3
         assert all(np.abs(x - y).max() > 1e-3 for y in answers[:k])
-    assert len({slip.says for slip in steps.found}) == 21 and all(slip.fix for slip in steps.found)
+    assert len({slip.says for slip in steps.found}) == 34 and all(slip.fix for slip in steps.found)
 
 
 def test_two_slips_at_once():
     one, two = Slip("the sum", "a", "step_left_out"), Slip("the factor", "half", "step_other")
     expected = np.cross(B, A) @ ROTATION.T @ (ROTATION @ TENSOR @ ROTATION.T)
-    expected = expected + np.cross(A, B) @ ROTATION.T + 2 * (A + B)
+    expected = expected + np.cross(A, B) @ ROTATION.T + 9 * A + 9 * B
     assert np.abs(algorithm(Steps(one, two)) - expected).max() < 1e-14
 
 
@@ -65,9 +69,14 @@ def test_another_matrix_that_a_place_does_not_have_is_not_taken_there():
 @pytest.mark.parametrize(
     ("slip", "says", "fix"),
     [
-        (Slip("the children that hand on their force", "the first of each link alone", "step_other"),
-         "the children that hand on their force are the first of each link alone",
-         "the children that hand on their force must be all children of a link"),
+        (Slip("the force that children hand on", "that of the last one is left", "step_overwritten"),
+         "the force that children hand on is overwritten where a link has several children: "
+         "that of the last one is left",
+         "add the force that children hand on to what is there, do not replace it"),
+        (Slip("the arm in r x f", "in the child's axes", "step_other"), "the arm in r x f is in the child's axes",
+         "the arm in r x f must be the vector from the link's origin to its child's, in the axes of f"),
+        (Slip("alpha in I alpha", "w", "step_mistaken"), "w is taken for alpha in I alpha",
+         "take alpha in I alpha, not w"),
         (Slip("the inertia of a body: in I alpha", "", "step_unturned"),
          "the inertia of a body, in I alpha, is not transformed into the axes in which it is used",
          "transform the inertia of a body, in I alpha, into the axes of what it is added to or multiplied by"),

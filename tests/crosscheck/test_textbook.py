@@ -177,9 +177,9 @@ def told(ask: Asking, name: str) -> bool:
     return not found.located and all(any(w in x for x in words) for w in PASSES[name][0])
 
 
-def test_a_slip_in_another_code_is_told():
-    ask = asking(PROBE, 8, 0, ("gravity", "bias"))
-    assert told(ask, "force_in_arm_unturned")
+@pytest.mark.parametrize("name", ["force_in_arm_unturned", "felt_along_z"])
+def test_a_slip_in_another_code_is_told(name):
+    assert told(asking(PROBE, 8, 0, ("gravity", "bias")), name)
 
 
 @pytest.mark.campaign

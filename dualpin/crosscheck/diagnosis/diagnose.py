@@ -27,6 +27,8 @@ ARM = 12  # degrees of freedom up to which a robot counts as an arm
 VISITS = 50_000  # of the search for the cheapest common story
 DOUBT = 0.35
 """What a cause costs besides, times the share of the terms it would have changed that are right without it."""
+APART = ("kinetic_energy", "coriolis")
+"""Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
 AGAIN = 0.1
 """What a cause costs that another formulation shows, where it was told already."""
 FOLLOWING = 0.9
@@ -128,8 +130,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
-    stage(slips, Search.slips, doubtful, off)
+    stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
     stage("slips beside a cause of other terms", besides, unexplained, off)
+    stage(slips, Search.slips, doubtful, off)
     stage("two causes together", Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     for search in searches.values():  # what was found last may explain a term before
@@ -226,7 +229,7 @@ def _price(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], flo
     def price(h: Hypothesis) -> float:
         if h.key == "follows" and set(h.made_of) <= set(explained):
             return h.cost - FOLLOWING
-        spared = len(case.spared(h))
+        spared = len([t for t in case.spared(h) if h.place != "formula" or t not in APART])
         return h.cost + (DOUBT * spared / (spared + len(off & set(h.terms))) if spared else 0.0)
 
     return price
@@ -275,7 +278,7 @@ def cheapest(
 ) -> dict[str, Story]:
     """One story for each term, so that all hypotheses together cost least: by branch and bound.
 
-    A cause that other formulations show as well is paid once, but for `AGAIN`.
+    A cause that other formulations show as well is paid once, but for `AGAIN`; its variants are paid once.
     """
     terms = sorted(options, key=lambda t: len(options[t]))
     told_by = Counter(key for stories in options.values() for key in {_as_causes(s) for s in stories})
@@ -283,6 +286,9 @@ def cheapest(
     likely = {
         t: sorted(x, key=lambda s: (-told_by[_as_causes(s)], worth[t][identity(s)]))[:MOST] for t, x in options.items()
     }
+    least: dict[Any, float] = {}  # of each cause's variants
+    for h in (h for stories in options.values() for s in stories for h in s):
+        least[_cause(h), h.cause] = min(least.get((_cause(h), h.cause), math.inf), price(h))
     best: tuple[float, float] = (math.inf, math.inf)
     picked: dict[str, Story] = {}
     visits = 0
@@ -290,8 +296,8 @@ def cheapest(
     def new(s: Story, claimed: Mapping[Any, float]) -> dict[Any, float]:
         """What a story claims besides."""
         causes = {key[0] for key in claimed}
-        fresh = {(_cause(h), h.identity): h for h in s if (_cause(h), h.identity) not in claimed}
-        return {key: AGAIN if key[0] in causes else price(h) for key, h in fresh.items()}
+        fresh = [key for h in s if (key := (_cause(h), h.cause)) not in claimed]
+        return {key: AGAIN if key[0] in causes else least[key] for key in fresh}
 
     def branch(k: int, claimed: Mapping[Any, float], told: float, chosen: tuple[Story, ...]) -> None:
         nonlocal best, picked, visits

@@ -14,7 +14,7 @@ from ..textbook.assembly import Dynamics, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
 from ..textbook.steps import EVERYWHERE, Steps
 from ..textbook.tree import tree_of
-from .formulation import COST, formulation
+from .formulation import COST, FUSING, formulation
 
 SAYS = {
     "gyroscopic": "w x I w is left out",
@@ -137,7 +137,7 @@ def register(
     cost = COST + 0.05 * bool(variant)
     formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True)(run)
     values = ", ".join(x for x in (FUSED, variant) if x)
-    formulation(name, terms, KNOWN, values, merges, cost + 0.01, SAYS, batched=True)(replace(run, fused=True))
+    formulation(name, terms, KNOWN, values, merges, cost + FUSING, SAYS, batched=True)(replace(run, fused=True))
 
 
 register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
@@ -155,8 +155,8 @@ register(
     Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),
     "M from Jacobians",
 )  # fmt: skip
-_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, momentum=spatial.momentum)
-register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix"))
+_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
+register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix", "potential_energy"))
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
 register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")

@@ -23,11 +23,15 @@ from ..textbook.steps import Slip, Steps
 from ..textbook.words import rows
 from .register import RULES, Rule
 
-OTHER = 0.005
-"""What another quantity in a place costs more than one that is left out, or has another sign or factor."""
+LIKELY = {
+    "step_overwritten": 0.001, "step_first": 0.004, "step_last": 0.004, "step_other": 0.005, "step_other_turn": 0.005,
+    "step_last_alone": 0.005, "step_first_alone": 0.006, "step_mistaken": 0.008,
+}  # fmt: skip
+"""What kinds of slips cost more than a term that is left out, or has another sign or factor, since they are rarer."""
 COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
-
+FUSING = 0.0005
+"""What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""
 
 Terms = Sequence[str] | Callable[[Case], Sequence[str]]
 """The terms that a formulation predicts, of all cases or of one."""
@@ -79,7 +83,7 @@ def formulation(
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
                     Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + OTHER * (slip.how == "step_other"), afterwards=afterwards(case),
+                    cost=cost + LIKELY.get(slip.how, 0.0), afterwards=afterwards(case),
                     mistake=_mistake(slip, (known or {}).get(slip)),
                 )
                 for slip, shown in touched.items()

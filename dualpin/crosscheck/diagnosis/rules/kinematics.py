@@ -21,7 +21,7 @@ from ..textbook.second import SecondDerivatives
 from ..textbook.slipped import Run
 from ..textbook.steps import Steps
 from ..textbook.weighted import RIGHT, Sums
-from .formulation import COST, Terms, formulation
+from .formulation import COST, FUSING, Terms, formulation
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
@@ -311,7 +311,7 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
     slow = partial(_answers, after)
     formulation(name, terms, KNOWN, variant, _always, cost, SAYS, True, like, slow)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
-    formulation(name, terms, KNOWN, both, fuses, cost + 0.01, None, True, like, slow)(_of(run, fused=True, **how))
+    formulation(name, terms, KNOWN, both, fuses, cost + FUSING, None, True, like, slow)(_of(run, fused=True, **how))
 
 
 def _answers(after: str, case: Case) -> bool:

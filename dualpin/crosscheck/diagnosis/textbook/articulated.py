@@ -94,9 +94,9 @@ def _inward(
     last, count = k.number - 1, len(tree.links) - 1
     I_up = steps.congruent("a child's inertia, X^T I^a X,", transposed(X), Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
-    I_up = steps.pick("the children that hand on their inertia", I_up, **tree.alone(k, I_up))
+    I_up = steps.summed("the inertia that children hand on", I_up, **tree.alone(k, I_up))
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
-    p_up = steps.pick("the children that hand on their bias force", p_up, **tree.alone(k, p_up))
+    p_up = steps.summed("the bias force that children hand on", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
     I[k.parent] = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
     p[k.parent] = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})

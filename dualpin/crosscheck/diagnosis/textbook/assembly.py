@@ -66,6 +66,8 @@ class Dynamics:
     fused: bool = False
     momentum: Matrix | None = None
     """Makes the centroidal momentum matrix, of positions and centres of mass."""
+    potential: Callable[..., np.ndarray] | None = None
+    """Makes the potential energy, of positions and gravity."""
     factored: bool = False
     """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
@@ -127,6 +129,9 @@ class Dynamics:
         self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View
     ) -> np.ndarray | None:
         return None if self.momentum is None else self.momentum(steps, tree, s["q"], view.compute("com")[None])
+
+    def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
+        return None if self.potential is None else self.potential(steps, tree, s["q"], tree.gravity)
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
         return solved(self.to_invert(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]

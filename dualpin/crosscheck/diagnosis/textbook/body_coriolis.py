@@ -33,11 +33,11 @@ def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
     last, count = tree.links[-1].number - 1, len(tree.links) - 1
     for k in reversed(tree.links[1:]):
         x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
-        x = steps.pick("the children that hand on their inertia", x, **tree.alone(k, x))
+        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
         x = steps.part("the links that hand on their inertia", x, k.number - 1, count)
         I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
         y = steps.congruent("a child's B, X^T B X,", transposed(X[k.number]), B[k.number])
-        y = steps.pick("the children that hand on their B", y, **tree.alone(k, y))
+        y = steps.summed("the B that children hand on", y, **tree.alone(k, y))
         y = steps.part("the links that hand on their B", y, k.number - 1, last + 1)
         B[k.parent] = steps.add("the composite B", **{HAVE: B[k.parent], "X^T B X of the child": y})
     rows: dict[tuple[int, int], np.ndarray] = {}

@@ -17,9 +17,9 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
+from .link_axes import felt
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, tree_of
-from .world_axes import felt
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -57,7 +57,9 @@ def _own(steps: Steps, k: Link, q: np.ndarray) -> Lump:
     lead = np.zeros(q.shape[:-1], q.dtype)[..., None]
     terms = {"I about the centre of mass": k.tensor(steps), "m (c.c 1 - c c^T)": k.about_origin - k.I}
     I = steps.add("the inertia about a link's origin", **terms)
-    return k.mass + lead, k.mass * k.c + lead, I + lead[..., None]
+    m = k.mass + lead
+    first = steps.pick("the mass in a link's first moment m c", m, **{"left out": 0 * m + 1})
+    return m, first * k.c, I + lead[..., None]
 
 
 def _joined(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Lump, mine: Lump) -> Lump:
@@ -68,14 +70,18 @@ def _joined(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Lump, mine: Lump)
     I = steps.congruent("a child's inertia", pose.R, I)
     hp, pp = (h * p).sum(-1)[..., None, None], (p * p).sum(-1)[..., None, None]
     outer = h[..., :, None] * p[..., None, :]
-    arms = 2 * hp * one - outer - transposed(outer)
+    mixed = {"2 (h.p) 1": 2 * hp * one, "-h p^T": -outer, "-p h^T": -transposed(outer)}
+    arms = steps.add("what a child's first moment adds to the inertia", **mixed)
     last, count = k.number - 1, len(tree.links) - 1
     terms = {
         HAVE: T, "the child's I": I, "2 (h.p) 1 - h p^T - p h^T": arms,
         "m (p.p 1 - p p^T)": m[..., None] * (pp * one - p[..., :, None] * p[..., None, :]),
     }  # fmt: skip
     whole = steps.add("the composite inertia", **terms)
-    moment = steps.add("the composite first moment", **{HAVE: H, "R h": h, "m p": m * p})
+    m_p = steps.pick("the mass in m p", m, **{"left out": 0 * m + 1, "the link's own": k.mass + 0 * m}) * p
+    moment = steps.add("the composite first moment", **{HAVE: H, "R h": h, "m p": m_p})
+    moment = steps.pick("the composite first moment, with those of children,", moment, **{"the link's own alone": H})
+    whole = steps.pick("the composite inertia, with those of children,", whole, **{"the link's own alone": T})
     mass = steps.add("the composite mass", **{HAVE: M, "the child's m": steps.part("the masses", m, last, count)})
     return mass, moment, whole
 
@@ -91,9 +97,10 @@ def _unit(steps: Steps, k: Link, lump: Lump) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _handed(steps: Steps, pose: Pose, n: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    f = steps.turn("the force that is handed on", pose.R, f)
+    pushed = steps.turn("the force that is handed on: in r x f", pose.R, f)
+    f = steps.turn("the force that is handed on: by itself", pose.R, f)
     n = steps.turn("the moment that is handed on", pose.R, n)
-    return steps.add("the moment at a joint", **{"R n": n, "r x f": cross(pose.p, f)}), f
+    return steps.add("the moment at a joint", **{"R n": n, "r x f": cross(pose.p, pushed)}), f
 
 
 def _filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:

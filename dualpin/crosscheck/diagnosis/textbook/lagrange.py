@@ -20,6 +20,8 @@ from .assembly import MOST_STEPS, Dynamics, by_coordinates
 from .steps import EVERYWHERE, Steps, cross
 from .tree import Link, Tree, tree_of
 
+FAR = "z x r, from the link's origin to the centre of mass,"
+
 
 def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Jv of the centre of mass and Jw (runs, samples, nv, 3), and the centre."""
@@ -41,7 +43,7 @@ def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndar
                 "that to the link's origin": cross(z, pose.p0 - at.p0), "that from the world's origin": cross(z, c),
                 "that from the parent's joint": cross(z, c - poses[j.parent].p0),
             }  # fmt: skip
-            terms = {"z x (p - p_j)": cross(z, pose.p0 - at.p0), "z x r": cross(z, r)}
+            terms = {"z x (p - p_j)": cross(z, pose.p0 - at.p0), FAR: cross(z, r)}
             x = steps.add("Jv of a turning joint", **terms)
             x = steps.pick("the arm in Jv of a turning joint", x, **others)
             x = steps.add("Jv of turning joints", **{"z x r, as a whole,": x})
@@ -74,7 +76,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         m = steps.pick("the mass in m Jv^T Jv", m, **tree.masses(k, m))
         terms = {"m Jv^T Jv": m * (Jv @ transposed(Jv)), "Jw^T I Jw": Jw @ (I @ transposed(Jw))}
         of_body = steps.add("the mass matrix of a body", **terms)
-        M = M + steps.part("the bodies of the mass matrix", of_body, i, len(tree.carried))
+        M = M + steps.part("the bodies of the mass matrix", of_body, i, len(tree.carried), alone=True)
     return M
 
 
@@ -86,7 +88,7 @@ def gravity(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarra
         m = steps.pick("the mass in m Jv^T g", m, **tree.masses(k, m))
         down = product(Jv, g + np.zeros((*q.shape[:-1], 3)))
         term = steps.add("the gravity of a body", **{"-m Jv^T g": -m * down})
-        out = out + steps.part("the bodies whose gravity counts", term, i, len(tree.carried))
+        out = out + steps.part("the bodies whose gravity counts", term, i, len(tree.carried), alone=True)
     return out
 
 
@@ -100,16 +102,24 @@ def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndar
         m = k.mass + np.zeros((1, 1))
         m = steps.pick("the mass in -m g . c", m, **tree.masses(k, m))
         term = -m * (g * at).sum(-1)
-        out = out + steps.part("the bodies whose height counts", term, i, len(tree.carried))
+        out = out + steps.part("the bodies whose height counts", term, i, len(tree.carried), alone=True)
     return out
 
 
 def coriolis(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """C from Christoffel's symbols of the mass matrix that the same steps make."""
-    dM = by_coordinates(lambda x: mass(steps, tree, x), q)
-    speed = v[0]
-    rate, by_q = np.einsum("rnijk,nk->rnij", dM, speed), np.einsum("rnijk,nj->rnik", dM, speed)
-    terms = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
+    return of_symbols(steps, by_coordinates(lambda x: mass(steps, tree, x), q), v[0])
+
+
+def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C of dM_ij/dq_k (runs, samples, i, j, k) and v."""
+    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v), np.einsum("rnijk,nj->rnik", dM, v)
+    right = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
+    sums = {"ijk": dM.sum(-1), "ikj": dM.sum(-2), "jki": transposed(dM.sum(-2))}  # over k, (runs, samples, i, j)
+    terms = {}
+    for name, x, y in zip(right, right.values(), (sums["ijk"], sums["ikj"], -sums["jki"]), strict=True):
+        wrong = {"v_j": y * v[:, None, :], "v_i": y * v[:, :, None]}
+        terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x, **wrong)
     total = steps.add("Christoffel's symbols", **terms)
     others = {
         "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
@@ -118,8 +128,8 @@ def coriolis(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarr
 
 
 AS_NEWTON_EULER = {
-    ("the acceleration of the centre of mass", "alpha x r"): [("Jv of a turning joint", "z x r")],
-    ("a body's moment about the link's origin", "r x f"): [("Jv of a turning joint", "z x r")],
+    ("the acceleration of the centre of mass", "alpha x r"): [("Jv of a turning joint", FAR)],
+    ("a body's moment about the link's origin", "r x f"): [("Jv of a turning joint", FAR)],
     ("the acceleration of a link's origin", "alpha x r"): [("Jv of a turning joint", "z x (p - p_j)")],
     (EVERYWHERE, "alpha x r"): [("Jv of turning joints", "z x r, as a whole,")],
     ("the force of a body", "m a"): [("the mass matrix of a body", "m Jv^T Jv")],

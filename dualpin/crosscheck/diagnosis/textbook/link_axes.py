@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -65,7 +66,7 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
     poses = tree.poses(q)
     moving = [_base(steps, tree, poses[0], v, a, g)]
     for k in tree.links[1:]:
-        moving.append(_next(steps, tree, k, poses[k.number], moving[k.parent], v, a))
+        moving.append(_next(steps, tree, k, poses[k.number], moving, q, v, a))
     return moving
 
 
@@ -81,17 +82,26 @@ def _base(steps: Steps, tree: Tree, pose: Pose, v: np.ndarray, a: np.ndarray, g:
     return Motion(w, a[..., :3], steps.add("the acceleration of the base", **terms))
 
 
-def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarray, a: np.ndarray) -> Motion:
+def joined(m: Motion) -> np.ndarray:
+    return np.concatenate(np.broadcast_arrays(m.w, m.alpha, m.a), -1)
+
+
+def _next(
+    steps: Steps, tree: Tree, k: Link, pose: Pose, moving: list[Motion], q: np.ndarray, v: np.ndarray, a: np.ndarray
+) -> Motion:
+    up = moving[k.parent]
     which = "of fixed links" if not k.moves else "of sliding links" if k.slides else "of turning links"
     R, p = transposed(pose.R), pose.p
+    before = tree.near(k, lambda x: joined(moving[x.number] if x.number < len(moving) else up))
+    up = Motion(*np.split(steps.pick("the motion that a link starts from", joined(up), **before), 3, -1))
     w_up = w = steps.turn(f"the parent's angular velocity: {which}", R, up.w)
     alpha_up = alpha = steps.turn(f"the parent's angular acceleration: {which}", R, up.alpha)
     if k.moves:
-        qd, qdd = of_joint(steps, tree, k, v, "velocity"), of_joint(steps, tree, k, a, "acceleration")
+        qd, qdd = own_rates(steps, tree, k, q, v, a)
     if k.moves and not k.slides:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w_up, "z qd": k.z * qd})
-        w_here = steps.turn("the angular velocity in w x z qd", R, up.w)
-        qd_here = of_joint(steps, tree, k, v, "velocity", "in w x z qd")
+        w_here = steps.turn("the parent's angular velocity: in w x z qd", R, up.w)
+        qd_here = rate_in_cross(steps, tree, k, q, v, a)
         alpha = steps.add(
             "the angular acceleration of a turning link",
             **{"the parent's": alpha_up, "w x z qd": cross(w_here, k.z * qd_here), "z qdd": k.z * qdd},
@@ -101,12 +111,15 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
     own = {"the link's own": lambda: alpha}
     alpha_arm = steps.pick(f"the angular acceleration that carries a link's origin: {which}", up.alpha, **own)
     others = {"in the link's axes, not the parent's": lambda: product(R, p)}
+    others |= {
+        "that to the centre of mass": lambda: p + product(pose.R, k.c),
+        "that from the parent's centre of mass": lambda: p - tree.links[k.parent].c,
+    }
     if k.slides:
         others["without the joint's travel"] = lambda: k.p + 0 * p
     arm = steps.pick(f"the arm to a link's origin: {which}", p, **others)
-    terms = {
-        "the parent's": up.a, "alpha x r": cross(alpha_arm, arm), "w x (w x r)": cross(w_arm, cross(w_arm, arm))
-    }  # fmt: skip
+    w_w_r = centripetal(steps, f"to a link's origin, {which}", w_arm, alpha_arm, arm)
+    terms = {"the parent's": up.a, "alpha x r": cross(alpha_arm, arm), "w x (w x r)": w_w_r}
     carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     acc = steps.turn(f"the acceleration of a link's origin, found in the parent's axes: {which}", R, carried)
     if k.moves and k.slides:
@@ -116,6 +129,57 @@ def _next(steps: Steps, tree: Tree, k: Link, pose: Pose, up: Motion, v: np.ndarr
             **{"that of the place where it is": acc, "2 w x z qd": 2 * cross(w_slide, k.z * qd), "z qdd": k.z * qdd},
         )
     return Motion(w, alpha, acc)
+
+
+def centripetal(
+    steps: Steps, where: str, w: np.ndarray, alpha: np.ndarray, r: np.ndarray, other: np.ndarray | None = None
+) -> np.ndarray:
+    """w x (w x r); `other` is the velocity of that of two links which does not turn r."""
+    inner = cross(w, r)
+    others: dict[str, Any] = {
+        "w x r": inner, "w x (alpha x r)": lambda: cross(w, cross(alpha, r)),
+        "alpha x (w x r)": lambda: cross(alpha, inner), "alpha x (alpha x r)": lambda: cross(alpha, cross(alpha, r)),
+        "(w . w) r": lambda: (w * w).sum(-1)[..., None] * r,
+    }  # fmt: skip
+    if other is not None:
+        others |= {
+            "w' x (w x r), of the two links": lambda: cross(other, inner),
+            "w x (w' x r), of the two links": lambda: cross(w, cross(other, r)),
+        }  # fmt: skip
+    return np.asarray(steps.pick(f"w x (w x r): {where}", cross(w, inner), **others))
+
+
+def own_rates(
+    steps: Steps, tree: Tree, k: Link, q: np.ndarray, v: np.ndarray, a: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocity and acceleration of a joint, along its axis."""
+    qd, qdd = of_joint(steps, tree, k, v, "velocity"), of_joint(steps, tree, k, a, "acceleration")
+    mine = {
+        name: x[..., i, None]
+        for name, x, i in (
+            ("its coordinate", q, k.place),
+            ("its velocity", v, k.column),
+            ("its acceleration", a, k.column),
+        )
+    }
+    one = {"1": 0 * mine["its coordinate"] + 1}
+    by_v = {name: x for name, x in mine.items() if name != "its velocity"}
+    by_a = {name: x for name, x in mine.items() if name == "its velocity"}
+    return (
+        steps.mistaken("a joint's velocity along its axis", qd, **by_v, **one),
+        steps.mistaken("a joint's acceleration along its axis", qdd, **by_a, **one),
+    )
+
+
+def rate_in_cross(steps: Steps, tree: Tree, k: Link, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """qd in w x z qd."""
+    qd = of_joint(steps, tree, k, v, "velocity", "in w x z qd")
+    others = {
+        "its acceleration": a[..., k.column, None],
+        "its coordinate": q[..., k.place, None],
+        "1": 0 * q[..., :1] + 1,
+    }
+    return np.asarray(steps.mistaken("a joint's velocity in w x z qd", qd, **others))
 
 
 def of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str, where: str = "along its axis") -> np.ndarray:
@@ -130,57 +194,77 @@ def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.nda
     f, n = [zero] * len(tree.links), [zero] * len(tree.links)
     for i, k in enumerate(tree.bodies):
         m = moving[k.number]
-        w_c = steps.pick(
-            "the angular velocity in w x (w x c)", m.w, **{"the parent's": lambda k=k: moving[max(0, k.parent)].w}
-        )
-        alpha_c = steps.pick(
-            "the angular acceleration in alpha x c", m.alpha,
-            **{"the parent's": lambda k=k: moving[max(0, k.parent)].alpha},
-        )  # fmt: skip
-        a_c = steps.add(
-            "the acceleration of the centre of mass",
-            **{
-                "that of the origin": m.a, "alpha x r": cross(alpha_c, k.c),
-                "w x (w x r)": cross(w_c, cross(w_c, k.c)),
-            },
-        )  # fmt: skip
-        F = steps.add("the force of a body", **{"m a": k.mass * a_c})
-        w_I = steps.pick(
-            "the angular velocity in w x I w", m.w, **{"the parent's": lambda k=k: moving[max(0, k.parent)].w}
-        )
-        I = steps.pick("the inertia", k.tensor(steps), **{"that about the link's origin": lambda k=k: k.about_origin})
-        N = steps.add(
-            "the moment about the centre of mass",
-            **{"I alpha": product(I, m.alpha), "w x I w": cross(w_I, product(I, w_I))},
-        )
+        a_c = _of_centre(steps, tree, k, m, moving)
+        mass = steps.pick("the mass of a body", k.mass + zero[..., :1], **tree.masses(k, k.mass + zero[..., :1]))
+        F = steps.add("the force of a body", **{"m a": mass * a_c})
+        N = _about_centre(steps, tree, k, m, moving, a_c)
         f[k.number] = steps.part("the forces of bodies", F + zero, i, len(tree.bodies))
-        arms = {"that of the link from its parent": tree.links[k.number].p, "half as long": 0.5 * k.c}
+        arms = {
+            "that of the link from its parent": tree.links[k.number].p, "half as long": 0.5 * k.c,
+            "that from the parent's joint": k.p + product(k.R, k.c), "in the parent's axes": product(k.R, k.c),
+        }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", k.c, **arms)
         own = steps.add("a body's moment about the link's origin", **{"N": N, "r x f": cross(arm, F)})
         n[k.number] = steps.part("the moments of bodies", own + zero, i, len(tree.bodies))
     return f, n
 
 
+def _of_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Motion]) -> np.ndarray:
+    """The acceleration of a body's centre."""
+    up = moving[max(0, k.parent)]
+    ws, alphas = tree.near(k, lambda x: moving[x.number].w), tree.near(k, lambda x: moving[x.number].alpha)
+    w = steps.pick("the angular velocity in w x (w x c)", m.w, **{"the parent's": up.w}, **ws)
+    alpha = steps.pick("the angular acceleration in alpha x c", m.alpha, **{"the parent's": up.alpha}, **alphas)
+    alpha = steps.mistaken("alpha in alpha x c", alpha, w=m.w)
+    arms = {"that of the link from its parent": k.p, "that from the parent's joint": k.p + product(k.R, k.c)}
+    c = steps.pick("the arm that carries a centre of mass", k.c, **arms)
+    terms = {
+        "that of the origin": m.a, "alpha x r": cross(alpha, c),
+        "w x (w x r)": centripetal(steps, "to a centre of mass", w, alpha, c, up.w),
+    }  # fmt: skip
+    a_c = steps.add("the acceleration of the centre of mass", **terms)
+    return np.asarray(steps.pick("the acceleration in m a", a_c, **{"that of the link's origin": m.a + 0 * a_c}))
+
+
+def _about_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Motion], a_c: np.ndarray) -> np.ndarray:
+    """The moment of a body."""
+    up = moving[max(0, k.parent)]
+    others = {"the parent's": up.w, **tree.near(k, lambda x: moving[x.number].w)}
+    sides = ("its first", "its second")
+    w = [steps.pick(f"the angular velocity in w x I w: {x}", m.w, **others) for x in sides]
+    w = [steps.mistaken(f"w in w x I w: {x}", y, alpha=m.alpha) for x, y in zip(sides, w, strict=True)]
+    others = {"the parent's": up.alpha, **tree.near(k, lambda x: moving[x.number].alpha)}
+    alpha = steps.pick("the angular acceleration in I alpha", m.alpha, **others)
+    alpha = steps.mistaken("alpha in I alpha", alpha, w=m.w, **{"the acceleration of its centre": a_c})
+    tensors = {
+        "that about the link's origin": k.about_origin, "turned into the parent's axes": k.R @ k.I @ transposed(k.R),
+        "its principal moments": k.moments, "its diagonal alone": k.I * np.eye(3),
+        "zero, as of a point": 0 * k.I,
+    }  # fmt: skip
+    I = [steps.pick(f"the inertia: in {x}", k.tensor(steps), **tensors) for x in ("I alpha", "w x I w")]
+    moments = {"I alpha": product(I[0], alpha), "w x I w": cross(w[0], product(I[1], w[1]))}
+    return np.asarray(steps.add("the moment about the centre of mass", **moments))
+
+
 def _inward(
     steps: Steps, tree: Tree, poses: list[Pose], f: list[np.ndarray], n: list[np.ndarray], q: np.ndarray
 ) -> np.ndarray:
     columns: dict[int, np.ndarray] = {}
+    own = list(zip(f, n, strict=True))
     for k in reversed(tree.links):
         f_k, n_k, pose = f[k.number], n[k.number], poses[k.number]
         if k.moves:
             others = {f"that of the {which} joint": j.z for which, j in tree.neighbours(k).items()}
+            others |= axes(np.eye(3)[None, None], "of the link's frame") | {
+                "turned into the parent's axes": product(k.R, k.z)
+            }
             z = steps.pick("the axis along which a joint feels force or moment", k.z, **others)
-            moment, push = (z * n_k).sum(-1), (z * f_k).sum(-1)
-            columns[k.column] = (
-                steps.pick("what a sliding joint feels", push, **{"the moment along its axis": moment})
-                if k.slides
-                else steps.pick("what a turning joint feels", moment, **{"the force along its axis": push})
-            )
+            columns[k.column] = felt(steps, k, z, f_k, n_k, own[k.number])
         if k.parent < 0:
             continue
         six = np.concatenate(np.broadcast_arrays(f_k, n_k), -1)
         six = steps.pick("what a link hands on", six, nothing=0 * six)
-        six = steps.pick("the children that hand on force and moment", six, **tree.alone(k, six))
+        six = steps.summed("the force and moment that children hand on", six, **tree.alone(k, six))
         f_k, n_k = six[..., :3], six[..., 3:]
         handed = steps.turn("the force that is handed on", pose.R, f_k)
         pushed = steps.turn("the force in r x f", pose.R, f_k)
@@ -190,14 +274,19 @@ def _inward(
             "that of the parent (index i in place of i + 1)": poses[k.parent].p + 0 * pose.p,
             "without the joint's travel": k.p + 0 * pose.p,
         }
+        others["to the child's centre of mass"] = pose.p + product(pose.R, k.c)
+        others["from the parent's centre of mass"] = pose.p - tree.links[k.parent].c
         arm = steps.pick("the arm in r x f", pose.p, **others)
+        turned = steps.mistaken("the moment that a link hands on", turned, **{"its force": handed})
         up, last, count = k.parent, k.number - 1, len(tree.links) - 1
         handed = steps.part("the links that hand on their force", handed, last, count)
         f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
         turned = steps.part("the links that hand on their moment", turned, last, count)
+        before = n[up]
         n[up] = steps.add(
             "the moment at a joint", **{HAVE: n[up], "the child's n": turned, "r x f": cross(arm, pushed)}
         )
+        n[up] = steps.pick("the moment at a joint, with those of its children,", n[up], **{"its own alone": before})
     base = [n[0], f[0]] if tree.floating else []
     return gathered(columns, base, q)
 
@@ -207,3 +296,25 @@ def gathered(columns: dict[int, np.ndarray], base: list[np.ndarray], q: np.ndarr
     parts = [*base, *(columns[k][..., None] for k in sorted(columns))]
     lead = np.broadcast_shapes(q.shape[:-1], *(x.shape[:-1] for x in parts))
     return np.concatenate([np.broadcast_to(x, (*lead, x.shape[-1])) for x in parts], axis=-1)
+
+
+def felt(
+    steps: Steps, k: Link, z: np.ndarray, f: np.ndarray, n: np.ndarray,
+    own: tuple[np.ndarray, np.ndarray] | None = None,
+) -> np.ndarray:  # fmt: skip
+    """What a joint feels of a force and a moment at its link's origin; `own` are those that the link itself needs."""
+    mine, other = (f, n) if k.slides else (n, f)
+    right = (z * mine).sum(-1)
+    words = "the moment along its axis" if k.slides else "the force along its axis"
+    others: dict[str, Any] = {words: (z * other).sum(-1), "zero": 0 * right}
+    others["its size, whatever its direction"] = lambda: np.sqrt((mine * mine).sum(-1))
+    if own is not None:
+        alone = (z * own[0 if k.slides else 1]).sum(-1) + 0 * right
+        others |= {"that of the links beyond alone": right - alone, "that of its own link alone": alone}
+    site = "what a sliding joint feels" if k.slides else "what a turning joint feels"
+    return np.asarray(steps.pick(site, right, **others))
+
+
+def axes(R: np.ndarray, whose: str) -> dict[str, np.ndarray]:
+    """The three axes of a frame, by name."""
+    return {f"the {name} axis {whose}": R[..., i] for i, name in enumerate("xyz")}

@@ -12,12 +12,13 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .link_axes import gathered
+from .link_axes import axes, gathered, own_rates, rate_in_cross
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
 
@@ -39,32 +40,47 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
         speed, acc = zero, -down
     vs, accs, f = [speed], [acc], []
     for k in tree.links[1:]:
-        v_k, a_k = _next(steps, k, X[k.number], vs[k.parent], accs[k.parent], v, a)
+        v_k, a_k = _next(steps, tree, k, X[k.number], vs, accs, q, v, a)
         vs.append(v_k)
         accs.append(a_k)
     for k in tree.links:
         f.append(_needed(steps, tree, k, vs, accs) if k.mass > 0 else zero)
-    columns: dict[int, np.ndarray] = {}
+    columns, own = dict[int, np.ndarray](), list(f)
     for k in reversed(tree.links):
         if k.moves:
-            columns[k.column] = _along(steps, k, f[k.number])
+            columns[k.column] = _along(steps, tree, k, f[k.number], own[k.number])
         if k.parent >= 0:
             handed = to_parent(steps, "the force that is handed on, X^T f,", X[k.number], f[k.number])
-            handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
+            handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
             handed = steps.part("the links that hand on their force", handed, k.number - 1, len(tree.links) - 1)
             f[k.parent] = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
     return gathered(columns, [f[0]] if tree.floating else [], q)
 
 
 def _next(
-    steps: Steps, k: Link, X: np.ndarray, v_up: np.ndarray, a_up: np.ndarray, v: np.ndarray, a: np.ndarray
+    steps: Steps,
+    tree: Tree,
+    k: Link,
+    X: np.ndarray,
+    vs: list[np.ndarray],
+    accs: list[np.ndarray],
+    q: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
+    known = len(vs)
+    v_up, a_up = vs[k.parent], accs[k.parent]
+    others = tree.near(k, lambda x: vs[x.number] if x.number < known else v_up)
+    v_up = steps.pick("the velocity that a link starts from", v_up, **others)
+    others = tree.near(k, lambda x: accs[x.number] if x.number < known else a_up)
+    a_up = steps.pick("the acceleration that a link starts from", a_up, **others)
     v_k = next_velocity(steps, k, X, v_up, v)
     a_k = steps.turn("the parent's acceleration", X, a_up, **_inverses(X))
     if not k.moves:
         return v_k, a_k
     S = subspace(steps, k)
-    S_qd, S_qdd = S * v[..., k.column, None], S * a[..., k.column, None]
+    S_qdd = S * own_rates(steps, tree, k, q, v, a)[1]
+    S_qd = S * rate_in_cross(steps, tree, k, q, v, a)
     v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
     turning = crm(steps, "v x S qd", v_c, S_qd)
     terms = {"X a of the parent": a_k, "v x S qd": turning, "S qdd": S_qdd}
@@ -88,17 +104,34 @@ def _inverses(X: np.ndarray) -> dict[str, Callable[[], np.ndarray]]:
 def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[np.ndarray]) -> np.ndarray:
     I, v_k = inertia(steps, k), vs[k.number]
     v_up = vs[max(0, k.parent)]
-    v_I = steps.pick("the velocity in v x* I v", v_k, **{"the parent's": v_up})
-    spin = crf(steps, "v x* I v", v_I, product(I, v_I))
-    f = steps.add("the force of a body", **{"I a": product(I, accs[k.number]), "v x* I v": spin})
+    others = {"the parent's": v_up, **tree.near(k, lambda x: vs[x.number])}
+    first, second = (steps.pick(f"the velocity in v x* I v: {x}", v_k, **others) for x in ("its first", "its second"))
+    first, second = (
+        steps.mistaken(f"v in v x* I v: {x}", y, a=accs[k.number])
+        for x, y in (("its first", first), ("its second", second))
+    )
+    spin = crf(steps, "v x* I v", first, product(I, second))
+    others = {"the parent's": accs[max(0, k.parent)], **tree.near(k, lambda x: accs[x.number])}
+    a_k = steps.pick("the acceleration in I a", accs[k.number], **others)
+    a_k = steps.mistaken("a in I a", a_k, v=v_k)
+    f = steps.add("the force of a body", **{"I a": product(I, a_k), "v x* I v": spin})
     return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
 
 
-def _along(steps: Steps, k: Link, f: np.ndarray, S: np.ndarray | None = None) -> np.ndarray:
-    other = np.concatenate([k.z * 0, k.z] if not k.slides else [k.z, k.z * 0], -1)
-    site = "the force along a joint's axis, S^T f" + (": of sliding joints" if k.slides else ": of turning joints")
-    S = subspace(steps, k) if S is None else S
-    return np.asarray(steps.pick(site, (S * f).sum(-1), **{"taken from the other half of f": (other * f).sum(-1)}))
+def _along(steps: Steps, tree: Tree, k: Link, f: np.ndarray, own: np.ndarray | None = None) -> np.ndarray:
+    """S^T f; `own` is the force that the link itself needs."""
+    half, other = (f[..., 3:], f[..., :3]) if k.slides else (f[..., :3], f[..., 3:])
+    S = subspace(steps, k)
+    right = (S * f).sum(-1)
+    others = {"taken from the other half of f": (k.z * other).sum(-1), "zero": 0 * right}
+    if own is not None:
+        alone = (S * own).sum(-1) + 0 * right
+        others |= {"that of the links beyond alone": right - alone, "that of its own link alone": alone}
+    site = f"the force along a joint's axis, S^T f: of {'sliding' if k.slides else 'turning'} joints"
+    felt = steps.pick(site, right, **others)
+    along = {words: (z * half).sum(-1) for words, z in axes(np.eye(3)[None, None], "of the link's frame").items()}
+    along |= {f"that of the {which} joint": (j.z * half).sum(-1) for which, j in tree.neighbours(k).items()}
+    return np.asarray(steps.pick("the axis along which a joint feels force or moment", felt, **along))
 
 
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
@@ -108,7 +141,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     I = list(own)
     for k in reversed(tree.links[1:]):
         x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
-        x = steps.pick("the children that hand on their inertia", x, **tree.alone(k, x))
+        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
         x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
         I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
     entries: dict[tuple[int, int], np.ndarray] = {}
@@ -118,7 +151,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             steps.pick("the composite inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}),
             subspace(steps, k),
         )
-        entries[k.column, k.column] = _along(steps, k, F)
+        entries[k.column, k.column] = _along(steps, tree, k, F)
         step, at = "of the first step", k
         while at.parent >= 0:
             turned = to_parent(
@@ -168,6 +201,13 @@ def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.nda
     G = np.repeat(com, tree.nv, axis=1)
     n = steps.add("the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p)})
     return tree.columns(np.concatenate(np.broadcast_arrays(n, p), -1))
+
+
+def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """-sum m g . c, g being the linear part of a six-vector."""
+    down, poses = gravity(steps, g)[..., 3:], tree.poses(q)
+    h = sum(k.mass * (poses[k.number].p0 + product(poses[k.number].R0, k.c)) for k in tree.carried)
+    return np.asarray(-(down * h).sum(-1))
 
 
 def _carried(X: np.ndarray, F: np.ndarray) -> np.ndarray:
@@ -231,8 +271,12 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
     w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
     parts = {"w x the linear part": cross(w, b), LINEAR: cross(u, a)}
     linear = steps.add(f"the linear part of v x: in {site}", **parts)
-    x = np.concatenate(np.broadcast_arrays(cross(w, a), linear), -1)
-    others = {"with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m)}
+    angular = steps.add(f"the angular part of v x: in {site}", **{"w x the angular part": cross(w, a)})
+    x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
+    others: dict[str, Any] = {
+        "with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m),
+        "its transpose, v x^T": lambda: -crf(Steps(), "", v, m),
+    }  # fmt: skip
     return np.asarray(steps.pick(f"the cross product of motions, v x: in {site}", x, **others))
 
 
@@ -241,6 +285,10 @@ def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
     w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
     parts = {"w x the moment": cross(w, n), LINEAR: cross(u, b)}
     angular = steps.add(f"the angular part of v x*: in {site}", **parts)
-    x = np.concatenate(np.broadcast_arrays(angular, cross(w, b)), -1)
-    others = {"with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f)}
+    linear = steps.add(f"the linear part of v x*: in {site}", **{"w x the force": cross(w, b)})
+    x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
+    others: dict[str, Any] = {
+        "with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f),
+        "its transpose, v x*^T": lambda: -crm(Steps(), "", v, f),
+    }  # fmt: skip
     return np.asarray(steps.pick(f"the cross product of forces, v x*: in {site}", x, **others))

@@ -44,6 +44,19 @@ class Slip(NamedTuple):
 
 _WEIGHTS = {"step_left_out": 0.0, "step_sign": -1.0, "step_half": 0.5, "step_twice": 2.0}
 _TURNS = ("step_unturned", "step_turned_back")
+_PRODUCTS: dict[str, Callable[[Any, Any, Any], Any]] = {
+    "step_turned_back": lambda R, I, T: T @ I @ R,
+    "step_from_left": lambda R, I, T: R @ I,
+    "step_from_right": lambda R, I, T: I @ T,
+    "R I R, the second matrix not transposed": lambda R, I, T: R @ I @ R,
+    "R^T I R^T, the first matrix transposed too": lambda R, I, T: T @ I @ T,
+    "R^T I, without the matrix on the right": lambda R, I, T: T @ I,
+    "I R, with R alone on the right": lambda R, I, T: I @ R,
+    "R, I and R^T multiplied entry by entry": lambda R, I, T: R * I * T,
+    "R I R^T with R and I multiplied entry by entry": lambda R, I, T: (R * I) @ T,
+    "R I R^T with R I and R^T multiplied entry by entry": lambda R, I, T: (R @ I) * T,
+}
+"""What may stand in the place of R I R^T."""
 EVERYWHERE = "every equation where it belongs"
 """The site of a slip that is made wherever a term of that name is added."""
 HAVE = "the sum so far (its own and of earlier children)"
@@ -68,7 +81,7 @@ class Steps:
     def __init__(self, *slips: Slip) -> None:
         self._found: dict[Slip, None] = {}
         self._right = not slips
-        self._seen: set[str] = set()
+        self._seen: set[tuple[str, str]] = set()
         self._take([slips])
 
     @classmethod
@@ -129,7 +142,8 @@ class Steps:
 
     def add(self, site: str, **terms: Any) -> Any:
         """The sum of the terms, which are named as in the book: `add("the force", **{"m a": ma, "m g": mg})`."""
-        mine = self._here(site, lambda: [(name, how) for name in terms for how in _WEIGHTS])
+        here = self._here(site, lambda: [(name, how) for name in terms for how in _WEIGHTS], "sum")
+        mine = [m for m in here if m[1].how in _WEIGHTS and m[1].what in terms]
         mine = [*mine, *(m for m in self._at.get(EVERYWHERE, ()) if m[1].what in terms)]
 
         def wrong(slips: Sequence[Slip], of: _Row) -> Any:
@@ -162,13 +176,14 @@ class Steps:
         """R I R^T."""
 
         def wrong(slips: Sequence[Slip], of: _Row) -> Any:
-            A, J, how = of(R), of(I), slips[0].how
-            if how in ("step_unturned", "step_turned_back"):
-                return J + np.zeros_like(A) if how == "step_unturned" else transposed(A) @ J @ A
-            return A @ J if how == "step_from_left" else J @ transposed(A)
+            A, J, slip = of(R), of(I), slips[0]
+            if slip.how == "step_unturned":
+                return J + np.zeros_like(A)
+            return _PRODUCTS[slip.what or slip.how](A, J, transposed(A))
 
-        kinds = (*_TURNS, "step_from_left", "step_from_right")
-        return self._done(R @ I @ transposed(R), self._here(site, lambda: [("", how) for how in kinds]), wrong)
+        kinds = [("", "step_unturned"), *(("", x) if x.startswith("step_") else (x, "step_other") for x in _PRODUCTS)]
+        mine = [m for m in self._here(site, lambda: kinds) if not m[1].what or m[1].what in _PRODUCTS]
+        return self._done(R @ I @ transposed(R), mine, wrong)
 
     def transpose(self, site: str, A: Any) -> Any:
         """A^T."""
@@ -180,13 +195,27 @@ class Steps:
 
         The words read on from the site: `pick("the lever arm", r, **{"that of the parent": s})`.
         """
+        return self._replaced(site, "step_other", right, wrong)
 
+    def mistaken(self, site: str, right: Any, **others: Any) -> Any:
+        """As `pick`, for quantities of other kinds that are mistaken for it: `mistaken("alpha", alpha, w=w)`."""
+        return self._replaced(site, "step_mistaken", right, others)
+
+    def summed(self, site: str, right: Any, **alone: Any) -> Any:
+        """What a child adds; `alone` is what is left of it where the children replace each other's."""
+        return self._replaced(site, "step_overwritten", right, alone)
+
+    def _replaced(self, site: str, how: str, right: Any, wrong: Mapping[str, Any]) -> Any:
         def other(slips: Sequence[Slip], of: _Row) -> Any:
-            x = wrong[slips[0].what]
-            return of(x() if callable(x) else x)
+            what = slips[0].what
+            if what not in made:
+                x = wrong[what]
+                made[what] = x() if callable(x) else x
+            return of(made[what])
 
-        mine = self._here(site, lambda: [(name, "step_other") for name in wrong])
-        return self._done(right, [m for m in mine if m[1].what in wrong], other)
+        made: dict[str, Any] = {}  # of all rows at once
+        mine = self._here(site, lambda: [(name, how) for name in wrong], how)
+        return self._done(right, [m for m in mine if m[1].how == how and m[1].what in wrong], other)
 
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
         """All items; slips leave out the first or the last.  Of many runs in one, use `part`."""
@@ -194,19 +223,23 @@ class Steps:
             items = items[1:] if slip.how == "step_first" else items[:-1]
         return items
 
-    def part(self, site: str, x: Any, k: int, count: int) -> Any:
-        """x, number k of so many that are summed; slips leave out the first or the last."""
-        mine = self._here(site, lambda: [("", "step_first"), ("", "step_last")])
-        ends = {0: "step_first", count - 1: "step_last"}
-        mine = [m for m in mine if ends.get(k) == m[1].how]
-        return self._done(x, mine, lambda slips, of: 0 * of(x))
+    def part(self, site: str, x: Any, k: int, count: int, alone: bool = False) -> Any:
+        """x, number k of so many that are summed; slips leave out the first or the last, or all others (`alone`)."""
+        left_out = {"step_first": k == 0, "step_last": k == count - 1}
+        if alone and count > 1:
+            left_out |= {"step_last_alone": k != count - 1, "step_first_alone": k != 0}
+        mine = self._here(site, lambda: [("", how) for how in left_out])
+        return self._done(x, [m for m in mine if left_out.get(m[1].how)], lambda slips, of: 0 * of(x))
 
     # what they share
 
-    def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]]) -> Sequence[_Mine]:
-        """The slips to be made at this step; where none is made at all, what is possible is noted once."""
-        if self._right and site not in self._seen:
-            self._seen.add(site)
+    def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]], of: str = "") -> Sequence[_Mine]:
+        """The slips to be made at this step; where none is made at all, what is possible is noted once.
+
+        `of` tells several steps at one site apart.
+        """
+        if self._right and (site, of) not in self._seen:
+            self._seen.add((site, of))
             self._found |= {Slip(site, what, how): None for what, how in possible()}
         head, _, one = site.partition(": ")
         mine = self._at.get(head, ())

@@ -160,7 +160,9 @@ class Tree:
     def alone(self, k: Link, x: np.ndarray) -> dict[str, np.ndarray]:
         """What a child gives where others overwrite it, or it them."""
         siblings = self._children[k.parent]
-        ends = {"the first of each link alone": siblings[0], "the last of each link alone": siblings[-1]}
+        ends = {"that of the last one is left": siblings[-1], "that of the first one is left": siblings[0]}
+        if len(siblings) < 2:
+            return dict.fromkeys(ends, x)
         return {words: x * float(k.number == last) for words, last in ends.items()}
 
     @property

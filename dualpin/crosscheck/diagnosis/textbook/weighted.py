@@ -155,7 +155,7 @@ class Sums:
         r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
         lever = steps.cross("the linear velocity of what a joint carries", cols.z, r)
         turns = cols.turns[:, None]
-        J = m * (turns * lever + (1 - turns) * cols.z) / self.mass
+        J = m * (turns * lever + (1 - turns) * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
     def _masses(self, site: str) -> np.ndarray:

@@ -66,6 +66,9 @@ KINDS = {
         "{Site} {is} {what}", "correct {site}: here {it_is} {what}",
         "another quantity stands in a place of an equation",
     ),
+    "step_mistaken": Kind(
+        "{What_is} taken for {site}", "take {site}, not {what}", "a quantity is mistaken for one of another kind"
+    ),
     "step_first": Kind(
         "the loop over {site} leaves out the first", "begin the loop over {site} with the first",
         "the first turn of a loop is left out",
@@ -73,6 +76,18 @@ KINDS = {
     "step_last": Kind(
         "the loop over {site} leaves out the last", "end the loop over {site} with the last",
         "the last turn of a loop is left out",
+    ),
+    "step_last_alone": Kind(
+        "the loop over {site} keeps only the last", "add up all in the loop over {site}, do not replace what is there",
+        "a sum is overwritten, not added up",
+    ),
+    "step_first_alone": Kind(
+        "the loop over {site} ends after the first", "go through all in the loop over {site}",
+        "a sum ends after its first term",
+    ),
+    "step_overwritten": Kind(
+        "{Site} {is} overwritten where a link has several children: {what}",
+        "add {Site} to what is there, do not replace it", "what one child hands on replaces what others do",
     ),
 }  # fmt: skip
 
@@ -90,19 +105,26 @@ RIGHT = {
     "the arm in r x f": "the vector from the link's origin to its child's, in the axes of f",
     "the arm of a body's own force": "the vector from the link's origin to its centre of mass",
     "the arm that carries a centre of mass": "the vector from the link's origin to its centre of mass",
+    "the angular acceleration in I alpha": "that of the link itself",
+    "the acceleration in m a": "that of the centre of mass",
+    "the motion that a link starts from": "that of its parent",
+    "the link that a link hands its force on to": "its parent",
+    "the force in r x f": "the child's",
+    "w x (w x r)": "made of w and r, with the cross product twice",
+    "the velocity in Christoffel's sum": "v_k, of the index that is summed over",
+    "the velocity in v x* I v": "that of the link itself",
+    "the acceleration in I a": "that of the link itself",
+    "the velocity that a link starts from": "that of its parent",
+    "the acceleration that a link starts from": "that of its parent",
     "the point at which weight acts": "the centre of mass",
     "the inertia about the centre of mass": "the tensor of <inertial>, before m (c.c 1 - c c^T) is added",
     "the inertia in w x I w": "R I R^T about the centre of mass, as in I alpha",
     "the tensor of <inertial>": "the whole symmetric matrix of ixx, ixy, ixz, iyy, iyz, izz",
     "the tensor of a body": "that about its centre of mass",
+    "the axis along which a joint feels force or moment": "the joint's own, in the axes of force and moment",
     "what a turning joint feels": "the moment along its axis",
     "what a sliding joint feels": "the force along its axis",
     "what a link hands on": "its force and its moment, to its parent",
-    "the children that hand on force and moment": "all children of a link",
-    "the children that hand on their force": "all children of a link",
-    "the children that hand on their inertia": "all children of a link",
-    "the children that hand on their bias force": "all children of a link",
-    "the children that hand on their B": "all children of a link",
     "gravity as a six-vector": "in the linear rows alone, [0; g]",
     "S of a turning joint": "[z; 0]",
     "S of a sliding joint": "[0; z]",

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .link_axes import gathered, of_joint
+from .link_axes import axes, centripetal, felt, gathered, own_rates, rate_in_cross
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
@@ -36,16 +36,38 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
     poses, moving = tree.poses(q), motions(steps, tree, q, v, a)
     f, n = _bodies(steps, tree, poses, moving, g)
+    own = list(zip(f, n, strict=True))
     columns: dict[int, np.ndarray] = {}
     for k in reversed(tree.links):
         if k.moves:
-            others = {f"that of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
-            z = steps.pick("the axis along which a joint feels force or moment", moving[k.number].z, **others)
-            columns[k.column] = felt(steps, k, z, f[k.number], n[k.number])
+            z = _felt_along(steps, tree, k, poses, moving)
+            columns[k.column] = felt(steps, k, z, f[k.number], n[k.number], own[k.number])
         if k.parent >= 0:
             _hand_on(steps, tree, k, poses, f, n)
     back = transposed(poses[0].R0)
-    return gathered(columns, [product(back, n[0]), product(back, f[0])] if tree.floating else [], q)
+    base = []
+    if tree.floating:
+        about = cross(poses[0].p0, f[0])
+        moment = steps.pick("the moment that moves the base", n[0], **{"that about the world's origin": n[0] + about})
+        base = [
+            steps.turn("the base's wrench: its moment", back, moment),
+            steps.turn("the base's wrench: its force", back, f[0]),
+        ]
+    return gathered(columns, base, q)
+
+
+def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion]) -> np.ndarray:
+    """The axis of a joint, on which force and moment are projected."""
+    z, pose, on = moving[k.number].z, poses[k.number], poses[k.parent]
+    others = {f"that of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
+    others |= axes(pose.R0, "of the link's frame") | axes(on.R0, "of the parent's frame")
+    others |= axes(np.eye(3) + 0 * pose.R0, "of the world")
+    others |= {
+        "in the link's axes, not turned into the world's": k.z + 0 * z,
+        "turned by the parent's matrix": product(on.R0, k.z),
+        "turned by the transposed matrix": product(transposed(pose.R0), k.z),
+    }  # fmt: skip
+    return np.asarray(steps.pick("the axis along which a joint feels force or moment", z, **others))
 
 
 def accelerations(
@@ -62,7 +84,11 @@ def accelerations(
 
 def at_frame(steps: Steps, w: np.ndarray, alpha: np.ndarray, a: np.ndarray, r: np.ndarray) -> np.ndarray:
     """alpha and the acceleration of a point of a link."""
-    terms = {"that of the link's origin": a, "alpha x r": cross(alpha, r), "w x (w x r)": cross(w, cross(w, r))}
+    terms = {
+        "that of the link's origin": a,
+        "alpha x r": cross(alpha, r),
+        "w x (w x r)": centripetal(steps, "to a frame", w, alpha, r),
+    }
     return np.concatenate(np.broadcast_arrays(alpha, steps.add("the acceleration of a frame", **terms)), -1)
 
 
@@ -71,17 +97,43 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
     zero = np.zeros((*q.shape[:-1], 3), np.result_type(q, v, a))
     moving = [Motion(zero, zero, zero, zero)]
     if tree.floating:
-        R, w, linear = poses[0].R0, v[..., :3], v[..., 3:6]
-        terms = {"the given acceleration": a[..., 3:6], "w x v": cross(w, linear)}
-        acc = product(R, steps.add("the acceleration of the base", **terms))
-        moving = [Motion(product(R, w), product(R, a[..., :3]), acc, zero)]
+        moving = [_base(steps, tree, poses[0].R0, v + 0 * q[..., :1], a + 0 * q[..., :1])]
     for k in tree.links[1:]:
-        moving.append(_next(steps, tree, k, poses, moving, v, a))
+        moving.append(_next(steps, tree, k, poses, moving, q, v, a))
     return moving
 
 
+def _base(steps: Steps, tree: Tree, R: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
+    """What is given in the base's axes."""
+    angular, linear, first, second = v[..., :3], v[..., 3:6], a[..., :3], a[..., 3:6]
+    w = steps.turn("the base's velocity, in its own axes: its angular part", R, angular)
+    u = steps.turn("the base's velocity, in its own axes: its linear part", R, linear)
+    w_u = steps.pick("w x v of the base", cross(w, u), **{"in the base's axes": cross(angular, linear)})
+    given = steps.turn("the base's acceleration, in its own axes: its linear part", R, second)
+    acc = steps.add("the acceleration of the base", **{"the given acceleration": given, "w x v": w_u})
+    alpha = steps.turn("the base's acceleration, in its own axes: its angular part", R, first)
+    exchanged = {
+        "the velocity with its halves exchanged": lambda: joined(product(R, linear), alpha, given + cross(u, w)),
+        "the acceleration with its halves exchanged": lambda: joined(w, product(R, second), product(R, first) + w_u),
+    }  # fmt: skip
+    w, alpha, acc = np.split(steps.mistaken("the base's motion", joined(w, alpha, acc), **exchanged), 3, -1)
+    return Motion(w, alpha, acc, 0 * w)
+
+
+def joined(*parts: np.ndarray) -> np.ndarray:
+    """One after another along the last axis, where some have fewer runs."""
+    return np.concatenate(np.broadcast_arrays(*parts), -1)
+
+
 def _next(
-    steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], v: np.ndarray, a: np.ndarray
+    steps: Steps,
+    tree: Tree,
+    k: Link,
+    poses: list[Pose],
+    moving: list[Motion],
+    q: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
 ) -> Motion:
     which = "of fixed links" if not k.moves else "of sliding links" if k.slides else "of turning links"
     up, pose, on = moving[k.parent], poses[k.number], poses[k.parent]
@@ -90,20 +142,26 @@ def _next(
     def others(of: Callable[[Motion], np.ndarray]) -> dict[str, np.ndarray]:
         return tree.near(k, lambda x: of(moving[x.number] if x.number < known else up))
 
+    up = _parent(steps, tree, k, moving, up)
     ws, alphas = others(lambda x: x.w), others(lambda x: x.alpha)
     w = steps.pick("the parent's angular velocity: in that of the link", up.w, **ws)
     alpha = steps.pick("the parent's angular acceleration: in that of the link", up.alpha, **alphas)
-    r = pose.p0 - on.p0
+    alpha = steps.mistaken("the parent's angular acceleration", alpha, **{"its angular velocity": up.w})
+    r = steps.add(
+        f"the arm between two links' origins: {which}", **{"the link's place": pose.p0, "the parent's place": -on.p0}
+    )
     if k.moves:
-        z = steps.turn(f"the joint's axis: {which}", pose.R0, k.z)
-        qd, qdd = (of_joint(steps, tree, k, x, what) for x, what in ((v, "velocity"), (a, "acceleration")))
+        z = _axis(steps, k, pose, on, which)
+        qd, qdd = own_rates(steps, tree, k, q, v, a)
         z_qd, z_qdd = z * qd, z * qdd
-        turning = cross(
-            steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws),
-            z * of_joint(steps, tree, k, v, "velocity", "in w x z qd"),
-        )
+        there = rate_in_cross(steps, tree, k, q, v, a)
+        turning = cross(steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws), z * there)
     if k.slides:
-        r = steps.pick("the arm to a sliding link", r, **{"without its travel": product(on.R0, k.p)})
+        r = steps.pick(
+            "the arm to a sliding link",
+            r,
+            **{"without its travel": product(on.R0, k.p), "its travel alone": r - product(on.R0, k.p)},
+        )
     elif k.moves:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
@@ -111,18 +169,60 @@ def _next(
     site = f"that carries a link's origin: {which}"
     w_r = steps.pick(f"the angular velocity {site}", up.w, **{"the link's own": w}, **ws)
     alpha_r = steps.pick(f"the angular acceleration {site}", up.alpha, **{"the link's own": alpha}, **alphas)
+    alpha_r = steps.mistaken("alpha in alpha x r", alpha_r, w=up.w)
     arms = {
         "that to its centre of mass": r + product(pose.R0, k.c), "that from the world's origin": pose.p0 + 0 * r,
-        "in the parent's axes": product(transposed(on.R0), r),
+        "in the parent's axes": product(transposed(on.R0), r), "in the link's axes": product(transposed(pose.R0), r),
+        "that from the parent's centre of mass": r - product(on.R0, tree.links[k.parent].c),
     }  # fmt: skip
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
     up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
-    terms = {"the parent's": up_a, "alpha x r": cross(alpha_r, r), "w x (w x r)": cross(w_r, cross(w_r, r))}
-    acc = steps.add(f"the acceleration of a link's origin: {which}", **terms)
+    w_w_r = centripetal(steps, f"to a link's origin, {which}", w_r, alpha_r, r, w if k.moves and not k.slides else None)
+    terms = {"the parent's": up_a, "alpha x r": cross(alpha_r, r), "w x (w x r)": w_w_r}
+    acc = carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     if k.slides:
         terms = {"that of the place where it is": acc, "2 w x z qd": 2 * turning, "z qdd": z_qdd}
         acc = steps.add("the acceleration of a sliding link", **terms)
-    return Motion(w, alpha, acc, z if k.moves else up.z)
+    if not k.moves:
+        return Motion(w, alpha, acc, up.z)
+    turned = (up.w + z_qd, up.alpha + turning + z_qdd, carried)
+    slid = (up.w, up.alpha, carried + 2 * turning + z_qdd)
+    return _of_other_joints(
+        steps, k, Motion(w, alpha, acc, z), (up.w, up.alpha, carried), slid if not k.slides else turned
+    )
+
+
+def _of_other_joints(
+    steps: Steps, k: Link, right: Motion, fixed: tuple[np.ndarray, ...], other: tuple[np.ndarray, ...]
+) -> Motion:
+    """The motion of a joint that is taken for another one."""
+    which, another = ("sliding", "a turning one") if k.slides else ("turning", "a sliding one")
+    others = {f"that of {another}": lambda: joined(*other), "that of a fixed one": lambda: joined(*fixed)}
+    x = steps.pick(f"the motion of a {which} link", joined(right.w, right.alpha, right.a), **others)
+    w, alpha, acc = np.split(x, 3, -1)
+    return Motion(w, alpha, acc, right.z)
+
+
+def _parent(steps: Steps, tree: Tree, k: Link, moving: list[Motion], up: Motion) -> Motion:
+    """What a link takes its motion from."""
+
+    known = len(moving)
+
+    def six(m: Motion) -> np.ndarray:
+        return joined(m.w, m.alpha, m.a)
+
+    others = tree.near(k, lambda x: six(moving[x.number] if x.number < known else up))
+    w, alpha, acc = np.split(steps.pick("the motion that a link starts from", six(up), **others), 3, -1)
+    return Motion(w, alpha, acc, up.z)
+
+
+def _axis(steps: Steps, k: Link, pose: Pose, on: Pose, which: str) -> np.ndarray:
+    """z of a joint, in world axes."""
+    other = {"by the parent's matrix, without the joint's own placement": lambda: on.R0}
+    z = steps.turn(f"the joint's axis: {which}", pose.R0, k.z, **other)
+    return np.asarray(
+        steps.pick(f"the joint's axis, in its motion: {which}", z, **axes(pose.R0, "of the link's frame"))
+    )
 
 
 def _bodies(
@@ -143,33 +243,52 @@ def _bodies(
         mass = {what: steps.pick(f"the mass of a body: {what}", x, **tree.masses(k, x)) for what, x in mass.items()}
         weight = mass["in m g"] * steps.pick("gravity", down, **other)
         F = steps.add("the force of a body", **{"m a": mass["in m a"] * a_c, "-m g": -weight})
+        F_added = steps.add("the force at a link, of what it carries,", **{"m (a - g)": F})
         given = steps.pick(
             "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
         )
         I, spun = (
             steps.congruent(f"the inertia of a body: {where}", pose.R0, given) for where in ("in I alpha", "in w x I w")
         )
-        others = tree.near(k, lambda x: moving[x.number].w)
+        up = moving[max(0, k.parent)]
+        others = {"the parent's": up.w, **tree.near(k, lambda x: moving[x.number].w)}
         w = [steps.pick(f"the angular velocity in w x I w: {x}", m.w, **others) for x in ("its first", "its second")]
+        w = [
+            steps.mistaken(f"w in w x I w: {x}", y, alpha=m.alpha)
+            for x, y in zip(("its first", "its second"), w, strict=True)
+        ]
+        others = {"the parent's": up.alpha, **tree.near(k, lambda x: moving[x.number].alpha)}
+        alpha = steps.pick("the angular acceleration in I alpha", m.alpha, **others)
+        alpha = steps.mistaken("alpha in I alpha", alpha, w=m.w, **{"the acceleration of its centre": a_c})
         for_spin = {
             "that of its principal moments, not turned": k.moments,
             "that about the link's origin, not turned": k.about_origin,
         }
         spun = steps.pick("the inertia in w x I w", spun, **for_spin)
-        moments = {"I alpha": product(I, m.alpha), "w x I w": cross(w[0], product(spun, w[1]))}
+        moments = {"I alpha": product(I, alpha), "w x I w": cross(w[0], product(spun, w[1]))}
         N = steps.add("the moment about the centre of mass", **moments)
         at = steps.pick("the point at which weight acts", c, **{"the link's origin": 0 * c})
         from_parent = pose.p0 - poses[max(0, k.parent)].p0
         arms = {
             "that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c,
             "that from the world's origin": pose.p0 + c, "half as long": 0.5 * c,
+            "that of the world's origin to the link's": pose.p0 + 0 * c, **unturned(tree, k, poses, c),
         }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", c, **arms)
         own = {"N": N, "r x f": cross(arm, F) + cross(at - c, -weight)}
         total = steps.add("a body's moment about the link's origin", **own)
-        f[k.number] = steps.part("the forces of bodies", F + zero, i, len(tree.bodies))
+        f[k.number] = steps.part("the forces of bodies", F_added + zero, i, len(tree.bodies))
         n[k.number] = steps.part("the moments of bodies", total + zero, i, len(tree.bodies))
     return f, n
+
+
+def unturned(tree: Tree, k: Link, poses: list[Pose], c: np.ndarray) -> dict[str, np.ndarray]:
+    """The centre of mass in other axes than the world's."""
+    R, on = poses[k.number].R0, poses[max(0, k.parent)].R0
+    return {
+        "not turned into world axes": k.c + 0 * c, "turned by the transposed matrix": product(transposed(R), k.c),
+        "turned by the parent's matrix": product(on, k.c),
+    }  # fmt: skip
 
 
 def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], c: np.ndarray) -> np.ndarray:
@@ -182,39 +301,56 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: lis
     )
     from_parent = poses[k.number].p0 - poses[max(0, k.parent)].p0
     arms = {"that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c}
+    arms |= {"that from the world's origin": poses[k.number].p0 + c, **unturned(tree, k, poses, c)}
     c = steps.pick("the arm that carries a centre of mass", c, **arms)
-    terms = {"that of the origin": m.a, "alpha x r": cross(alpha, c), "w x (w x r)": cross(w, cross(w, c))}
-    return np.asarray(steps.add("the acceleration of the centre of mass", **terms))
-
-
-def felt(steps: Steps, k: Link, z: np.ndarray, f: np.ndarray, n: np.ndarray) -> np.ndarray:
-    """What a joint feels of a force and a moment at its link's origin."""
-    moment, push = (z * n).sum(-1), (z * f).sum(-1)
-    if k.slides:
-        return np.asarray(steps.pick("what a sliding joint feels", push, **{"the moment along its axis": moment}))
-    return np.asarray(steps.pick("what a turning joint feels", moment, **{"the force along its axis": push}))
+    alpha = steps.mistaken("alpha in alpha x c", alpha, w=m.w)
+    origin = steps.pick("the acceleration of the link's origin, in that of its centre", m.a, **{"the parent's": up.a})
+    terms = {
+        "that of the origin": origin, "alpha x r": cross(alpha, c),
+        "w x (w x r)": centripetal(steps, "to a centre of mass", w, alpha, c, up.w),
+    }  # fmt: skip
+    a_c = steps.add("the acceleration of the centre of mass", **terms)
+    return np.asarray(steps.pick("the acceleration in m a", a_c, **{"that of the link's origin": m.a + 0 * a_c}))
 
 
 def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.ndarray], n: list[np.ndarray]) -> None:
     up, last, count = k.parent, k.number - 1, len(tree.links) - 1
-    r = poses[k.number].p0 - poses[up].p0
-    on = np.concatenate(np.broadcast_arrays(f[k.number], n[k.number]), -1)
+    r = steps.add(
+        "the arm in r x f, a difference",
+        **{"the link's place": poses[k.number].p0, "the parent's place": -poses[up].p0},
+    )
+    on = joined(f[k.number], n[k.number])
     on = steps.pick("what a link hands on", on, nothing=0 * on)
-    on = steps.pick("the children that hand on force and moment", on, **tree.alone(k, on))
+    on = steps.summed("the force and moment that children hand on", on, **tree.alone(k, on))
     f_k, n_k = on[..., :3], on[..., 3:]
+    n_k = steps.mistaken("the moment that a link hands on", n_k, **{"its force": f_k})
     pose, on_parent = poses[k.number], poses[up].p0 - poses[max(0, tree.links[up].parent)].p0
     arms = {
         "that to the child's centre of mass": lambda: r + product(pose.R0, tree.links[k.number].c),
         "that from the world's origin": lambda: pose.p0 + 0 * r,
         "that of the parent (index i in place of i + 1)": on_parent + 0 * r,
         "in the child's axes": lambda: product(transposed(pose.R0), r),
+        "in the parent's axes": lambda: product(transposed(poses[up].R0), r),
+        "that from the parent's centre of mass": lambda: r - product(poses[up].R0, tree.links[up].c),
     }  # fmt: skip
     r = steps.pick("the arm in r x f", r, **arms)
+    whose = {"that of the parent": f[up] + 0 * f_k, "that of the parent, with the child's": f[up] + f_k}
+    f_r = steps.pick("the force in r x f", f_k, **whose)
     handed = steps.part("the links that hand on their force", f_k, last, count)
-    handed = steps.pick("the children that hand on their force", handed, **tree.alone(k, handed))
+    handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
+    have_f = f[up]
     f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
     handed = steps.part("the links that hand on their moment", n_k, last, count)
-    n[up] = steps.add("the moment at a joint", **{HAVE: n[up], "the child's n": handed, "r x f": cross(r, f_k)})
+    moments = {"the child's n": handed, "r x f": cross(r, f_r)}
+    whole = steps.add("the moment at a joint", **{HAVE: n[up], **moments})
+    before, previous = n[up], k.number - 1
+    n[up] = steps.pick("the moment at a joint, with those of its children,", whole, **{"its own alone": before})
+    if previous != up:
+        site, chain = "the link that a link hands its force on to", "the link before in the list, as in a chain"
+        arm = poses[k.number].p0 - poses[previous].p0
+        f[up], n[up] = (steps.pick(site, x[up], **{chain: y}) for x, y in ((f, have_f), (n, before)))
+        f[previous] = steps.pick(site, f[previous], **{chain: f[previous] + f_k})
+        n[previous] = steps.pick(site, n[previous], **{chain: n[previous] + n_k + cross(arm, f_k)})
 
 
 def depth(tree: Tree, k: Link) -> int:
