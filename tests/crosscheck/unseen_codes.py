@@ -69,7 +69,7 @@ FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe"}
 @cache
 def _source(code: str) -> str:
     text = (HERE / f"{code}.py").read_text()
-    return re.sub(r"from tests.*import.*\n", lambda _: (HERE / "parts.py").read_text(), text)
+    return re.sub(r"from tests.*\.(\w+) import.*\n", lambda m: (HERE / f"{m[1]}.py").read_text(), text)
 
 
 def written(code: str, *names: str) -> Any:
@@ -77,11 +77,16 @@ def written(code: str, *names: str) -> Any:
     if code in SWITCHED:
         right = import_module(f"tests.crosscheck.unseen.{code}").Code
         return type("Code", (right,), {"mistakes": frozenset(names)})
+    return rewritten(code, *(c for n in names for c in MISTAKES[n].changes))
+
+
+def rewritten(code: str, *changes: tuple[str, str]) -> Any:
+    """The class of a code whose text has these changes."""
     text = _source(code)
-    for old, new in (c for n in names for c in MISTAKES[n].changes):
+    for old, new in changes:
         if text.count(old) != 1:
             raise ValueError(f"{code} holds {text.count(old)} times {old!r}")
         text = text.replace(old, new)
-    space: dict[str, Any] = {"__name__": code}
+    space: dict[str, Any] = {"__name__": __name__}  # dataclasses look for their module
     exec(compile(text, code, "exec"), space)
     return space["Code"]

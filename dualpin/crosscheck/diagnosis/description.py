@@ -72,6 +72,8 @@ class Part:
     friction: float = 0.0
     mimic: Mimic | None = None
     armature: tuple[float, ...] = ()
+    rate: float = 1.0
+    """How far it turns or slides where its coordinate is 1; 0 where it does not move."""
     after: np.ndarray = field(default_factory=lambda: NO_MOTION)
     """Where the link stands on what the joint moves."""
     more: np.ndarray = field(default_factory=lambda: np.zeros(10))
@@ -110,7 +112,7 @@ class Part:
     @property
     def numbers(self) -> np.ndarray:
         """Everything an edit can change of the joint."""
-        unit = [0.0, 1.0] if self.slides else [1.0, 0.0]
+        unit = [0.0, self.rate] if self.slides else [self.rate, 0.0]
         axis = self.unit_axis if self.axial else np.zeros(3)
         return np.concatenate([self.pose.ravel(), self.after.ravel(), axis, unit, self.armature, self.more])
 
@@ -315,7 +317,7 @@ def _model(parts: Sequence[Part]) -> Any:
     if first.type == "floating":
         return Floating()
     axis = np.array([x.unit_axis for x in parts])
-    unit = np.array([[0.0, 1.0] if x.slides else [1.0, 0.0] for x in parts])
+    unit = np.array([[0.0, x.rate] if x.slides else [x.rate, 0.0] for x in parts])
     what = ("length",) if first.slides else ("angle",)
     return Axial(_vector(axis), Dual(_scalar(unit[:, 0]), _scalar(unit[:, 1])), kind=first.type, coordinates=what)
 

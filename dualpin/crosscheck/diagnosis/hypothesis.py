@@ -27,7 +27,7 @@ class Wording:
     """A convention, with further changes that a `Convention` cannot express."""
 
     how: Convention
-    turned: tuple[str, ...] = ()
+    turned: tuple[tuple[str, float], ...] = ()
     point: tuple[float, ...] | None = None
 
 

@@ -363,7 +363,7 @@ def _merged(chosen: Sequence[Hypothesis]) -> Hypothesis:
         acts = [h.act for h in chosen]
 
         def act(w: Wording) -> Wording:
-            turned: list[str] = []
+            turned: list[tuple[str, float]] = []
             for f in acts:
                 w = f(w)
                 turned += w.turned

@@ -58,8 +58,8 @@ class Layout:
     ----------
     robot : Robot
     how : Convention
-    turned : sequence of str
-        Columns of v that the subject counts the other way round (while it does not those of q).
+    turned : sequence of (str, float)
+        Columns of v that the subject counts by this factor, such as -1 (while it does not those of q).
     point : sequence of float, optional
         The base's velocity is that of this point of it (in the base's own axes).
     followers : bool
@@ -73,8 +73,8 @@ class Layout:
     """
 
     def __init__(
-        self, robot: Robot, how: Convention, turned: Sequence[str] = (), point: Sequence[float] | None = None,
-        followers: bool = False,
+        self, robot: Robot, how: Convention, turned: Sequence[tuple[str, float]] = (),
+        point: Sequence[float] | None = None, followers: bool = False,
     ) -> None:  # fmt: skip
         self.how, self.nv, self.robot = how, robot.nv, robot
         self.point = None if point is None else np.asarray(point, float)
@@ -87,8 +87,8 @@ class Layout:
         )
         coupling = {name: tuple(map(float, j.coupling)) for name, j in follows.items()}
         self.ratios, self.offsets = np.array([coupling.get(n, (1.0, 0.0)) for n in how.q]).reshape(-1, 2).T
-        signs = np.array([-1.0 if n in turned else 1.0 for n in how.v])
-        self.factors = signs * [coupling.get(n, (1.0, 0.0))[0] for n in how.v]
+        rates = dict(turned)
+        self.factors = np.array([rates.get(n, 1.0) for n in how.v]) * [coupling.get(n, (1.0, 0.0))[0] for n in how.v]
         self.rows = [BASE_V.index(r) for r in how.rows]
 
     def matrices(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

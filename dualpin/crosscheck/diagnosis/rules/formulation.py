@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def formulation(
     name: str, terms: Terms, known: Mapping[tuple[str, str, str], str] | None = None, variant: str = "",
     when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
     batched: bool = False, like: Callable[[str], str] = lambda term: term,
-    afterwards: Callable[[Case], bool] = lambda case: False,
+    afterwards: Callable[[Case], bool] = lambda case: False, alike: str = "",
 ) -> Callable[[Run], Run]:  # fmt: skip
     """Register an algorithm whose single slips are hypotheses.
 
@@ -67,6 +68,8 @@ def formulation(
         The term in which the slips of a term are looked for, where the same steps are quicker to see there.
     afterwards : callable
         Whether it takes so long that a slip is tried only where it explains another term.
+    alike : str
+        Formulations of which this is equal have the same slips, and share no mistake with any other.
     """
 
     def decorate(run: Run) -> Run:
@@ -75,7 +78,7 @@ def formulation(
                 return []
             touched: dict[Slip, list[str]] = {}
             asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
-            slips = {t: possible(run, case, t) for t in dict.fromkeys(map(like, asked))}
+            slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, asked))}
             for term in asked:
                 for slip in slips[like(term)]:
                     touched.setdefault(slip, []).append(term)
@@ -84,7 +87,7 @@ def formulation(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
                     Slipped(run, (slip,), batched), slip.fix, variant=variant,
                     cost=cost + LIKELY.get(slip.how, 0.0), afterwards=afterwards(case),
-                    mistake=_mistake(slip, (known or {}).get(slip)),
+                    mistake=_mistake(slip, (known or {}).get(slip), alike),
                 )
                 for slip, shown in touched.items()
             ]  # fmt: skip
@@ -96,9 +99,22 @@ def formulation(
     return decorate
 
 
-def _mistake(slip: Slip, key: str | None) -> tuple[str, ...]:
+def _mistake(slip: Slip, key: str | None, alike: str) -> tuple[str, ...]:
     """Slips with a key of their own are the same mistake in every formulation, others at steps of the same words."""
-    return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how)
+    return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how, *([alike] if alike else []))
+
+
+SLIPS: WeakKeyDictionary[Case, dict[tuple[str, str], Sequence[Slip]]] = WeakKeyDictionary()
+
+
+def _slips(run: Run, case: Case, term: str, alike: str) -> Sequence[Slip]:
+    """Of formulations that are alike they are found once."""
+    if not alike:
+        return possible(run, case, term)
+    known = SLIPS.setdefault(case, {})
+    if (alike, term) not in known:
+        known[alike, term] = possible(run, case, term)
+    return known[alike, term]
 
 
 def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:

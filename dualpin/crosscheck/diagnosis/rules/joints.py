@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,14 @@ def _along(p: Part, axis: np.ndarray) -> Part:
     return p if np.abs(axis - p.unit_axis).max() <= 1e-12 else replace(p, axis=axis)
 
 
+def _turned(H: np.ndarray) -> np.ndarray:
+    return homogeneous(H[:3, :3], np.zeros(3))
+
+
+def _shifted(H: np.ndarray) -> np.ndarray:
+    return homogeneous(np.eye(3), H[:3, 3])
+
+
 @joint_rule("axis_sign", "the sign of joint axes is dropped", AXIS)
 def axis_sign(p: Part, d: Description) -> Part:
     return _along(p, np.abs(p.unit_axis))
@@ -34,9 +43,38 @@ def axis_default_z(p: Part, d: Description) -> Part:
     return _along(p, np.array([0.0, 0.0, 1.0])) if p.axis is None else p
 
 
+@joint_rule("axis_default_y", "a joint without <axis> is about y", AXIS)
+def axis_default_y(p: Part, d: Description) -> Part:
+    return _along(p, np.array([0.0, 1.0, 0.0])) if p.axis is None else p
+
+
 @joint_rule("axis_always_z", "every joint is about z", AXIS)
 def axis_always_z(p: Part, d: Description) -> Part:
     return _along(p, np.array([0.0, 0.0, 1.0]))
+
+
+@joint_rule("axis_always_x", "every joint is about x, <axis> is not read", AXIS)
+def axis_always_x(p: Part, d: Description) -> Part:
+    return _along(p, np.array([1.0, 0.0, 0.0]))
+
+
+@joint_rule("axis_rounded", "of <axis> only the largest component counts", AXIS, cost=1.05)
+def axis_largest(p: Part, d: Description) -> Part:
+    """With its sign."""
+    a = p.unit_axis
+    return _along(p, np.sign(a) * (np.arange(3) == np.abs(a).argmax()))
+
+
+@joint_rule("axis_rounded", "of <axis> only the largest component counts, without its sign", AXIS, cost=1.1)
+def axis_largest_positive(p: Part, d: Description) -> Part:
+    return _along(p, 1.0 * (np.arange(3) == np.abs(p.unit_axis).argmax()))
+
+
+@joint_rule("axis_rounded", "components of the unit axis are rounded to whole numbers", AXIS, cost=1.1)
+def axis_whole(p: Part, d: Description) -> Part:
+    near = np.round(p.unit_axis)
+    size = float(np.linalg.norm(near))
+    return replace(_along(p, near / size), rate=size) if p.axial and size > 0 else p
 
 
 @joint_rule("axis_in_parent", "axes are read in the parent's frame", AXIS)
@@ -96,24 +134,68 @@ def motion_first(p: Part, d: Description) -> Part:
     return replace(p.placed(np.eye(4)), after=p.pose @ p.after)
 
 
+@joint_rule(
+    "motion_first", "the joint moves before its rpy is applied", "a joint's pose is origin times motion", cost=1.05
+)
+def motion_before_rpy(p: Part, d: Description) -> Part:
+    if not p.axial or np.abs(p.rotation - np.eye(3)).max() < 1e-12:
+        return p
+    return replace(p.placed(_shifted(p.pose)), after=_turned(p.pose) @ p.after)
+
+
 @joint_rule("prismatic_as_revolute", "prismatic joints turn", "a prismatic joint slides along its axis")
 def prismatic_as_revolute(p: Part, d: Description) -> Part:
     return replace(p, type="revolute") if p.slides else p
 
 
-@joint_rule(
-    "fixed_parent", "a joint on a fixed link loses the fixed link's placement", "multiply the poses of fixed joints in"
-)
-def fixed_parent(p: Part, d: Description) -> Part:
-    """On the moving link itself: what lies between is undone."""
-    if not p.moves:
-        return p
+def _between(p: Part, d: Description) -> np.ndarray:
+    """The pose of a joint's parent on the link that carries it; of links that nothing moves too."""
     between, on = np.eye(4), d.part_of_link(p.parent)
     while on is not None and not on.moves:
         between, on = on.pose @ between, d.part_of_link(on.parent)
-    if on is None or np.abs(between - np.eye(4)).max() < 1e-12:
-        return p
-    return p.placed(np.linalg.inv(between) @ p.pose)
+    return between
+
+
+Pair = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""Of the pose of a fixed link on what carries it, and that of a joint on that link: what is put for their product."""
+ON_FIXED: dict[str, tuple[str, Pair, float]] = {
+    "loses the fixed link's placement": ("fixed_parent", lambda H, P: P, 1.0),
+    "loses the fixed link's rotation": ("fixed_parent", lambda H, P: _shifted(H) @ P, 1.05),
+    "loses the fixed link's position": ("fixed_parent", lambda H, P: _turned(H) @ P, 1.05),
+    "has the two poses multiplied in the other order": ("fixed_order", lambda H, P: P @ H, 1.05),
+    "has its xyz not turned by the fixed link's rpy": (
+        "fixed_order", lambda H, P: homogeneous(H[:3, :3] @ P[:3, :3], H[:3, 3] + P[:3, 3]), 1.05
+    ),
+    "has the fixed link's placement inverted": ("fixed_order", lambda H, P: np.linalg.inv(H) @ P, 1.1),
+}  # fmt: skip
+
+
+def _on_fixed(key: str, says: str, pair: Pair, moving: bool, cost: float) -> None:
+    """A rule about joints on fixed links."""
+
+    @joint_rule(key, says, "multiply the pose of a fixed joint by that of what it carries, from the right", cost=cost)
+    def placed(p: Part, d: Description) -> Part:
+        between = _between(p, d)
+        if p.moves is not moving or np.abs(between - np.eye(4)).max() < 1e-12:
+            return p
+        return p.placed(np.linalg.inv(between) @ pair(between, p.pose))
+
+
+for _words, (_key, _pair, _cost) in ON_FIXED.items():
+    _on_fixed(_key, f"a joint on a fixed link {_words}", _pair, True, _cost)
+    _on_fixed(_key, f"a fixed joint on a fixed link {_words}", _pair, False, _cost + 0.05)
+
+
+@joint_rule(
+    "motion_first", "the joint moves before the rpy of its origin, and of the fixed link that it is on, is applied",
+    "a joint's pose is origin times motion", cost=1.1,
+)  # fmt: skip
+def motion_before_all_rpy(p: Part, d: Description) -> Part:
+    between = _between(p, d)
+    whole = between @ p.pose
+    if not p.axial or np.abs(between - np.eye(4)).max() < 1e-12:
+        return motion_before_rpy(p, d)
+    return replace(p.placed(np.linalg.inv(between) @ _shifted(whole)), after=_turned(whole) @ p.after)
 
 
 @joint_rule(

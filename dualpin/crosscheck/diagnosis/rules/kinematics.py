@@ -12,14 +12,14 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
-from ..textbook import turns
 from ..textbook.assembly import solved
-from ..textbook.attitudes import PLAIN, Quaternions, Ways
+from ..textbook.attitudes import PLAIN, Ways
 from ..textbook.columns import Columns, referred, referred_rate
 from ..textbook.poses import Poses, position_rates, stacked
 from ..textbook.second import SecondDerivatives
 from ..textbook.slipped import Run
 from ..textbook.steps import Steps
+from ..textbook.ways import WAYS
 from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, FUSING, Terms, formulation
 
@@ -50,6 +50,8 @@ class Made:
     how : str
         Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
         rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
+    early : bool
+        Whether axes are turned into the world before their own joint turns.
     """
 
     view: View
@@ -59,17 +61,18 @@ class Made:
     reading: Steps = RIGHT
     fused: bool = False
     how: str = LINKS
+    early: bool = False
 
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
         qd = v.states.get("v") if moving else None
-        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused)
+        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused, self.early)
 
     @cached_property
     def whole(self) -> Poses:
         """Without slips there it is the same for all."""
         v = self.view
-        if self.poses is not RIGHT or self.ways is not PLAIN:
+        if self.poses is not RIGHT or self.ways is not PLAIN or self.early:
             return self.tree(v.states["q"])
         known = TREES.setdefault(v.case, [])
         for of, states, fused, tree in known:
@@ -79,6 +82,12 @@ class Made:
         del known[: len(known) - MOST + 1]
         known.append((v.description, v.states, self.fused, tree))
         return tree
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the rotations that the subject returns are some: those of quaternions of another length are not."""
+        R = self.view.case.observed.get("fk", np.eye(3))[..., :3, :3]
+        return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
 
     def columns(self, tree: Poses) -> Columns:
         how = self.view.layout.how
@@ -127,7 +136,7 @@ class Made:
         tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states.get("a")
         links = [tree.number[f] for f in self.view.frames]
         if term == "fk":
-            return stacked([tree.pose(k) for k in links], list(range(len(links))), 2)
+            return stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
         J = self._jacobian(tree, links)
         if term == "jacobian":
             return J
@@ -232,27 +241,6 @@ def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
     return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))
 
 
-def _with(made: Callable[..., np.ndarray], steps: Steps) -> Callable[..., np.ndarray]:
-    """A way to make rotations, by these steps alone."""
-    return lambda _, *given: made(steps, *given)
-
-
-WAYS: dict[str, Callable[[Steps], Ways]] = {
-    "rotations by axis and angle": lambda steps: Ways(turn=_with(turns.by_outer_product, steps), own=steps),
-    "rotations by quaternions": lambda steps: Ways(turn=_with(turns.by_quaternion, steps), own=steps),
-    "quaternions throughout": lambda steps: Quaternions(own=steps),
-    "quaternions throughout, of origins from matrices": lambda steps: Quaternions(own=steps, converted=True),
-    "quaternions throughout, vectors by products": lambda steps: Quaternions(own=steps, products=True),
-    "quaternions throughout, vectors by products, of origins from matrices": lambda steps: Quaternions(
-        own=steps, products=True, converted=True
-    ),
-    "quaternions to matrices": lambda steps: Ways(quaternion=_with(turns.entry_by_entry, steps), own=steps),
-    "roll, pitch and yaw as a product": lambda steps: Ways(rpy=_with(turns.of_rpy, steps), own=steps),
-    "roll, pitch and yaw, entry by entry": lambda steps: Ways(rpy=_with(turns.rpy_entries, steps), own=steps),
-}
-"""Other ways to make rotations, with slips there alone."""
-
-
 def rotations(view: View, term: str, steps: Steps, way: str = "", **how: Any) -> np.ndarray:
     """With slips in one of these ways."""
     return Made(view, ways=WAYS[way](steps), **how).term(term)
@@ -306,12 +294,15 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
 
     `after` is a term in which its slips show first, if that is answered; they are looked for there.
     """
-    variant = how.get("how", "")
-    cost, like = COST + 0.05 * bool(variant), LIKE.get(run, _itself)
+    variant = ", ".join(x for x in (how.get("how", ""), "with axes kept early" * how.get("early", False)) if x)
+    cost, like = COST + 0.05 * bool(variant) + 0.02 * name.startswith("quaternions"), LIKE.get(run, _itself)
     slow = partial(_answers, after)
-    formulation(name, terms, KNOWN, variant, _always, cost, SAYS, True, like, slow)(_of(run, **how))
+    alike = name if run is rotations else ""
+    formulation(name, terms, KNOWN, variant, _always, cost, SAYS, True, like, slow, alike)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
-    formulation(name, terms, KNOWN, both, fuses, cost + FUSING, None, True, like, slow)(_of(run, fused=True, **how))
+    formulation(name, terms, KNOWN, both, fuses, cost + FUSING, None, True, like, slow, alike)(
+        _of(run, fused=True, **how)
+    )
 
 
 def _answers(after: str, case: Case) -> bool:
@@ -365,6 +356,8 @@ GROUPS = {
     "rate": ("jacobian_dot",), "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
 }  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")))
+_register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
+_register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("forward kinematics", poses, RATES, how=DIFFERENTIATED)
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
@@ -380,4 +373,5 @@ _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
 for _name in WAYS:
     _register(_name, rotations, _terms(posed=off("fk")), way=_name)
     _register(_name, rotations, _terms(turned=off("fk")), after="fk", way=_name)
+    _register(_name, rotations, _terms(turned=off("fk")), after="fk", way=_name, early=True)
     _register(_name, rotations, _terms(rate=off("fk"), matrix=symbols), after="fk", way=_name, how=DIFFERENTIATED)

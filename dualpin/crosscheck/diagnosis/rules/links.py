@@ -46,6 +46,11 @@ def xyz_turned(b: Body) -> Body:
     return replace(b, com=b.rotation @ b.com)
 
 
+@link_rule("inertial_xyz_turned", "xyz of <inertial> is turned by its rpy, the other way round", READ, cost=1.1)
+def xyz_turned_back(b: Body) -> Body:
+    return replace(b, com=b.rotation.T @ b.com)
+
+
 @link_rule("inertial_xyz_sign", "the centre of mass has the other sign", READ, cost=1.1)
 def xyz_sign(b: Body) -> Body:
     return replace(b, com=-b.com)

@@ -52,7 +52,7 @@ MOST_ITEMS = 80  # links or joints that are tried one at a time
 
 
 @dataclass
-class _Family:
+class Family:
     """Hypotheses of one key: of the whole robot, and of one item at a time."""
 
     key: str
@@ -63,6 +63,8 @@ class _Family:
     edit: Callable[[Description, Sequence[str]], Description]
     items: Callable[[Description], list[str]]
     singles: bool = field(default=True)
+    groups: Callable[[Description], Mapping[str, Sequence[str]]] = field(default=lambda d: {})
+    """Several items that a code may treat alike, by what they are."""
     of_bodies: bool = field(default=False)
     """Whether it is also tried after fixed links were merged into what carries them, as many codes do first."""
 
@@ -72,6 +74,10 @@ class _Family:
             return
         whole = Hypothesis(self.key, self.says, self.terms, "edit", self.edit, self.fix, cost=self.cost)
         yield whole
+        for words, names in self.groups(case.description).items():
+            some = [item for item in found if item in set(names)]
+            if 1 < len(some) < len(found):
+                yield replace(whole, act=lambda d, i, some=some: self.edit(d, some), values=words, cost=self.cost + 0.1)
         if self.singles and 1 < len(found) <= MOST_ITEMS:
             for item in found:
                 yield replace(whole, items=(item,), cost=self.cost + 1.0, single=True)
@@ -87,6 +93,23 @@ def _register(key: str, says: str, fix: str, propose: Callable[[Case], Iterable[
     RULES.append(Rule(key, says, fix, propose))
 
 
+def _links(d: Description) -> dict[str, list[str]]:
+    """Links that a code may read alike."""
+    return {
+        "of links on fixed joints": [p.link for p in d.parts if not p.moves],
+        "of links that joints move": [p.link for p in d.parts if p.moves],
+    }  # fmt: skip
+
+
+def _joints(d: Description) -> dict[str, list[str]]:
+    """Joints that a code may read alike."""
+    kinds = {k: [p.joint for p in d.parts if p.type == k] for k in ("fixed", "prismatic", "revolute", "continuous")}
+    found = {f"of {kind} joints": names for kind, names in kinds.items()}
+    found["of joints that move"] = [p.joint for p in d.parts if p.moves]
+    found["of joints that turn"] = [p.joint for p in d.parts if p.turns]
+    return found
+
+
 def link_rule(
     key: str, says: str, fix: str, terms: tuple[str, ...] = INERTIAL, cost: float = 1.0
 ) -> Callable[[Callable[[Body], Body | None]], Callable[[Body], Body | None]]:
@@ -97,7 +120,9 @@ def link_rule(
             bodies = [(d.root, d.base), *((p.link, p.body) for p in d.parts)]
             return [link for link, body in bodies if body is not None and differ(body, f(body))]
 
-        family = _Family(key, says, fix, terms, cost, lambda d, i: d.with_bodies(f, i), items, of_bodies=True)
+        family = Family(
+            key, says, fix, terms, cost, lambda d, i: d.with_bodies(f, i), items, groups=_links, of_bodies=True
+        )
         _register(key, says, fix, family)
         return f
 
@@ -113,7 +138,8 @@ def joint_rule(
         def items(d: Description) -> list[str]:
             return [p.joint for p in d.parts if changed(p, f(p, d))]
 
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: d.with_parts(f, i), items))
+        edit = lambda d, i: d.with_parts(f, i)  # noqa: E731
+        _register(key, says, fix, Family(key, says, fix, terms, cost, edit, items, groups=_joints))
         return f
 
     return decorate
@@ -130,7 +156,7 @@ def robot_rule(
             old = {p.joint: p for p in d.parts}
             return [p.joint for p in new.parts if changed(old[p.joint], p)]
 
-        _register(key, says, fix, _Family(key, says, fix, terms, cost, lambda d, i: f(d), items, singles=False))
+        _register(key, says, fix, Family(key, says, fix, terms, cost, lambda d, i: f(d), items, singles=False))
         return f
 
     return decorate

@@ -9,6 +9,7 @@ from itertools import permutations
 
 import numpy as np
 
+from ....spatial.adjoint import cross_matrix
 from ..case import Case
 from ..description import Body, Description, Part, turn
 from ..hypothesis import Hypothesis
@@ -50,10 +51,21 @@ def _orders() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
             words = " ".join(f"R{'xyz'[k]}" for k in order)
             found[words] = partial(_product, order)
     found["yaw pitch roll in the place of roll pitch yaw"] = lambda rpy: _product((2, 1, 0), rpy[::-1])
+    found["as a rotation vector"] = _vector
+    found["pitch and yaw exchanged"] = lambda rpy: _product((2, 1, 0), rpy[[0, 2, 1]])
+    found["roll and pitch exchanged"] = lambda rpy: _product((2, 1, 0), rpy[[1, 0, 2]])
+    found["Rz Ry Rz, as Euler's angles"] = lambda rpy: turn(2, rpy[0]) @ turn(1, rpy[1]) @ turn(2, rpy[2])
     return found
 
 
-@proposer("rpy_order", "rpy of joints is multiplied in another order", ANGLES)
+def _vector(rpy: np.ndarray) -> np.ndarray:
+    """Rodrigues' formula."""
+    angle = float(np.linalg.norm(rpy))
+    K = cross_matrix(rpy / (angle or 1.0))
+    return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
+
+
+@proposer("rpy_order", "rpy of joints is multiplied in another order, or taken for other angles", ANGLES)
 def rpy_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
         return lambda d, items: d.with_parts(lambda p, _: replace(p, rotation=R(p.rpy)) if p.rpy.any() else p)
@@ -61,7 +73,7 @@ def rpy_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return _variants(h, ALL, {words: edit(R) for words, R in _orders().items()}, case)
 
 
-@proposer("inertial_rpy_order", "rpy of <inertial> is multiplied in another order", ANGLES)
+@proposer("inertial_rpy_order", "rpy of <inertial> is multiplied in another order, or taken for other angles", ANGLES)
 def inertial_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
         return lambda d, items: d.with_bodies(lambda b: replace(b, rotation=R(b.rpy)) if b.rpy.any() else b)

@@ -190,8 +190,9 @@ def axis_sign_v(h: Hypothesis, case: Case) -> list[Hypothesis]:
     each = [(n,) for n in turned] if len(turned) > 1 else []
     return [
         replace(
-            h, terms=ALL, place="word", act=lambda w, t=t: replace(w, turned=t), items=t if single else (),
-            single=single, cost=2.0 if single else 1.0, values="" if single else ", ".join(turned[:6]),
+            h, terms=ALL, place="word", act=lambda w, t=t: replace(w, turned=tuple((n, -1.0) for n in t)),
+            items=t if single else (), single=single, cost=2.0 if single else 1.0,
+            values="" if single else ", ".join(turned[:6]),
         )
         for t, single in [(turned, False), *((t, True) for t in each)]
     ]  # fmt: skip

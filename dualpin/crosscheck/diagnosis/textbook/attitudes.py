@@ -40,7 +40,7 @@ class Ways:
 
     def of_rpy(self, steps: Steps, rpy: np.ndarray, rotation: np.ndarray, whose: str = ORIGIN) -> np.ndarray:
         """Of an origin, by the way of this formulation where it is that of the file's angles."""
-        if self.rpy is None or not rpy.any() or np.abs(rotation - fixed_axes(rpy)).max() > 1e-14:
+        if self.rpy is None or np.abs(rotation - fixed_axes(rpy)).max() > 1e-14:
             return rotation[None, None]
         return self.rpy(steps, rpy, whose)
 
@@ -74,8 +74,8 @@ class Ways:
         """That turns vectors."""
         return A
 
-    def seen(self, A: np.ndarray) -> np.ndarray:
-        """The orientation in a pose that is returned."""
+    def seen(self, A: np.ndarray, unit: bool) -> np.ndarray:
+        """The orientation in a pose that is returned, `unit` if quaternions are made unit ones before."""
         return A
 
 
@@ -191,8 +191,8 @@ class Quaternions(Ways):
         lead = np.broadcast_shapes(*(c.shape for c in columns))
         return np.stack([np.broadcast_to(c, lead) for c in columns], -1)
 
-    def seen(self, A: np.ndarray) -> np.ndarray:
-        return rotations(A / np.linalg.norm(A, axis=-1, keepdims=True))
+    def seen(self, A: np.ndarray, unit: bool) -> np.ndarray:
+        return rotations(A / np.linalg.norm(A, axis=-1, keepdims=True) if unit else A)
 
 
 def _joined(scalar: np.ndarray, vector: np.ndarray) -> np.ndarray:

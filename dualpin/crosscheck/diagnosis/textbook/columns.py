@@ -68,6 +68,7 @@ class Columns:
     def _directions(self, group: list[int], which: str) -> np.ndarray:
         """z = R a, in world axes."""
         a = stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)
+        kept = [self.axes[i].world for i in group]
         R = stacked(self.poses.R, [self.links[i] for i in group], 2)
         parents = [self.parents[i] for i in group]
         others = {"by the parent's rotation, without its own rpy": lambda: stacked(self.poses.R, parents, 2)}
@@ -75,6 +76,10 @@ class Columns:
         if group and self.axes[group[0]].base:
             return self.steps.turn(site, R, a + 0 * R[..., 0])
         z = self.steps.turn(site, R, a + 0 * R[..., 0], **others)
+        for k, x in enumerate(kept):
+            if x is not None:
+                z = z + 0 * x[..., None, :]
+                z[..., k, :] = x
         o = self.o[..., group, :]
         wrong = {
             "the joint before": lambda: self._moved(group, z, self.before),

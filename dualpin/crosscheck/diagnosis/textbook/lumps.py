@@ -80,33 +80,84 @@ def centre(steps: Steps, piece: Piece) -> np.ndarray:
 def at_once(steps: Steps, group: list[Piece]) -> Body:
     """Centre first, then all tensors about it."""
     masses, centres = np.array([p.mass for p in group]), np.array([centre(steps, p) for p in group])
-    mass, weighted = masses.sum(), masses @ centres
-    others = {
-        "the mean of the links' centres": centres.mean(0), "that of the first link": centres[0],
-        "that of the last link": centres[-1], "the sum m c, not divided by the mass": weighted,
+    mass, weighted, several = masses.sum(), masses @ centres, len(group) > 1
+    C = steps.pick("the centre of merged links", weighted / (mass or 1.0), **_centres(masses, centres))
+    wrong = {
+        "that of the first link": masses[0], "that of the last link": masses[-1],
+        "that of all but the first link": mass - masses[0], "that of all but the last link": mass - masses[-1],
+        "that of all but the first link, where there are several": mass - masses[0] * several,
+        "that of all but the last link, where there are several": mass - masses[-1] * several,
     }  # fmt: skip
-    C = steps.pick("the centre of merged links", weighted / (mass or 1.0), **others)
-    wrong = {"that of the first link": masses[0], "that of the last link": masses[-1]}
     total = steps.pick("the mass of merged links", mass, **wrong)
+    from_there = {
+        "that of the first link": centres[0], "that of the last link": centres[-1],
+        "the mean of the links' centres": centres.mean(0),
+    }  # fmt: skip
+    about = steps.pick("the point about which tensors are merged", C, **from_there)
+    tensors = [tensor(steps, p)[0, 0] for p in group]
     I = np.zeros((3, 3))
-    for k, p in enumerate(group):
-        d = steps.add("the arm of Steiner's term", **{"the link's centre": centres[k], "the common centre": -C})
-        m = steps.pick("the mass in Steiner's term", masses[k], **{"that of all": mass})
-        terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, m, d)}
+    for k in range(len(group)):
+        d = steps.add("the arm of Steiner's term", **{"the link's centre": centres[k], "the common centre": -about})
+        wrong = {"that of all": mass, "that of the first link": masses[0], "that of the last link": masses[-1]}
+        m = steps.pick("the mass in Steiner's term", masses[k], **wrong)
+        wrong = {"that of the first link": tensors[0], "that of the last link": tensors[-1]}
+        own = steps.pick("the tensor that is merged", tensors[k], **wrong)
+        terms = {"the link's tensor": own, "Steiner's term": _steiner(steps, m, d)}
+        which = "of the link that joints move" if k == 0 else "of links fixed to it"
         I = I + steps.part(
-            "the links that are merged", steps.add("the inertia of merged links", **terms), k, len(group)
+            "the links that are merged", steps.add(f"the inertia of merged links: {which}", **terms), k, len(group)
         )
     return Body(float(total), C, np.zeros(3), ONE, I)
 
 
+def _centres(masses: np.ndarray, centres: np.ndarray) -> dict[str, np.ndarray]:
+    """What may stand in the place of the common centre."""
+    mass, weighted = masses.sum(), masses @ centres
+    ends = {"the first link": 0, "the last link": -1}
+    found = {
+        "the mean of the links' centres": centres.mean(0), "the sum m c, not divided by the mass": weighted,
+        "the sum of m c, divided by the number of links": weighted / len(masses), "the sum of the links' centres":
+        centres.sum(0), "the mean weighted by the squares of masses": masses**2 @ centres / ((masses**2).sum() or 1.0),
+    }  # fmt: skip
+    for words, k in ends.items():
+        rest = weighted - masses[k] * centres[k]
+        less = rest / ((mass - masses[k]) or 1.0)
+        several = len(masses) > 1
+        found |= {
+            f"that of {words}": centres[k], f"the sum without the share of {words}": rest / (mass or 1.0),
+            f"that of all but {words}": less,
+            f"the sum of m c, divided by the mass of {words}": weighted / (masses[k] or 1.0),
+            f"the sum without the share of {words}, where there are several": (
+                rest / (mass or 1.0) if several else centres[0]
+            ),
+            f"that of all but {words}, where there are several": less if several else centres[0],
+        }  # fmt: skip
+    return found
+
+
 def one_by_one(steps: Steps, group: list[Piece]) -> Body:
-    """Link after link is added to what is there."""
+    """Link after link is added to the first one."""
     first, *more = group
-    m, c, I = np.array(first.mass), centre(steps, first), tensor(steps, first)[0, 0]
+    return _added(steps, np.array(first.mass), centre(steps, first), tensor(steps, first)[0, 0], more)
+
+
+def from_nothing(steps: Steps, group: list[Piece]) -> Body:
+    """Link after link is added to a body without mass."""
+    return _added(steps, np.zeros(()), np.zeros(3), np.zeros((3, 3)), group)
+
+
+def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list[Piece]) -> Body:
     for p in more:
         mass, new = np.array(p.mass), centre(steps, p)
         right = (m * c + mass * new) / ((m + mass) or 1.0)
-        others = {"the mean of the two": (c + new) / 2, "that of what is there": c, "that of the new link": new}
+        others = {
+            "the mean of the two": (c + new) / 2, "that of what is there": c, "that of the new link": new,
+            "the mean of the two, where there is some": (c + new) / 2 if m > 0 else c,
+            "the mean of the two, of the first its own": (c + new) / 2 if m > 0 else new,
+            "the mean weighted by each other's mass": (mass * c + m * new) / ((m + mass) or 1.0),
+            "the sum of m c, divided by the mass of what is there": (m * c + mass * new) / (m or mass or 1.0),
+            "the sum of m c, divided by the mass of the new link": (m * c + mass * new) / (mass or 1.0),
+        }  # fmt: skip
         C = steps.pick("the centre of what is there and a fixed link", right, **others)
         terms = {
             "the tensor of what is there": I,

@@ -49,6 +49,8 @@ class Axis:
     ratio: float = 1.0
     follows: bool = False
     base: bool = False
+    world: np.ndarray | None = None
+    """The direction in the world, where it was kept when the link was placed."""
 
 
 class Poses:
@@ -73,9 +75,10 @@ class Poses:
 
     def __init__(
         self, robot: Robot, d: Description, q: np.ndarray, qd: np.ndarray | None, steps: Steps, ways: Ways = PLAIN,
-        fused: bool = False,
+        fused: bool = False, early: bool = False,
     ) -> None:  # fmt: skip
-        self.robot, self.d, self.steps, self.ways, self.fused = robot, d, steps, ways, fused
+        """`early` says that axes are turned into the world before their own joint turns, and kept for all uses."""
+        self.robot, self.d, self.steps, self.ways, self.fused, self.early = robot, d, steps, ways, fused, early
         self.q, self.qd = q[None], None if qd is None else qd[None]
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
@@ -152,14 +155,28 @@ class Poses:
 
     def _on_link(self, part: Part, up: int, Ao: np.ndarray) -> tuple[np.ndarray, np.ndarray, Placed]:
         """Where the fixed side of a joint is, from the pose of the link that it is on."""
-        steps, ways, Rp, Ap = self.steps, self.ways, self.R[up], self.attitudes[up]
+        steps, ways = self.steps, self.ways
+        Ap, Rp, at = self._carrying(len(self.R), up, part.moves)
         which = "of a moving joint" if part.moves else "of a fixed joint"
         both = ways.then(Ap, Ao)
         further = {"by its own rpy too": lambda: ways.matrix(both)}
-        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * self.p[up], **further)
-        p = steps.add(f"the position of an origin: {which}", **{"that of the parent": self.p[up], "xyz": xyz})
+        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * at, **further)
+        p = steps.add(f"the position of an origin: {which}", **{"that of the parent": at, "xyz": xyz})
         A = self._oriented(f"the orientation of an origin: {which}", Ap, Ao, both, self.ways)
         return A, p, self.placed[0]
+
+    def _carrying(self, link: int, up: int, moves: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of the link that carries a joint: orientation, matrix and position."""
+        if not moves:
+            return self.attitudes[up], self.R[up], self.p[up]
+        before = next(k for k in range(link - 1, -1, -1) if not self.fused or k == 0 or self.of_link[k])
+        others = {"the one before in the list": before, "the root": 0, "the parent's parent": max(0, self.parent[up])}
+        site = "the link on which a moving joint is placed"
+        A, R, p = (
+            self.steps.pick(site, x[up], **{words: x[k] for words, k in others.items()})
+            for x in (self.attitudes, self.R, self.p)
+        )
+        return A, R, p
 
     def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray, ways: Ways) -> np.ndarray:
         others = {
@@ -180,7 +197,7 @@ class Poses:
         r = steps.add(f"the position of an origin on its body: {which}", **{"that of the parent": there.p, "xyz": xyz})
         local = self._oriented(f"the orientation of an origin: {which}", there.A, Ao, both, placing)
         on, local = Placed(there.body, local, r), ways.placed(local)
-        Ab, Rb, p = self.attitudes[there.body], self.R[there.body], self.p[there.body]
+        Ab, Rb, p = self._carrying(len(self.R), there.body, part.moves)
         R = self._oriented(
             f"the orientation of what is fixed on a body: {which}", Ab, local, ways.then(Ab, local), ways
         )
@@ -198,17 +215,34 @@ class Poses:
         if follows:
             terms = {"multiplier times q": ratio * x, "offset": offset + 0 * x}
             x = steps.add("the position of a joint that follows", **terms)
-        axis = part.unit_axis[None, None]
+        x = part.rate * x
+        axis = about = part.unit_axis[None, None]
         if part.axis is not None and np.abs(part.axis - axis).max() > 1e-12:
-            raw = {"not normalised": part.axis[None, None]}
-            axis = (ways.own or steps).pick("the axis of a joint", axis, **raw)
+            raw, own = {"not normalised": part.axis[None, None]}, ways.own or steps
+            axis = own.pick("the axis of a joint", axis, **raw)
+            about = own.pick("the axis in a joint's rotation", axis, **raw)
+        others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
+        z = None
+        if self.early:
+            z = steps.turn(
+                "the axis of a joint, kept in world axes for all its uses,", ways.matrix(A), axis + 0 * p, **others
+            )
         if part.slides:
-            others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
-            along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
+            along = z
+            if along is None:
+                along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
             self.travel[link] = along * x[..., None]
             p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": self.travel[link]})
+            before, turned = A, {"that of its origin turned by q about the axis": lambda: ways.then(
+                before, ways.of_axis(Steps(), axis, x)
+            )}  # fmt: skip
+            A = steps.pick("the rotation of a sliding link", A, **turned)
         else:
-            T, before = ways.of_axis(steps, axis, x), A
+            T, before = ways.of_axis(steps, about, x), A
+            moved = {"that of its origin moved along the axis by q": lambda: (
+                p + product(ways.matrix(before), axis + 0 * p) * x[..., None]
+            )}  # fmt: skip
+            p = steps.pick("the position of a turning link", p, **moved)
             A = steps.pick(
                 "the rotation of a link", ways.then(A, T),
                 **{
@@ -218,7 +252,7 @@ class Poses:
                     "that without the joint's turn": lambda: before + 0 * T, "that of the joint's turn alone": T,
                 },
             )  # fmt: skip
-        self._axis(Axis(link, up, part.turns, axis, joint.v.start, ratio, follows))
+        self._axis(Axis(link, up, part.turns, axis, joint.v.start, part.rate * ratio, follows, world=z))
         return A, p
 
     def _planar(
@@ -238,7 +272,8 @@ class Poses:
         turning = sliding = np.zeros_like(r)
         for i in self.of_link[link]:
             a = self.axes[i]
-            rate = product(self.R[link], a.direction + 0 * r) * a.ratio * qd[..., a.column, None]
+            z = product(self.R[link], a.direction + 0 * r) if a.world is None else a.world
+            rate = z * a.ratio * qd[..., a.column, None]
             turning, sliding = (turning + rate, sliding) if a.turns else (turning, sliding + rate)
         own = steps.add("the angular velocity of a link", **{"that of the parent": self.w[up], "z qd": turning})
         self.w.append(own)
@@ -260,9 +295,9 @@ class Poses:
             out[k, self.of_link[k]] = True
         return out
 
-    def pose(self, link: int) -> np.ndarray:
-        """(runs, n, 4, 4)."""
-        R, p = self.ways.seen(self.attitudes[link]), self.p[link]
+    def pose(self, link: int, unit: bool = True) -> np.ndarray:
+        """(runs, n, 4, 4); `unit` as of `Ways.seen`."""
+        R, p = self.ways.seen(self.attitudes[link], unit), self.p[link]
         H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
         H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
         return H

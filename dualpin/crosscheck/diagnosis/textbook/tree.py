@@ -112,8 +112,8 @@ class Tree:
             joint = joints.get(part.joint)
             if joint is not None and (joint.model.nv != 1 or joint.mimic is not None or not part.axial):
                 raise ValueError("joints with one axis and one coordinate of their own only")
-            if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
-                raise ValueError("links that stand where their joints move them only")
+            if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any() or part.rate != 1.0:
+                raise ValueError("links that stand where their joints move them, by their coordinates only")
             where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
             link = _link(part, len(self.links), number[part.parent], *where)
             self.links.append(replace(link, pieces=made_of.get(part.link, ())))

@@ -25,7 +25,7 @@ def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
     """R = 1 + sin q K + (1 - cos q) K^2; axis (..., 3), q (...)."""
     s, c = _sin_cos(steps, q)
     K, x = cross_matrix(axis), q[..., None, None]
-    K = steps.pick("K in Rodrigues' formula", K, **{"symmetric, with positive entries": lambda: np.abs(K)})
+    K = steps.pick("K in Rodrigues' formula", K, **_skews(K))
     f = steps.pick("the factor of K in Rodrigues' formula", s, **{"cos q": c, "1 - cos q": 1 - c, "q": x})
     g = steps.pick(
         "the factor of K^2 in Rodrigues' formula", 1 - c,
@@ -44,7 +44,9 @@ def by_outer_product(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarra
     s, c = _sin_cos(steps, q)
     g = steps.pick("the factor of a a^T", 1 - c, **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s})
     square = steps.pick("a a^T", _outer(axis), **{"its diagonal alone": lambda: _outer(axis) * ONE})
-    terms = {"cos q 1": c * ONE, "sin q K": s * cross_matrix(axis), "(1 - cos q) a a^T": g * square}
+    K = cross_matrix(axis)
+    K = steps.pick("K in a rotation by axis and angle", K, **_skews(K))
+    terms = {"cos q 1": c * ONE, "sin q K": s * K, "(1 - cos q) a a^T": g * square}
     return np.asarray(steps.add("the rotation of a joint, by axis and angle", **terms))
 
 
@@ -101,6 +103,16 @@ def of_rpy(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
     return np.asarray(steps.pick(f"the product of roll, pitch and yaw: {whose}", z @ y @ x, **others))
 
 
+def rpy_by(make: Turn) -> Callable[[Steps, np.ndarray, str], np.ndarray]:
+    """Rz(yaw) Ry(pitch) Rx(roll), each as joints turn, where a code has one function for all rotations."""
+
+    def of(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
+        x, y, z = (make(steps, ONE[k][None, None], np.asarray(rpy[k])[None, None]) for k in range(3))
+        return z @ y @ x
+
+    return of
+
+
 def rpy_entries(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
     """The same, entry by entry."""
     (cr, cp, cy), (sr, sp, sy) = (f(rpy)[:, None, None] for f in (np.cos, np.sin))
@@ -123,7 +135,8 @@ def _matrix(steps: Steps, table: list[list[dict[str, np.ndarray]]], what: str) -
 
 def _sin_cos(steps: Steps, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of a joint's angle, (..., 1, 1) each."""
-    x = steps.pick("the angle of a joint", q, halved=q / 2, doubled=2 * q)
+    others = {"halved": q / 2, "doubled": 2 * q, "taken for degrees": q * (np.pi / 180)}
+    x = steps.pick("the angle of a joint", q, **others)
     pair = np.stack([np.sin(x), np.cos(x)], -1)
     pair = steps.pick(
         "the sine and cosine of a joint's angle", pair,
@@ -131,6 +144,18 @@ def _sin_cos(steps: Steps, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
            "q and 1 - q^2 / 2": np.stack([x, 1 - x * x / 2], -1)},
     )  # fmt: skip
     return pair[..., 0, None, None], pair[..., 1, None, None]
+
+
+def _skews(K: np.ndarray) -> dict[str, np.ndarray]:
+    """What may stand in the place of a skew matrix."""
+    upper = np.triu(K)
+    found = {
+        "symmetric, with positive entries": np.abs(K), "symmetric, with its upper triangle": upper + transposed(upper)
+    }  # fmt: skip
+    for i, j in ((0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)):
+        E = ONE[:, [i]] * ONE[[j]]
+        found[f"[a] with the other sign of entry {i + 1}{j + 1}"] = K * (1 - 2 * E)
+    return found
 
 
 def _outer(u: np.ndarray) -> np.ndarray:

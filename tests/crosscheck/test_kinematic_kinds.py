@@ -1,0 +1,185 @@
+"""Kinds of mistakes in reading joints and placing links are named in codes of another kind; and guesses are not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.diagnose import contradicted
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.search import Explanation
+from dualpin.crosscheck.subjects import asking
+from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.kinematic import Kinematic
+from tests.crosscheck.recursive import about
+from tests.crosscheck.test_blind import PROBE
+from tests.crosscheck.unseen_codes import rewritten
+
+FEW = ("fk", "jacobian", "com", "gravity", "crba")
+
+
+def case_of(code: Any, terms: tuple[str, ...] = FEW) -> Case:
+    ask = asking(PROBE, 4, 0, terms)
+    return Case(ask_here(code(ask.text), ask, lambda what: None))
+
+
+def told(code: Any, terms: tuple[str, ...] = FEW) -> list[str]:
+    """What is said to be wrong, where all terms are explained."""
+    case = case_of(code, terms)
+    found = diagnose(case)
+    explained = {t for f in found.findings if f.key != "partly" for t in f.terms}
+    assert explained == {t for t in terms if not case.score(t).right}
+    return [f"{f.key}: {f.says}" for f in found.findings if f.key != "follows"]
+
+
+def made(**methods: Any) -> Any:
+    return type("Wrong", (Kinematic,), methods)
+
+
+def _kind(*kinds: str) -> Any:
+    """Joints of these types get no axis, and so do not move."""
+    return lambda s, e, R: Kinematic.axis(s, e, R) * (e.get("type") not in kinds)
+
+
+def _of_axis(f: Any) -> Any:
+    return lambda s, e, R: f(Kinematic.axis(s, e, R))
+
+
+READ: dict[str, tuple[Any, str]] = {
+    "continuous_still": (made(axis=_kind("continuous")), "joint_still: continuous joints do not move"),
+    "prismatic_still": (made(axis=_kind("prismatic")), "joint_still: prismatic joints do not move"),
+    "turning_still": (made(axis=_kind("continuous", "revolute")), "joint_still: joints that turn"),
+    "largest": (
+        made(axis=_of_axis(lambda a: np.sign(a) * (np.abs(a) == np.abs(a).max()))),
+        "axis_rounded: of <axis> only the largest component counts",
+    ),
+    "always_x": (made(axis=_of_axis(lambda a: np.array([1.0, 0, 0]))), "axis_always_x: "),
+    "raw": (rewritten("quat", ("axis / np.linalg.norm(axis)", "axis")), "the axis of a joint is not normalised"),
+    "raw_in_columns": (
+        rewritten("quat", ("turn(Q[k], self.bodies[k].axis)", "turn(Q[k], self.bodies[k].axis) * (1 + (k == 3))")),
+        "axis_length: <axis> is not divided by its length, in velocities and forces",
+    ),
+    "axis_of_next": (
+        rewritten("quat", ('j.find("axis")', 'joints[(joints.index(j) + 1) % len(joints)].find("axis")')),
+        "joint_exchanged: joints have <axis> of the next one in the file",
+    ),
+    "other_order_on_fixed": (
+        rewritten("quat", ("R=R @ Rj, p=p + R @ pj", "R=Rj @ R, p=pj + Rj @ p")),
+        "fixed_order: a joint on a fixed link has the two poses multiplied in the other order",
+    ),
+    "rotation_vector": (
+        rewritten("quat", ("Rj, pj = from_rpy(numbers(o, \"rpy\", \"0 0 0\"))",
+                           "a = numbers(o, \"rpy\", \"0 0 0\")\n            n = np.linalg.norm(a) or 1.0\n"
+                           "            Rj, pj = about(a / n, n)")),
+        "rpy_order: rpy of joints is multiplied in another order, or taken for other angles: as a rotation vector",
+    ),
+    "unweighted": (
+        rewritten("quat", ("(B.mass * B.com + m * c) / total if total", "(B.com + c) / 2 if B.mass")),
+        "the centre of what is there and a fixed link is the mean of the two",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["continuous_still", "raw_in_columns"])
+def test_readings_of_joints_are_named(kind):
+    code, words = READ[kind]
+    (said,) = told(code)
+    assert words in said
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", READ)
+def test_all_readings_of_joints_are_named(kind):
+    code, words = READ[kind]
+    (said,) = told(code)
+    assert words in said
+
+
+def test_a_reading_that_other_terms_speak_against_is_no_cause():
+    """About a vertical axis nothing falls: there a joint that stands still looks like one that turns about it."""
+    case = case_of(READ["continuous_still"][0], ("fk", "jacobian", "crba", "potential_energy"))
+    every = [h for rule in RULES for h in rule.propose(case) if h.place == "edit"]
+    upright, still = (
+        next(h for h in every if h.key == key and (not items or h.items == items))
+        for key, items in (("axis_in_parent", ("waist",)), ("joint_still", ()))
+    )
+    assert case.score("potential_energy", (upright,)).right and case.score("fk", (still,)).right
+    left = {t: Explanation(t, case.score(t)) for t in ("fk", "jacobian", "crba")}
+    assert contradicted(case, upright, left) == ["fk", "jacobian", "crba"]
+    assert contradicted(case, still, left) == []
+
+
+def test_each_joint_type_has_its_stories():
+    case = case_of(Kinematic, ("fk",))
+    found: dict[str, list[Hypothesis]] = {}
+    for h in (h for rule in RULES for h in rule.propose(case)):
+        found.setdefault(h.key, []).append(h)
+    words = " ".join(h.says for key in ("joint_still", "joint_type", "joint_unread") for h in found[key])
+    for kind in ("continuous joints", "revolute joints", "prismatic joints"):
+        assert f"{kind} do not move" in words and f"positions of {kind} are not used" in words
+    assert "continuous joints slide" in words and "prismatic joints turn about z, <axis> ignored" in words
+
+
+def _place(change: Any) -> Any:
+    """The pose of a joint's moving side on the body before it."""
+    return lambda s, q: [change(j, x) for j, x in zip(s.joints, q, strict=True)]
+
+
+PLACED: dict[str, tuple[Any, str]] = {
+    "slide_turns_too": (
+        made(steps=_place(lambda j, x: (j.R @ about(j.axis, x), j.p + j.R @ j.axis * x * j.slides))),
+        "the rotation of a sliding link is that of its origin turned by q",
+    ),
+    "turn_slides_too": (
+        made(steps=_place(lambda j, x: (j.R @ about(j.axis, x * (not j.slides)), j.p + j.R @ j.axis * x))),
+        "the position of a turning link is that of its origin moved along",
+    ),
+    "before_rpy": (
+        made(steps=_place(lambda j, x: (j.R, j.p + j.axis * x) if j.slides else (about(j.axis, x) @ j.R, j.p))), ""
+    ),
+    "cross_entry": (
+        made(turn=lambda s, a, x: _rodrigues(_skew(a), x)), "with the other sign of entry 23"
+    ),
+}  # fmt: skip
+
+
+def _skew(a: Any) -> Any:
+    return np.array([[0, -a[2], a[1]], [a[2], 0, a[0]], [-a[1], a[0], 0]])
+
+
+def _rodrigues(K: Any, x: float) -> Any:
+    return np.eye(3) + np.sin(x) * K + (1 - np.cos(x)) * K @ K
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", PLACED)
+def test_steps_of_placing_are_named(kind):
+    code, words = PLACED[kind]
+    (said,) = told(code, ("fk",))
+    assert words in said
+
+
+def test_an_axis_that_is_kept_in_the_world_is_wrong_wherever_it_is_used():
+    """Columns and the way of a slide by the axis of the link before."""
+    code = rewritten("worldframe", ("z = R @ b.axis", "z = b.axis"))
+    assert told(code, ("fk", "jacobian")) == [
+        "step_unturned: forward kinematics: the axis of a joint, kept in world axes for all its uses, is not "
+        "transformed into the axes in which it is used"
+    ]
+
+
+def test_columns_that_the_subject_counts_by_a_factor():
+    """v_s = k v, tau = k tau_s, and positions as they are."""
+    from dualpin.crosscheck.subjects import Convention
+    from dualpin.crosscheck.subjects.layout import Layout
+
+    ask = asking(PROBE, 2, 0, ("crba",))
+    how = Convention.of(ask.robot)
+    there = Layout(ask.robot, how, turned=((how.v[1], 2.0),)).states(ask.states)
+    k = np.ones(ask.robot.nv)
+    k[1] = 2.0
+    assert np.array_equal(there["q"], ask.states["q"]) and np.allclose(there["v"], k * ask.states["v"])
+    assert np.allclose(k * there["tau"], ask.states["tau"])
