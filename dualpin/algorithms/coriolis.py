@@ -15,10 +15,10 @@ from .kinematics import body_twists, joint_poses
 def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
     """The C of the Christoffel symbols, with dM/dt = C + C^T.  (Echeandia & Wensing 2021)
 
-        D(V) s = [V x I s + s x I V - I(V x s)] / 2      of the subtree as if it were rigid,
-        B      = sum X (B + D(S v)) of the children      for what moves in it, seen from the body
-        C_jk = s_j . (I V x s_k + D s_k + B s_k)
-        C_kj = s_j . (I s_k x V_j + D^T s_k + B^T s_k)   since  (V_j x s_j) . H = s_j . (H x V_j)
+        D = the connection of I and V                of the subtree as if it were rigid,
+        B = sum X (B + D(S v)) of the children       for what moves in it, seen from the body,  T = B + D
+        C_jk = s_j . (I(V x s_k) + T s_k)
+        C_kj = s_j . (I s_k x V_j + T^T s_k)         since  (V_j x s_j) . H = s_j . (H x V_j)
 
     What the rigid subtree adds is antisymmetric in the screws of one joint, so that C_kk = s_k . B s_k: the zero
     of a joint with nothing that moves on it is exact.
@@ -32,11 +32,9 @@ def coriolis(robot: Robot, q: Sequence[Scalar], v: Sequence[Scalar]) -> Matrix:
     B: dict[Joint | None, Connection] = dict.fromkeys(robot, ZERO_CONNECTION)
     C = square(robot)
     for b in reversed(robot):
-        P = I[b](V[b])
+        T = B[b] + Connection.of(I[b], V[b])
         for k, s in b.dofs:
-            H, Vs, own = I[b](s), V[b].cross(s), B[b](s)
-            swing, turn = V[b].cross(H) / 2, (I[b](Vs) + s.cross(P)) / 2
-            F, G = swing + turn + own, swing - turn + B[b].transposed(s)
+            H, F, G, own = I[b](s), I[b](V[b].cross(s)) + T(s), T.transposed(s), B[b](s)
             for c in b.chain:
                 for j, r in c.dofs:
                     C[j][k] = C[j][k] + power(r, own if c is b and r is s else F)

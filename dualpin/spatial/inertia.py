@@ -148,13 +148,15 @@ class Connection:
 
     @classmethod
     def of(cls, I: Inertia, V: Twist) -> Connection:
-        P = I(V)
+        """B a = w x K a + h x (a x v)  with  K = J - tr(J) / 2
 
-        def column(a: Vector3) -> Vector3:
-            U = motor(a, ZERO_VECTOR)
-            return (V.cross(I(U)) + U.cross(P) - I(V.cross(U))).dual / 2
-
-        return cls(P.real, Matrix3(*map(column, AXES)).T)
+        Of the rotational part w x Ja + a x Jw - J(w x a), since  J(w x a) + Jw x a + w x Ja = tr(J) w x a  for a
+        symmetric J; of the rest, by Jacobi's identity, v x (a x h) + a x (h x v) - h x (v x a) = 2 h x (a x v).
+        """
+        w, v, h, J = V.real, V.dual, I.moment, I.rotational
+        half = (J.rows[0].x + J.rows[1].y + J.rows[2].z) / 2
+        turning = Matrix3(*map(w.cross, (J - diagonal(half)).rows)).T  # K is symmetric: its rows are its columns
+        return cls(I(V).real, turning + diagonal(h.dot(v)) - v.outer(h))
 
     def __call__(self, U: Twist) -> Wrench:
         return motor(U.real.cross(self.p), self.B @ U.real)

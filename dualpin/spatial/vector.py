@@ -219,7 +219,21 @@ def power(screw: Twist, wrench: Wrench) -> Scalar:
     >>> power(twist, motor(Vector3(3.0, 0.0, 0.0), Vector3(0.0, 0.0, 0.5)))
     4.0
     """
-    return screw.dot(wrench).dual
+    s, f = screw, wrench
+    return _dual_part(s.x, f.x) + _dual_part(s.y, f.y) + _dual_part(s.z, f.z)
+
+
+def _dual_part(x: Scalar, y: Scalar) -> Scalar:
+    """The dual part of the product x y, a b' + a' b, without its real part, which takes a third of the operations."""
+    if type(x) is not Dual or type(y) is not Dual:
+        return (x * y).dual
+    a, da, b, db = x.real, x.dual, y.real, y.dual
+    try:
+        if a is ZERO or db is ZERO:  # what is not there is not added
+            return da * b
+        return a * db if b is ZERO or da is ZERO else a * db + da * b
+    except ValueError:
+        return (x * y).dual  # raises the error that names the shapes
 
 
 __getattr__ = renamed_names(__name__, NOUGHT="ZERO_VECTOR", REST="ZERO_MOTOR")
