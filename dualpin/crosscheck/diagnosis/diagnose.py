@@ -137,6 +137,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage("three causes together", Search.triples, unexplained, off)
     for search in searches.values():  # what was found last may explain a term before
         search.known([*found, *_together(_causes(case, searches))])
+        search.composed()
     return {t: s.explanation() for t, s in searches.items()}
 
 

@@ -188,6 +188,11 @@ class Search:
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
 
+    def composed(self) -> None:
+        """Whether it follows from other terms: soon seen, so also where no time is left."""
+        if self.open:
+            self.consider([(h,) for h in self._whole if h.made_of])
+
     def _by_symbols(self, others: Iterable[Story]) -> dict[frozenset[object], Story]:
         """C of the mass matrix that a story explains."""
         if self.term != "coriolis" or "crba" not in self.case.observed or self.case.score("crba").right:
