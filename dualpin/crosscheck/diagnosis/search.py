@@ -26,7 +26,8 @@ from .textbook.slipped import made_of
 
 T = TypeVar("T")
 BEAM = 8
-BLOCKS = 24, 800  # stories that are scored before the time is looked at: at first, and at most
+BLOCK = 24  # stories that are scored before the time is looked at: at first
+STORIES, SLIPS = 64, 800  # and at most
 LONG = 0.25
 """Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
 FEW_CAUSES = 4  # found for other terms, to which another one is added
@@ -103,7 +104,7 @@ class Catalogue:
         for h in (h for h in self.late if term in h.terms and not h.afterwards):
             groups.setdefault(made_of(h.act, term), []).append(h)
         alike, scores = list(groups.values()), list[Score]()
-        for block in _in_time(alike, until):
+        for block in _in_time(alike, until, SLIPS):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
@@ -294,7 +295,7 @@ class Search:
                 self.seen.add(key)
                 fresh[key] = s
         found = []
-        for block in _in_time(list(fresh.values()), self.until):
+        for block in _in_time(list(fresh.values()), self.until, STORIES):
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
                     self.good[identity(story)] = story
@@ -328,10 +329,9 @@ class Search:
         return out
 
 
-def _in_time(todo: Sequence[T], until: float) -> Iterator[Sequence[T]]:
+def _in_time(todo: Sequence[T], until: float, most: int) -> Iterator[Sequence[T]]:
     """In blocks, until it is late; the first block in any case."""
-    size, most = BLOCKS
-    start = 0
+    start, size = 0, BLOCK
     while start < len(todo) and not (start and time.process_time() > until):
         begun = time.process_time()
         yield todo[start : start + size]
