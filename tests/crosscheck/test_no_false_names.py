@@ -53,7 +53,7 @@ def test_a_cause_that_wrong_answers_contradict():
     """The sign of axes, where all joints have slipped: poses are no nearer under it."""
     case = disturbed("joints slip", ("fk", "com"))
     told = {t: Explanation(t, case.score(t)) for t in case.observed}
-    (reading,) = (h for r in RULES if r.key == "axis_reversed" for h in r.propose(case) if not h.items)
+    reading = next(h for r in RULES if r.key == "axis_reversed" for h in r.propose(case) if not h.items)
     assert contradicted(case, reading, told) == ["fk", "com"]
     told["com"].stories.append((reading,))
     assert contradicted(case, reading, told) == ["fk"]
