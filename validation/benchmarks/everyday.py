@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import inspect
 import json
 import os
 import subprocess
@@ -72,12 +73,14 @@ ARMS = ("ur3", "ur5", "ur10", "panda", "kinova", "xarm7", "z1", "bravo7_no_ee", 
 
 
 def arguments(robot: Any, term: str, n: int | None) -> list[Any]:
+    """What the function needs: states of the robot, and its outermost frame."""
+    import dualpin as dp
+
     q, v, a = robot.sample(n, seed=0)
     frame = max(robot.frames, key=lambda f: len(list(f.joint.chain)) if f.joint else 0)
-    if term == "jacobian":
-        return [q, frame.name]
-    three, two = ("rnea", "aba", "joint_torque_regressor"), ("coriolis", "bias", "kinetic_energy")
-    return [q, v, a][: 3 if term in three else 2 if term in two else 1]
+    known = {"q": q, "q0": q, "q1": robot.sample(n, seed=1)[0], "frame": frame.name, "a": a, "tau": a}
+    wanted = list(inspect.signature(getattr(dp, term)).parameters.values())[1:]
+    return [known.get(x.name, v) for x in wanted if x.kind is x.POSITIONAL_OR_KEYWORD and x.default is x.empty]
 
 
 def checked(robot: Any, f: Callable[..., np.ndarray], given: list[Any], out: np.ndarray) -> None:
@@ -137,25 +140,31 @@ def sizes(seconds: float) -> Rows:
     return rows
 
 
-TERMS = ("rnea", "aba", "bias", "gravity", "fk", "crba", "coriolis", "minv", "jacobian", "com", "com_jacobian",
-         "kinetic_energy", "centroidal_momentum_matrix", "joint_torque_regressor")  # fmt: skip
+TERMS = (
+    "rnea", "aba", "bias", "gravity", "fk", "crba", "coriolis", "minv", "jacobian", "jacobian_dot", "frame_velocity",
+    "frame_acceleration", "com", "com_jacobian", "kinetic_energy", "potential_energy", "centroidal_momentum_matrix",
+    "joint_torque_regressor", "joint_wrenches", "integrate", "difference", "rnea_derivatives", "aba_derivatives",
+    "rnea_jvp", "rnea_vjp", "rnea_hessian", "rnea_hvp", "rnea_second_derivatives",
+)  # fmt: skip
 
 MOST = 1 << 19  # samples: their states take more memory than the results of some
 
 
 def terms(seconds: float) -> Rows:
-    """Each function that returns one array, results of 1 kB to 256 MB: plain calls beside calls with `out`."""
+    """Each function with `out`, results of 1 kB to 256 MB: plain calls beside calls with `out`."""
     import dualpin as dp
 
     rows: Rows = {}
     robot = dp.load("panda")
     for term in TERMS:
-        f, given = getattr(dp, term), arguments(robot, term, 2)
-        one = f(robot, *given).nbytes // 2
+        f = getattr(dp, term, None)
+        if f is None or "out" not in inspect.signature(f).parameters:
+            continue  # of a later version
+        one = result(f(robot, *arguments(robot, term, 2))).nbytes // 2
         for size in (1 << k for k in range(10, 29, 3)):
             n = min(max(2, size // one), MOST)
             given = arguments(robot, term, n)
-            out = np.empty_like(f(robot, *given))
+            out = result(f(robot, *given))
             calls = {
                 "plain": lambda f=f, x=given: f(robot, *x),
                 "out": lambda f=f, x=given, o=out: f(robot, *x, out=o),
@@ -163,6 +172,11 @@ def terms(seconds: float) -> Rows:
             label = f"panda {term} {out.nbytes / 1e6:.4g} MB"
             rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
     return rows
+
+
+def result(found: Any) -> np.ndarray:
+    """An array for the result: several of one shape are parts of one."""
+    return np.ascontiguousarray(np.stack(found, axis=1)) if isinstance(found, tuple) else np.empty_like(found)
 
 
 def single(seconds: float) -> Rows:
