@@ -24,26 +24,23 @@ from .schedule import Schedule, Stage, exactly
 MULTIPLY, INVERT, ROOT, SELECT, END = range(5)
 MINUS = 1 << 31  # added to the index of a slot: its negative
 
-Row = tuple[int, int, int, int]
-"""(to, a, b, c), or before each run of one kind (kind, count, d, 0), d the fourth operand of a select."""
+Words = list[int]
 
 
 def encoded(plan: Schedule, stage: Stage) -> bytes:
     """The steps of a stage."""
-    words: list[int] = []
-    run, count = -1, 0  # the kind of the current run, and where its count is
-    for kind, d, row in _rows(plan, stage):
-        if kind != run or kind == SELECT:
-            run, count = kind, len(words) + 1
-            words += (kind, 0, d, 0)
-        words[count] += 1
-        words += row
+    words: Words = []
+    for kind, d, rows in _runs(plan, stage):
+        words += (kind, len(rows) // 4, d, 0)
+        words += rows
     return struct.pack(f"<{len(words) + 4}I", *words, END, 0, 0, 0)
 
 
-def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
+def _runs(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Words]]:
+    """Runs of one kind, with the fourth operand of a select: its rows, each of four words (to, a, b, c)."""
     slot, places = plan.slot, plan.places
     one, zero, nothing = (plan.known[exactly(x)] for x in (1.0, 0.0, -0.0))  # x + -0 == x for every x, including -0
+    run: Words = []  # of products and sums
     for chunk in stage.chunks:
         for step in chunk:
             i, op, args = step.i, step.op, step.args
@@ -53,22 +50,26 @@ def _rows(plan: Schedule, stage: Stage) -> Iterator[tuple[int, int, Row]]:
             if op == "fma":
                 (of_product, of_sum), c = step.signs, slot[args[2]]
                 x, c = x if of_product > 0 else x | MINUS, c if of_sum > 0 else c | MINUS
-                yield MULTIPLY, 0, (to, x, slot[args[1]], c)
+                run += (to, x, slot[args[1]], c)
             elif op == "*":
-                yield MULTIPLY, 0, (to, x, slot[args[1]], nothing)
+                run += (to, x, slot[args[1]], nothing)
             elif op == "+":
-                yield MULTIPLY, 0, (to, x, one, slot[args[1]])
+                run += (to, x, one, slot[args[1]])
             elif op == "-":
-                yield MULTIPLY, 0, (to, slot[args[1]] | MINUS, one, x)
+                run += (to, slot[args[1]] | MINUS, one, x)
             elif op == "neg":  # no result is -0
-                yield MULTIPLY, 0, (to, x | MINUS, one, zero if i in places else nothing)
-            elif op == "inv":
-                yield INVERT, 0, (to, x, one, 0)
-            elif op == "sqrt":
-                yield ROOT, 0, (to, x, 0, 0)
+                run += (to, x | MINUS, one, zero if i in places else nothing)
             else:
-                _, y, a, b = (slot[k] for k in args)
-                yield SELECT, b, (to, x, y, a)
+                if run:
+                    yield MULTIPLY, 0, run
+                    run = []
+                if op == "select":
+                    _, y, a, b = (slot[k] for k in args)
+                    yield SELECT, b, [to, x, y, a]
+                else:
+                    yield (INVERT, 0, [to, x, one, 0]) if op == "inv" else (ROOT, 0, [to, x, 0, 0])
             for place in results:
                 if place != to:
-                    yield MULTIPLY, 0, (place, to, one, nothing)
+                    run += (place, to, one, nothing)
+    if run:
+        yield MULTIPLY, 0, run

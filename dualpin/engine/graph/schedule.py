@@ -19,6 +19,9 @@ from dataclasses import dataclass, field
 from .. import tuning
 from .trace import ARITHMETIC, LEAVES, TRIGONOMETRIC, Node, Sym, Trace
 
+BARE = frozenset((*LEAVES, *TRIGONOMETRIC))
+"""Nodes that are no operations of chunks."""
+
 
 def exactly(x: float) -> tuple[float, float]:
     """A key that distinguishes 0 from -0."""
@@ -114,7 +117,8 @@ def schedule(
     stages = staged(nodes, order, steps, len(steps) if spare else 1 if bytecode else chunk)
 
     starts = [sum(program.sizes[:k]) for k in range(len(program.sizes) + 1)]
-    slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in order if nodes[i][0] == "in"}
+    bare = [i for i in order if nodes[i][0] in BARE]
+    slot = {i: starts[nodes[i][1]] + nodes[i][2] for i in bare if nodes[i][0] == "in"}
     slots = starts[-1]
     sine, cosine = {}, {}
     for stage in stages:
@@ -123,12 +127,12 @@ def schedule(
             for lane, angle in enumerate(stage.angles[k : k + together]):
                 cosine[angle], sine[angle] = slots + lane, slots + together + lane
             slots += 2 * together
-    for i in order:
+    for i in bare:
         if nodes[i][0] in TRIGONOMETRIC:
             slot[i] = (sine if nodes[i][0] == "sin" else cosine)[nodes[i][1]]
     known: dict[tuple[float, float], int] = {}
     if bytecode:
-        numbers = {i: exactly(nodes[i][1]) for i in order if nodes[i][0] == "const"}
+        numbers = {i: exactly(nodes[i][1]) for i in bare if nodes[i][0] == "const"}
         keys = dict.fromkeys([*map(exactly, (1.0, 0.0, -0.0)), *numbers.values()])
         known = {key: slots + k for k, key in enumerate(keys)}
         slot |= {i: known[key] for i, key in numbers.items()}
@@ -184,7 +188,8 @@ def fused(program: Trace) -> dict[int, Step]:
             else:
                 del once[p]
                 signs = (1, 1) if op == "+" else (1, -1) if p == a else (-1, 1)  # x y - b, a - x y
-                steps[i] = Step(i, "fma", (*nodes[p][1:], b if p == a else a), signs)
+                _, x, y = nodes[p]
+                steps[i] = Step(i, "fma", (x, y, b if p == a else a), signs)
         elif op in ARITHMETIC:
             steps[i] = Step(i, op, node[1:])
     for i in once:

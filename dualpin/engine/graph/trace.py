@@ -42,12 +42,12 @@ class Graph:
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
-        self._index: dict[Node, int] = {}
+        self.index: dict[Node, int] = {}
 
     def node(self, *key: Any) -> int:
         nodes = self.nodes
         new = len(nodes)
-        i = self._index.setdefault(key, new)
+        i = self.index.setdefault(key, new)
         if i == new:
             if new > tuning.LARGEST_GRAPH:
                 raise UntraceableError(f"more than {tuning.LARGEST_GRAPH} operations: too long to be compiled")
@@ -56,7 +56,7 @@ class Graph:
 
     def known(self, *key: Any) -> int | None:
         """The node, if it exists."""
-        return self._index.get(key)
+        return self.index.get(key)
 
     def inputs(self, array: int, size: int) -> list[Sym]:
         """The symbols of one input array."""
@@ -168,8 +168,9 @@ class Sym:
             return self + b.positive
         if self.positive is not None:
             return -(self.positive + b)
-        if graph.known("-", i, j) is None:
-            opposite = graph.known("-", j, i)
+        index = graph.index
+        if ("-", i, j) not in index:
+            opposite = index.get(("-", j, i))
             if opposite is not None:
                 return Sym(graph, graph.node("neg", opposite), Sym(graph, opposite))
         return Sym(graph, graph.node("-", i, j))
