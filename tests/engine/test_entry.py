@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
+from dualpin.call.fast import Batched
 from dualpin.engine.jit import fast_call as entry
 
 pytestmark = pytest.mark.skipif(not entry.supported(), reason="needs CPython 3.11 or later on 64 bits")
@@ -225,6 +226,20 @@ def test_batches_have_the_bits_of_single_calls(robot, n, dtype):
         assert np.array_equal(f(*(x[i] for x in arrays)), out[i])
     assert np.array_equal(f(*(x.reshape(1, n, 6) for x in arrays))[0], out)
     assert np.array_equal(f(arrays[0][0], *arrays[1:])[0], out[0])  # broadcast
+
+
+def test_a_batch_of_one_takes_the_kernel_of_one_sample(monkeypatch, state, expected):
+    def unwanted(*_, **__):
+        raise AssertionError("by way of Python")
+
+    monkeypatch.setattr(Batched, "__call__", unwanted)
+    f, out = dp.load("ur5").kernel("rnea"), np.empty((1, 6))  # no batch was computed: there is only this kernel
+    one = [x[None] for x in state]
+    fresh = f(*one)
+    assert fresh.shape == (1, 6) and np.array_equal(fresh[0], expected)
+    assert f(*one, out=out) is out and np.array_equal(out, fresh)
+    with pytest.raises(AssertionError, match="Python"):
+        f(*one, out=one[0])  # they overlap
 
 
 def test_a_batch_may_be_empty(robot, state):

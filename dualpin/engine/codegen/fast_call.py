@@ -194,19 +194,20 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         with c.for_(axes) as i, c.if_(shape.item("i64", many + i) != row.item("i64", i + 2)):
             give_up()
 
-    # the kernel, if it is compiled yet; it is set after all the rest
+    # the kernel, if it is compiled yet; it is set after all the rest.  A batch of one is one sample.
     code = spec.code
-    kernel = code.item("ptr", many, how=" acquire, align 8")
+    several = c.choose(n == 1, lambda: c.number(0), lambda: many)
+    kernel = code.item("ptr", several, how=" acquire, align 8")
     with c.if_(kernel == c.null):
         give_up()
-    scratch = code.item("i64", many + 2)
+    scratch = code.item("i64", several + 2)
 
     # a batch: at most the samples for one thread, and a result that does not overlap the inputs
     row = shapes.at("i64", inputs * (2 + AXES))
     with c.if_(many == 1):
         alone = spec.alone != 0
         one = (spec.threads.item("i64") == 1) | alone
-        with c.if_((n <= 0) | ((n > code.item("i64", 4)) & (one == 0))):
+        with c.if_((n <= 0) | ((several == 1) & (n > code.item("i64", 4)) & (one == 0))):
             give_up()
         with c.if_(has_out):
             start = pointers.item("ptr", inputs).to("ptrtoint", "i64")
@@ -250,9 +251,9 @@ def _compute(fields: Mapping[str, str], stack: int) -> str:
         give_up()
 
     memory, block = working(c, scratch, stack, failed=no_memory)
-    with c.if_(many == 0):
+    with c.if_(several == 0):
         c.call(kernel, c.number(1), memory, pointers, strides)
-    with c.if_(many == 1):  # releases the GIL
+    with c.if_(several == 1):  # releases the GIL
         state = c.call("PyEval_SaveThread", gives="ptr")
         c.call(kernel, n, memory, pointers, strides)
         c.call("PyEval_RestoreThread", state)
