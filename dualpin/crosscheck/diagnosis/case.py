@@ -298,7 +298,7 @@ class Case:
         biases = dict(zip(plain, self.predictions("bias", [stories[k] for k in plain]), strict=True))
         out = []
         for k, (p, M) in enumerate(zip(found, weights, strict=True)):
-            if p is None or M is None or not np.isfinite(M).all():
+            if p is None or M is None or not (np.isfinite(M).all() and np.isfinite(p).all()):
                 out.append(FAR)
                 continue
             h = biases.get(k)

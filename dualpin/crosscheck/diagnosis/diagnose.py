@@ -99,8 +99,10 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def stage(what: str, of: Callable[[Search], None], wanted: Callable[[Search], bool], terms: Sequence[str]) -> None:
         for term in terms:
             search = searches[term]
+            if search.late:  # what is known then is tried at the end
+                return
             search.known(found)
-            if wanted(search) and not search.late:
+            if wanted(search):
                 tick(f"{term}: {what}")
                 of(search)
             found[:] = _united([*found, *search.stories[:EARLIER]])
@@ -135,8 +137,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(slips, Search.slips, doubtful, off)
     stage("two causes together", Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
+    causes = _causes(case, searches)
     for search in searches.values():  # what was found last may explain a term before
-        search.known([*found, *_together(_causes(case, searches))])
+        search.known([*causes, *_together(causes), *found])
         search.composed()
     return {t: s.explanation() for t, s in searches.items()}
 

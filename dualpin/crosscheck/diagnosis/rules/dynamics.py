@@ -79,6 +79,7 @@ TERMS_OF_SUMS = {
     (EVERYWHERE, "r x f"): "force_moment",
     ("the moment at a joint", "the child's n"): "moment_not_handed_on",
     ("the moment at a joint", "R n"): "moment_not_handed_on",
+    ("the force at a joint", "the child's X^T f"): "not_handed_on",
     ("the force of a body", "m a"): "no_translational",
 }
 HOW = {"step_left_out": "", "step_sign": "_sign", "step_half": "_half", "step_twice": "_twice"}

@@ -104,17 +104,20 @@ def _mistake(slip: Slip, key: str | None, alike: str) -> tuple[str, ...]:
     return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how, *([alike] if alike else []))
 
 
-SLIPS: WeakKeyDictionary[Case, dict[tuple[str, str], Sequence[Slip]]] = WeakKeyDictionary()
+SLIPS: WeakKeyDictionary[Case, dict[Any, Sequence[Slip]]] = WeakKeyDictionary()
 
 
 def _slips(run: Run, case: Case, term: str, alike: str) -> Sequence[Slip]:
-    """Of formulations that are alike they are found once."""
-    if not alike:
+    """Of formulations that are alike, and of algorithms that several are made of, they are found once."""
+    steps_of = getattr(run, "steps_of", None)
+    sources = steps_of(term) if steps_of else {(alike, term): term}
+    if not steps_of and not alike:
         return possible(run, case, term)
     known = SLIPS.setdefault(case, {})
-    if (alike, term) not in known:
-        known[alike, term] = possible(run, case, term)
-    return known[alike, term]
+    for key, where in sources.items():
+        if key not in known:
+            known[key] = possible(run, case, where)
+    return list(dict.fromkeys(slip for key in sources for slip in known[key]))
 
 
 def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:

@@ -42,12 +42,19 @@ def right(algorithm: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
 def symbols(mass: Mass) -> Matrix:
     """C from Christoffel's symbols of a mass matrix that is differentiated, of few joints on a fixed base."""
 
-    def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return Symbols(mass)
+
+
+@dataclass(frozen=True)
+class Symbols:
+    """Makes C of a mass matrix."""
+
+    mass: Mass
+
+    def __call__(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         if tree.floating or tree.nv > MOST_STEPS:
             raise ValueError("few joints on a fixed base only")
-        return christoffel(lambda x: mass(steps, tree, x), q, v)
-
-    return matrix
+        return christoffel(lambda x: self.mass(steps, tree, x), q, v)
 
 
 @dataclass(frozen=True)
@@ -82,6 +89,18 @@ class Dynamics:
         if type(self) is not Dynamics or term not in (*OF_FORCES, "coriolis"):
             return self
         return self.matrix or self.forces if term == "coriolis" else self.forces, self.fused
+
+    def steps_of(self, term: str) -> dict[Any, str]:
+        """The algorithms of a term, each with the term in which its steps are seen most quickly."""
+        if type(self) is not Dynamics or term in ("centroidal_momentum_matrix", "potential_energy"):
+            return {(self, term): term}
+        forces, mass = {(self.forces, self.fused): "rnea"}, {(self.mass, self.fused): "crba"}
+        if term == "coriolis" and self.matrix is not None:
+            of = self.matrix
+            return {(of.mass, self.fused): "crba"} if isinstance(of, Symbols) else {(of, self.fused): term}
+        if term in (*OF_FORCES, "coriolis"):
+            return forces
+        return mass if term in ("crba", "minv", "kinetic_energy") else forces | mass
 
     def tau(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
         """The forces, with those that turn the rotors."""

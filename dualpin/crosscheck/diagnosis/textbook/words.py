@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from typing import NamedTuple
 
 
@@ -161,11 +162,13 @@ _ENDS = re.compile(r",| (?:of|that|in|from|by|with|at|whose|beyond|to|on|as|alon
 _SINGULAR = ("mass", "axis", "bias", "radius")
 
 
+@cache
 def says(site: str, what: str, how: str) -> str:
     """The sentence about a slip."""
     return KINDS[how].says.format_map(_forms(site, what))
 
 
+@cache  # the same slips stand in many formulations
 def fix(site: str, what: str, how: str) -> str:
     """What to change; what belongs there, where that is known."""
     right = RIGHT.get(site.partition(": ")[0])
