@@ -10,7 +10,7 @@ from ...errors import ArgumentError, nearest
 from ...escape import c_string, julia_string, matlab_string
 from ...files import write_text, writing
 from .asking import Asking
-from .convention import columns
+from .convention import columns, parameter_names
 
 LITERALS = {"c": c_string, "cpp": c_string, "python": repr, "matlab": matlab_string, "julia": julia_string}
 LANGUAGES = {"c": "answer.c", "cpp": "answer.cpp", "python": "answer.py", "matlab": "answer.m", "julia": "answer.jl"}
@@ -59,9 +59,11 @@ def starter(asking: Asking, language: str) -> str:
     """Its text, with the robot's names."""
     text = (resources.files(__package__) / "starters" / f"{LANGUAGES[language]}.in").read_text(encoding="utf-8")
     q, v = columns(asking.robot)
+    parameters = parameter_names(asking.robot)
     values = {
         "ROBOT": _plain(asking.name), "GRAVITY": ", ".join(f"{x:g}" for x in asking.gravity), "NQ": str(len(q)),
         "NV": str(len(v)), "NF": str(len(asking.frames)), "Q": _listed(q, language), "V": _listed(v, language),
+        "NP": str(len(parameters)), "PARAMETERS": _listed(parameters, language),
         "FRAMES": _listed(asking.frames, language) or ('""' if language == "c" else ""),
     }  # fmt: skip
     # all at once: a name may look like a place of another
