@@ -55,6 +55,10 @@ class Command:
         return Path(self.words("FOLDER")[0]).name
 
 
+UNWRITTEN = "; nothing of this term was written: its function is not filled in, or was not reached"
+"""Of a program that died after it had answered others: nothing tells the two apart."""
+
+
 def ask_command(command: Command, asking: Asking, tick: Callable[[str], None]) -> Answers:
     """Run it on a new folder; run it again for the terms that a crash or a hang left open, as long as that helps."""
     start = time.perf_counter()
@@ -76,7 +80,7 @@ def ask_command(command: Command, asking: Asking, tick: Callable[[str], None]) -
         answers = exchange.read(asking, folder, command.name)
     for term, why in blamed.items():
         if term in answers.silent:
-            answers.silent[term] = why
+            answers.silent[term] = why + (UNWRITTEN if answers.terms else "")
     if blamed and not answers.terms:
         answers.refused = next(iter(blamed.values()))
     answers.seconds = time.perf_counter() - start
