@@ -48,6 +48,7 @@ RUNS = {
     "sums": sums.run,
     "body coriolis": Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix),
     "jacobians": kinematics.jacobians,
+    "jacobians, symbolic": partial(kinematics.jacobians, how=kinematics.SYMBOLIC),
     "jacobians, velocities too": partial(kinematics.jacobians, how=kinematics.JACOBIANS),
 }
 

@@ -10,9 +10,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...subjects.layout import product, transposed
+from ...subjects.layout import product
 from ..case import Case, View
-from ..textbook.assembly import solved
+from ..textbook import gradient
+from ..textbook.assembly import of_symbols, solved
 from ..textbook.attitudes import PLAIN, Ways
 from ..textbook.columns import Columns, referred, referred_rate
 from ..textbook.poses import Poses, position_rates, stacked
@@ -23,6 +24,7 @@ from ..textbook.ways import WAYS
 from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, FUSING, Terms, formulation
 
+SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 SEEN = (
@@ -112,7 +114,7 @@ class Made:
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
-            return sums.coriolis()
+            return gradient.coriolis(sums) if self.how == SYMBOLIC else sums.coriolis()
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":
@@ -198,8 +200,7 @@ def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.n
     """C by Christoffel's symbols of M(q), whose derivatives are taken by complex steps."""
     h = 1e-30
     dM = np.stack([mass(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)
-    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v), np.einsum("rnijk,nj->rnik", dM, v)
-    return np.asarray(0.5 * (rate + by_q - transposed(by_q)))
+    return of_symbols(RIGHT, dM, v)
 
 
 def off(*terms: str) -> Callable[[Case], bool]:
@@ -367,6 +368,8 @@ _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
+for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
+    _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
 _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))

@@ -231,13 +231,27 @@ def derivatives(f: Callable[..., np.ndarray], *inputs: np.ndarray) -> np.ndarray
 
 
 def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """C from Christoffel's symbols of a mass matrix.
+    """C from Christoffel's symbols of a mass matrix."""
+    return of_symbols(Steps(), by_coordinates(mass, q), v[0])
+
+
+def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C of dM_ij/dq_k (runs, samples, i, j, k) and v (samples, k).
 
     References: Siciliano et al., Robotics (2009), equation 7.45.
     """
-    dM = by_coordinates(mass, q)
-    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v[0]), np.einsum("rnijk,nj->rnik", dM, v[0])
-    return np.asarray(0.5 * (rate + by_q - transposed(by_q)))
+    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v), np.einsum("rnijk,nj->rnik", dM, v)
+    right = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
+    sums = {"ijk": dM.sum(-1), "ikj": dM.sum(-2), "jki": transposed(dM.sum(-2))}  # over k, (runs, samples, i, j)
+    terms = {}
+    for name, x, y in zip(right, right.values(), (sums["ijk"], sums["ikj"], -sums["jki"]), strict=True):
+        wrong = {"v_j": y * v[:, None, :], "v_i": y * v[:, :, None]}
+        terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x, **wrong)
+    total = steps.add("Christoffel's symbols", **terms)
+    others = {
+        "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
+    }  # fmt: skip
+    return np.asarray(steps.pick("the factor 1/2 of Christoffel's symbols", 0.5 * total, **others))
 
 
 def by_coordinates(f: Callable[[np.ndarray], np.ndarray], q: np.ndarray) -> np.ndarray:

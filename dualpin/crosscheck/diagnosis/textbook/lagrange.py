@@ -16,7 +16,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
-from .assembly import MOST_STEPS, Dynamics, by_coordinates
+from .assembly import MOST_STEPS, Dynamics, by_coordinates, of_symbols
 from .steps import EVERYWHERE, Steps, cross
 from .tree import Link, Tree, tree_of
 
@@ -109,22 +109,6 @@ def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndar
 def coriolis(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """C from Christoffel's symbols of the mass matrix that the same steps make."""
     return of_symbols(steps, by_coordinates(lambda x: mass(steps, tree, x), q), v[0])
-
-
-def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """C of dM_ij/dq_k (runs, samples, i, j, k) and v."""
-    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v), np.einsum("rnijk,nj->rnik", dM, v)
-    right = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
-    sums = {"ijk": dM.sum(-1), "ikj": dM.sum(-2), "jki": transposed(dM.sum(-2))}  # over k, (runs, samples, i, j)
-    terms = {}
-    for name, x, y in zip(right, right.values(), (sums["ijk"], sums["ikj"], -sums["jki"]), strict=True):
-        wrong = {"v_j": y * v[:, None, :], "v_i": y * v[:, :, None]}
-        terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x, **wrong)
-    total = steps.add("Christoffel's symbols", **terms)
-    others = {
-        "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
-    }  # fmt: skip
-    return np.asarray(steps.pick("the factor 1/2 of Christoffel's symbols", 0.5 * total, **others))
 
 
 AS_NEWTON_EULER = {
