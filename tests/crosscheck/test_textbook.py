@@ -74,6 +74,8 @@ def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
     for term in QUESTIONS:
         if run.startswith("jacobians") and term not in (*kinematics.SEEN, *kinematics.MOVED):
             continue
+        if run.endswith("symbolic") and (floating or term != "coriolis"):
+            continue
         if (run == "sums" and term not in sums.TERMS) or (run == "energy" and term != "kinetic_energy"):
             continue
         if run.startswith("seen") and term != "frame_acceleration":
@@ -83,7 +85,13 @@ def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
             y = view.compute(term, view.layout.how.reference)
             assert np.abs(x[0] - y).max() < size * max(1, np.abs(y).max()), term
             compared += 1
-    assert compared >= {"articulated": 3, "energy": 1, "seen in world axes": 1, "seen in link axes": 1}.get(run, 5)
+    assert compared >= {
+        "articulated": 3,
+        "energy": 1,
+        "seen in world axes": 1,
+        "seen in link axes": 1,
+        "jacobians, symbolic": not floating,
+    }.get(run, 5)
 
 
 def test_rotors_count_in_every_formulation(tmp_path):
