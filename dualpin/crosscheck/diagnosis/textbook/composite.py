@@ -17,7 +17,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
-from .link_axes import felt
+from .link_axes import felt, own_rates
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, tree_of
 
@@ -123,31 +123,63 @@ class Energy:
         moving = [(v[..., :3], v[..., 3:6]) if tree.floating else (zero, zero)]
         total: np.ndarray = np.zeros((1, 1))
         for k in tree.links[1:]:
-            moving.append(_velocity(steps, k, poses[k.number], moving[k.parent], v))
+            moving.append(_velocity(steps, tree, k, poses[k.number], moving, q, v))
         for i, k in enumerate(tree.carried):
             w, u = moving[k.number]
-            at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w, k.c)})
+            ws, us = (tree.near(k, lambda x, i=i: moving[x.number][i]) for i in (0, 1))
+            arms = {"that of the link's origin from its parent's": k.p, "that from the parent's origin": k.p + k.c}
+            w_c = steps.pick(
+                "the angular velocity that carries a centre of mass",
+                w,
+                **{"the parent's": moving[max(0, k.parent)][0]},
+                **ws,
+            )
+            c = steps.pick("the arm in w x c", k.c, **arms)
+            u = steps.pick("the velocity of the origin, in that of a body's centre", u, **us)
+            at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w_c, c)})
+            w = steps.pick("the angular velocity in w . I w", w, **{"the parent's": moving[max(0, k.parent)][0]}, **ws)
+            m = steps.pick("the mass in m v.v / 2", k.mass + 0 * at[..., 0], **tree.masses(k, k.mass + 0 * at[..., 0]))
             I = steps.pick(
                 "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
             )
-            terms = {"m v.v / 2": 0.5 * k.mass * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
+            terms = {"m v.v / 2": 0.5 * m * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
             energy = steps.add("the kinetic energy of a body", **terms)
-            total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried))
+            total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried), alone=True)
         return total
 
 
 def _velocity(
-    steps: Steps, k: Link, pose: Pose, up: tuple[np.ndarray, np.ndarray], v: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    w_up, u_up = up
+    steps: Steps, tree: Tree, k: Link, pose: Pose, moving: list[tuple[np.ndarray, np.ndarray]], q: np.ndarray,
+    v: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    known, up = len(moving), moving[k.parent]
+
+    def both(x: Link) -> np.ndarray:
+        return np.concatenate(np.broadcast_arrays(*(moving[x.number] if x.number < known else up)), -1)
+
+    start = steps.pick("the motion that a link starts from", both(tree.links[k.parent]), **tree.near(k, both))
+    w_up, u_up = start[..., :3], start[..., 3:]
     back = transposed(pose.R)
     w = steps.turn("the parent's angular velocity", back, w_up)
-    carried = steps.add("the velocity of a link's origin", **{"the parent's": u_up, "w x p": cross(w_up, pose.p)})
+    arms = {
+        "in the link's axes": lambda: product(back, pose.p),
+        "that to the centre of mass": lambda: pose.p + product(pose.R, k.c),
+    }  # fmt: skip
+    if k.slides:
+        arms["without the joint's travel"] = lambda: k.p + 0 * pose.p
+    p = steps.pick("the arm in w x p", pose.p, **arms)
+    carried = steps.add("the velocity of a link's origin", **{"the parent's": u_up, "w x p": cross(w_up, p)})
     u = steps.turn("the velocity of a link's origin, found in the parent's axes,", back, carried)
-    if k.moves:
-        z_qd = k.z * v[..., k.column, None]
-        if k.slides:
-            u = steps.add("the velocity of a sliding link", **{"that of the place where it is": u, "z qd": z_qd})
-        else:
-            w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
-    return w, u
+    if not k.moves:
+        return w, u
+    z_qd = k.z * own_rates(steps, tree, k, q, v, v)[0]
+    fixed, turned, slid = (w, u), (w + z_qd, u), (w, u + z_qd)
+    if k.slides:
+        u = steps.add("the velocity of a sliding link", **{"that of the place where it is": u, "z qd": z_qd})
+    else:
+        w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
+    which, another, other = ("sliding", "a turning one", turned) if k.slides else ("turning", "a sliding one", slid)
+    others = {f"that of {another}": other, "that of a fixed one": fixed}
+    joined = {name: np.concatenate(np.broadcast_arrays(*x), -1) for name, x in others.items()}
+    x = steps.pick(f"the motion of a {which} link", np.concatenate(np.broadcast_arrays(w, u), -1), **joined)
+    return x[..., :3], x[..., 3:]

@@ -83,7 +83,8 @@ class Sums:
         self.p, self.R = stacked(poses.p, self.links, 1), stacked(poses.R, self.links, 2)
         self.tensors = self.counts[..., None, None] * tensors
         self.steiner = steiners(m, com)
-        self.r = steps.turn("the centre of mass of a body", self.R, com + 0 * self.p)
+        self.local = com + 0 * self.p
+        self.r = steps.turn("the centre of mass of a body", self.R, self.local)
         self.c = steps.add("the place of a body's centre", **{"the link's origin": self.p, "R c": self.r})
 
     def _piece(self, link: int, b: Body) -> Piece:
@@ -169,13 +170,22 @@ class Sums:
             }  # fmt: skip
         return np.asarray(self.steps.pick(site, m, **wrong))
 
+    def _every(self, site: str) -> np.ndarray:
+        """One for each body (runs, 1, bodies): slips lose some of them."""
+        count, one = len(self.links), np.ones((1, 1))
+        ones = [self.steps.part(site, one, k, count, alone=True) for k in range(count)]
+        return stacked(ones, list(range(count)), 0)
+
     # momentum
 
     @cached_property
     def inertia(self) -> np.ndarray:
         """Of each body about its centre, in world axes (runs, n, bodies, 3, 3)."""
         tensors = self.tensors
-        wrong = {"that about the link's origin": lambda: tensors + self.steiner, "zero, as of a point": 0 * tensors}
+        wrong = {
+            "that about the link's origin": lambda: tensors + self.steiner, "zero, as of a point": 0 * tensors,
+            "its diagonal alone": tensors * ONE,
+        }  # fmt: skip
         I = self.steps.pick("the tensor of a body", tensors, **wrong)
         return np.asarray(self.steps.congruent("the inertia of a body", self.R, I))
 
@@ -186,12 +196,24 @@ class Sums:
         root, G = self.poses.p[0][..., None, :], self.com[..., None, :]
         ends = {"the body's centre": self.c, "the robot's centre of mass": -G}
         arm = steps.add("the arm of a body's momentum", **ends)
-        wrong = {"counted from the root link": self.c - root, "that of the link's origin": self.p - G}
+        wrong = {
+            "counted from the root link": self.c - root,
+            "that of the link's origin": self.p - G,
+            "R c alone": self.r,
+        }
         arm = steps.pick("the whole arm of a body's momentum", arm, **wrong)
-        mv = self.m[..., None, None] * v
-        parts = {"I w": w @ transposed(self.inertia), "r x m v": cross(arm[..., None, :] + 0 * mv, mv)}
+        spin, mv, orbit = (
+            (self._masses(f"the mass in a momentum: in {of}") if "m" in of else 1.0) * self._every(f"the momenta: {of}")
+            for of in ("I w", "m v", "r x m v")
+        )
+        arm, mv, orbit = arm[..., None, :] + 0 * v, mv[..., None, None] * v, orbit[..., None, None] * v
+        parts = {
+            "I w": spin[..., None, None] * (w @ transposed(self.inertia)),
+            "r x m v": cross(arm + 0 * orbit, orbit + 0 * arm),
+        }
         angular = steps.add("the angular momentum of a body", **parts)
-        return transposed(np.concatenate(np.broadcast_arrays(angular.sum(-3), mv.sum(-3)), -1))
+        linear = steps.add("the linear momentum of a body", **{"m v": mv})
+        return transposed(np.concatenate(np.broadcast_arrays(angular.sum(-3), linear.sum(-3)), -1))
 
     # energies, by the velocities of links
 
@@ -202,35 +224,40 @@ class Sums:
             motion = product(self.jacobians, self.poses.qd[..., None, :])
             return motion[..., :3], motion[..., 3:]
         w, v = (stacked(x, self.links, 1) for x in (self.columns.w, self.columns.v))
-        terms = {"that of the link's origin": v, "w x R c": cross(w, self.r)}
+        arms = {"c, not turned": self.local + 0 * self.r, "that from the world's origin": self.c}
+        r = self.steps.pick("the arm in w x R c", self.r, **arms)
+        terms = {"that of the link's origin": v, "w x R c": cross(w + 0 * r, r + 0 * w)}
         return w, self.steps.add("the velocity of a body's centre", **terms)
 
     def kinetic_energy(self) -> np.ndarray:
         w, v = self.centre_velocities()
         turning = (w * product(self.inertia, w)).sum(-1)
-        parts = {"m v.v / 2": self.m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
+        m = self._masses("the mass in the kinetic energy") * self._every("the kinetic energies: m v.v / 2")
+        turning = turning * self._every("the kinetic energies: w.I w / 2")
+        parts = {"m v.v / 2": m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
         return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1))
 
     def potential_energy(self, g: np.ndarray) -> np.ndarray:
         root = self.poses.p[0][..., None, :]
         wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
-        m = self._masses("the mass in the potential energy")
+        m = self._masses("the mass in the potential energy") * self._every("the potential energies")
         return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
 
     # the equations of motion
 
     @cached_property
     def mass_matrix(self) -> np.ndarray:
-        J, m = self.jacobians, self.m[..., None, None]
+        J, m = self.jacobians, self._masses("the mass in m Jv^T Jv") * self._every("the mass matrices: m Jv^T Jv")
         Jw, Jv = J[..., :3, :], J[..., 3:, :]
+        spin = self._every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
         terms = {
-            "m Jv^T Jv": _summed(Jv, m * Jv), "Jw^T I Jw": _summed(Jw, self.inertia @ Jw),
+            "m Jv^T Jv": _summed(Jv, m[..., None, None] * Jv), "Jw^T I Jw": _summed(Jw, spin @ Jw),
         }  # fmt: skip
         return np.asarray(self.steps.add("the mass matrix", **terms))
 
     def gravity(self, g: np.ndarray) -> np.ndarray:
-        m = self._masses("the mass in gravity's torques")
+        m = self._masses("the mass in gravity's torques") * self._every("the torques of gravity")
         torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
@@ -264,7 +291,10 @@ class Sums:
         rest = product(moving.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
-        n, f = steps.add("the moment of a body", **parts), self.m[..., None] * rest[..., 3:]
+        n, f = (
+            steps.add("the moment of a body", **parts),
+            self._masses("the mass in m Jv' v")[..., None] * rest[..., 3:],
+        )
         linear, angular = (product(A, x).sum(-2) for A, x in ((J[..., 3:], f), (J[..., :3], n)))
         forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
         return np.asarray(steps.add("the forces that velocities need", **forces))
