@@ -40,6 +40,8 @@ def _inward(turned_n=True, turned_f=True, turned_in_arm=True, assigned=False, ba
         for (m, c, I), (w, alpha, acc) in zip(s.bodies, motions, strict=True):
             f = m * s.of_centre(w, alpha, acc, c)
             wrenches.append((s.moment(s.euler(I, w, alpha), c, f), f))
+        for k, n, f in getattr(s, "pushes", ()):
+            wrenches[k] = (wrenches[k][0] - n, wrenches[k][1] - f)
         tau = np.zeros(s.n)
         for i in range(s.n, 0, -1):
             j, (n, f) = s.joints[i - 1], wrenches[i]
@@ -54,6 +56,17 @@ def _inward(turned_n=True, turned_f=True, turned_in_arm=True, assigned=False, ba
         return tau
 
     return {"inward": inward}
+
+
+def _pushed(s: Any, q: Any, v: Any, a: Any, f_ext: Any, frame: str) -> Any:
+    """The wrench is among the forces of links, so that what is wrong with these is wrong with it."""
+    k, _, r = s.at[frame]
+    W = s.poses(q)[k][0]
+    n, f = W.T @ f_ext[:3], W.T @ f_ext[3:]
+    s.pushes = [(k, n + cross(r, f), f)]
+    tau = s.rnea(q, v, a)
+    s.pushes = []
+    return tau
 
 
 def _felt_along(axis):
@@ -101,7 +114,13 @@ PASSES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "arm_in_childs_axes": (("arm in r x f", "child's axes"), _inward(arm="child")),
     "felt_along_z": (("feels", "the z axis of the link's frame"), _felt_along(lambda j: np.array([0, 0, 1.0]))),
     "felt_in_the_parents_axes": (("feels", "parent's axes"), _felt_along(lambda j: j.R @ j.axis)),
-    "children_overwrite": (("overwritten", "children"), _inward(assigned=True)),
+    "children_overwrite": (("the sum so far", "left out"), _inward(assigned=True)),
+    "children_overwrite_under_wrenches": (
+        ("the sum so far", "left out"), {**_inward(assigned=True), "rnea_f_ext": _pushed},
+    ),
+    "arm_in_childs_axes_under_wrenches": (
+        ("arm in r x f", "child's axes"), {**_inward(arm="child"), "rnea_f_ext": _pushed},
+    ),
     "w_for_alpha": (
         ("w is taken for alpha", "x c"), _of_centre(lambda w, alpha, a, c: a + cross(w, c) + cross(w, cross(w, c)))
     ),

@@ -106,6 +106,7 @@ KNOWN |= {
 }  # fmt: skip
 FORCES = ("gravity", "bias", "rnea", "rnea_f_ext")
 MASSES = ("crba", "minv", "kinetic_energy", "coriolis")
+PUSHED = ("rnea_f_ext", "aba_f_ext")
 FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
 ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
 FUSED = "of bodies merged from fixed links"
@@ -119,30 +120,46 @@ def merges(case: Case) -> bool:
 
 @dataclass(frozen=True)
 class Seen:
-    """Accelerations of frames in world axes; `fused` as of `Tree`."""
+    """Motions of frames in world axes; `fused` as of `Tree`."""
 
     by: Callable[..., np.ndarray]
     fused: bool = False
+    both: bool = False
+    """Whether it knows velocities as well as accelerations."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         tree, s = tree_of(view, self.fused), {k: x[None] for k, x in view.states.items()}
         if view.layout.how.reference != "local_world_aligned":
             return None
-        return self.by(steps, tree, s["q"], s["v"], s["a"], view.frames)
+        return self.by(
+            steps, tree, s["q"], s["v"], s.get("a", 0 * s["v"]), view.frames, *((term,) if self.both else ())
+        )
+
+
+def later(case: Case) -> bool:
+    """Whether slips of a recursion with wrenches in it are looked for without wrenches first."""
+    return "rnea" in case.observed
+
+
+def _itself(term: str) -> str:
+    return term
 
 
 def register(
-    name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = ""
-) -> None:
+    name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = "",
+    like: Callable[[str], str] = _itself, after: Callable[[Case], bool] = lambda case: False,
+) -> None:  # fmt: skip
     """A formulation, of the links as they are and of bodies merged from fixed links."""
     cost = COST + 0.05 * bool(variant)
-    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True)(run)
+    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True, like=like, afterwards=after)(run)
     values = ", ".join(x for x in (FUSED, variant) if x)
-    formulation(name, terms, KNOWN, values, merges, cost + FUSING, SAYS, batched=True)(replace(run, fused=True))
+    of_bodies = formulation(name, terms, KNOWN, values, merges, cost + FUSING, SAYS, True, like, after)
+    of_bodies(replace(run, fused=True))
 
 
 register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
 register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
+register(SPATIAL, Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration"))
 for _name, _forces in {
     "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     SPATIAL: spatial.forces,
@@ -150,7 +167,16 @@ for _name, _forces in {
     _by_columns = Dynamics(_forces, by_columns(_forces))
     register(_name, _by_columns, ALL if _name != SPATIAL else (*MASSES, *FORWARD), "" if _name != SPATIAL else COLUMNS)
     register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right")
+    _pushed = {
+        world_axes.forces: world_axes.pushed, link_axes.forces: link_axes.pushed, spatial.forces: spatial.pushed,
+    }[_forces]  # fmt: skip
+    _inside = Dynamics(_forces, right(spatial.mass), pushed=_pushed)
+    register(_name, _inside, PUSHED, "the wrench in the recursion", lambda term: "rnea", later)
     register(_name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}")
+register(
+    "Newton-Euler with external wrenches",
+    Dynamics(right(world_axes.forces), right(spatial.mass), pushed=right(world_axes.pushed)), PUSHED,
+)  # fmt: skip
 register(
     "Newton-Euler in world axes",
     Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),

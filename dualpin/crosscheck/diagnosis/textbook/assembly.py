@@ -13,6 +13,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .pushes import wrenches
 from .steps import Steps
 from .tree import Tree, tree_of
 
@@ -75,6 +76,8 @@ class Dynamics:
     """Makes the centroidal momentum matrix, of positions and centres of mass."""
     potential: Callable[..., np.ndarray] | None = None
     """Makes the potential energy, of positions and gravity."""
+    pushed: Callable[..., np.ndarray] | None = None
+    """Takes external wrenches among the forces of links; without it J^T f is subtracted at the end."""
     factored: bool = False
     """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
@@ -88,7 +91,8 @@ class Dynamics:
         """Variants with the same forces answer alike to what is made of forces alone."""
         if type(self) is not Dynamics or term not in (*OF_FORCES, "coriolis"):
             return self
-        return self.matrix or self.forces if term == "coriolis" else self.forces, self.fused
+        how = (self.forces, self.pushed) if term == "rnea_f_ext" else self.forces
+        return self.matrix or self.forces if term == "coriolis" else how, self.fused
 
     def steps_of(self, term: str) -> dict[Any, str]:
         """The algorithms of a term, each with the term in which its steps are seen most quickly."""
@@ -124,7 +128,14 @@ class Dynamics:
         return self.tau(steps, tree, s["q"], s["v"], s["a"], tree.gravity)
 
     def _rnea_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        return self._rnea(steps, tree, s, view)[:, :, None] - torques(view)
+        return self._rnea(steps, tree, s, view)[:, :, None] - self._torques(steps, tree, view)
+
+    def _torques(self, steps: Steps, tree: Tree, view: View) -> np.ndarray:
+        """What the wrench on each frame adds to tau."""
+        if self.pushed is None:
+            return torques(view)
+        x = self.pushed(steps, tree, *wrenches(steps, tree, view))
+        return -x.reshape(len(x), -1, len(view.frames), tree.nv)
 
     # the mass matrix
 
@@ -160,7 +171,7 @@ class Dynamics:
 
     def _aba_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         M, left = self.to_invert(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
-        needed = left[:, :, None] + torques(view)
+        needed = left[:, :, None] + self._torques(steps, tree, view)
         return transposed(solved(M, transposed(needed)))
 
     def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
@@ -39,6 +40,17 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
     poses, moving = tree.poses(q), motions(steps, tree, q, v, a, g)
     f, n = _bodies(steps, tree, moving)
+    return _inward(steps, tree, poses, f, n, q)
+
+
+def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.ndarray:
+    """tau (runs, samples, nv) of wrenches on links."""
+    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+
+    def of(k: Link, i: int) -> np.ndarray:
+        return product(transposed(poses[k.number].R0), wrenches[k.number][i]) if k.number in wrenches else zero
+
+    f, n = ([of(k, i) for k in tree.links] for i in (0, 1))
     return _inward(steps, tree, poses, f, n, q)
 
 

@@ -11,7 +11,7 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from .link_axes import axes, gathered, own_rates, rate_in_cross
+from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
 
@@ -27,10 +28,39 @@ LINEAR = "the product of the linear velocity"
 
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
-    poses = tree.poses(q)
-    X = [transform(steps, p) for p in poses]
+    X = [transform(steps, p) for p in tree.poses(q)]
+    vs, accs = _motions(steps, tree, X, q, v, a, gravity(steps, g))
+    f = [_needed(steps, tree, k, vs, accs) if k.mass > 0 else 0 * vs[0] for k in tree.links]
+    return _inward(steps, tree, X, f, q)
+
+
+def seen(
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str], term: str
+) -> np.ndarray:
+    """Velocities or accelerations of frames (runs, samples, frames, 6), at their origins in world axes."""
+    poses, out = tree.poses(q), []
+    vs, accs = _motions(steps, tree, [transform(steps, p) for p in poses], q, v, a, np.zeros((1, 1, 6)))
+    for number, r in (tree.frames[frame] for frame in frames):
+        R, (w, u), (alpha, acc) = poses[number].R0, *((x[..., :3], x[..., 3:]) for x in (vs[number], accs[number]))
+        speed = steps.add("the velocity of a frame", **{"that of the link's origin": u, "w x r": cross(w, r)})
+        if term == "frame_velocity":
+            linear, angular, what = speed, w, "the velocity of a frame, in its link's axes"
+        else:
+            terms = {"the spatial one": acc, "alpha x r": cross(alpha, r), "w x v": cross(w, speed)}
+            linear, angular = steps.add("the acceleration of a frame's origin", **terms), alpha
+            what = "the acceleration of a frame, in its link's axes"
+        halves = ((f"{what}: its angular part", angular), (f"{what}: its linear part", linear))
+        out.append(np.concatenate(np.broadcast_arrays(*(steps.turn(site, R, x) for site, x in halves)), -1))
+    lead = np.broadcast_shapes(*(x.shape for x in out))
+    return np.stack([np.broadcast_to(x, lead) for x in out], axis=2)
+
+
+def _motions(
+    steps: Steps, tree: Tree, X: list[np.ndarray], q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Velocities and accelerations of links, in their own axes."""
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, a))
-    down = gravity(steps, g) + zero
+    down = g + zero
     if tree.floating:
         up = steps.turn("gravity, in world axes,", X[0], -down)
         speed = v[..., :6] + zero
@@ -38,13 +68,28 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
         acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
     else:
         speed, acc = zero, -down
-    vs, accs, f = [speed], [acc], []
+    vs, accs = [speed], [acc]
     for k in tree.links[1:]:
         v_k, a_k = _next(steps, tree, k, X[k.number], vs, accs, q, v, a)
         vs.append(v_k)
         accs.append(a_k)
-    for k in tree.links:
-        f.append(_needed(steps, tree, k, vs, accs) if k.mass > 0 else zero)
+    return vs, accs
+
+
+def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.ndarray:
+    """tau (runs, samples, nv) of wrenches on links."""
+    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+
+    def of(k: Link) -> np.ndarray:
+        force, moment = wrenches.get(k.number, (zero, zero))
+        back = transposed(poses[k.number].R0)
+        return np.concatenate(np.broadcast_arrays(product(back, moment), product(back, force)), -1)
+
+    return _inward(steps, tree, [transform(steps, p) for p in poses], [of(k) for k in tree.links], q)
+
+
+def _inward(steps: Steps, tree: Tree, X: list[np.ndarray], f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
+    """From the tips to the base: forces of links."""
     columns, own = dict[int, np.ndarray](), list(f)
     for k in reversed(tree.links):
         if k.moves:

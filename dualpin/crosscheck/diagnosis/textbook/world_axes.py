@@ -18,6 +18,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .link_axes import axes, centripetal, felt, gathered, own_rates, rate_in_cross
+from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
@@ -36,12 +37,30 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
     poses, moving = tree.poses(q), motions(steps, tree, q, v, a)
     f, n = _bodies(steps, tree, poses, moving, g)
+    return _inward(steps, tree, poses, [m.z for m in moving], f, n, q)
+
+
+def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.ndarray:
+    """tau (runs, samples, nv) of wrenches on links."""
+    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+    f, n = ([wrenches[k.number][i] + zero if k.number in wrenches else zero for k in tree.links] for i in (0, 1))
+    z = [zero]
+    for k in tree.links[1:]:
+        z.append(_axis(steps, k, poses[k.number], poses[k.parent], kind(k)) if k.moves else zero)
+    return _inward(steps, tree, poses, z, f, n, q)
+
+
+def _inward(
+    steps: Steps, tree: Tree, poses: list[Pose], z: list[np.ndarray], f: list[np.ndarray], n: list[np.ndarray],
+    q: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """From the tips to the base: forces and moments of links, about their origins."""
     own = list(zip(f, n, strict=True))
     columns: dict[int, np.ndarray] = {}
     for k in reversed(tree.links):
         if k.moves:
-            z = _felt_along(steps, tree, k, poses, moving)
-            columns[k.column] = felt(steps, k, z, f[k.number], n[k.number], own[k.number])
+            along = _felt_along(steps, tree, k, poses, z)
+            columns[k.column] = felt(steps, k, along, f[k.number], n[k.number], own[k.number])
         if k.parent >= 0:
             _hand_on(steps, tree, k, poses, f, n)
     back = transposed(poses[0].R0)
@@ -56,10 +75,10 @@ def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray
     return gathered(columns, base, q)
 
 
-def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion]) -> np.ndarray:
+def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], zs: list[np.ndarray]) -> np.ndarray:
     """The axis of a joint, on which force and moment are projected."""
-    z, pose, on = moving[k.number].z, poses[k.number], poses[k.parent]
-    others = {f"that of the {which} joint": moving[j.number].z for which, j in tree.neighbours(k).items()}
+    z, pose, on = zs[k.number], poses[k.number], poses[k.parent]
+    others = {f"that of the {which} joint": zs[j.number] for which, j in tree.neighbours(k).items()}
     others |= axes(pose.R0, "of the link's frame") | axes(on.R0, "of the parent's frame")
     others |= axes(np.eye(3) + 0 * pose.R0, "of the world")
     others |= {
@@ -125,6 +144,11 @@ def joined(*parts: np.ndarray) -> np.ndarray:
     return np.concatenate(np.broadcast_arrays(*parts), -1)
 
 
+def kind(k: Link) -> str:
+    """Which of a group of sites are those of a link."""
+    return "of fixed links" if not k.moves else "of sliding links" if k.slides else "of turning links"
+
+
 def _next(
     steps: Steps,
     tree: Tree,
@@ -135,7 +159,7 @@ def _next(
     v: np.ndarray,
     a: np.ndarray,
 ) -> Motion:
-    which = "of fixed links" if not k.moves else "of sliding links" if k.slides else "of turning links"
+    which = kind(k)
     up, pose, on = moving[k.parent], poses[k.number], poses[k.parent]
     known = len(moving)
 
