@@ -53,6 +53,7 @@ RUNS = {
     "body coriolis": Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix),
     "jacobians": kinematics.jacobians,
     "jacobians, symbolic": partial(kinematics.jacobians, how=kinematics.SYMBOLIC),
+    "jacobians, symbolic by rates": partial(kinematics.jacobians, how=kinematics.RATED),
     "jacobians, velocities too": partial(kinematics.jacobians, how=kinematics.JACOBIANS),
 }
 
@@ -62,7 +63,7 @@ PREDICTS = {
     "jacobians": (*kinematics.SEEN, *kinematics.MOVED),
 }  # fmt: skip
 """The terms of those that begin so, if not all."""
-FIXED = ("jacobians, symbolic",)
+FIXED = ("jacobians, symbolic", "jacobians, symbolic by rates")
 """Of fixed bases only."""
 
 

@@ -25,6 +25,7 @@ from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, FUSING, Terms, formulation
 
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
+RATED = "Christoffel's symbols of derivatives by rates"
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 SEEN = (
@@ -114,7 +115,8 @@ class Made:
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
-            return gradient.coriolis(sums) if self.how == SYMBOLIC else sums.coriolis()
+            symbolic = self.how in (SYMBOLIC, RATED)
+            return gradient.coriolis(sums, self.how == RATED) if symbolic else sums.coriolis()
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":
@@ -333,7 +335,9 @@ def _of(run: Run, **how: Any) -> Run:
 
 def _terms(*always: str, **sometimes: Callable[[Case], bool]) -> Callable[[Case], list[str]]:
     """Terms, and groups of terms that are predicted where something holds."""
-    return lambda case: [*always, *(t for group, holds in sometimes.items() if holds(case) for t in GROUPS[group])]
+    return lambda case: [
+        *dict.fromkeys([*always, *(t for group, holds in sometimes.items() if holds(case) for t in GROUPS[group])])
+    ]
 
 
 def not_large(case: Case) -> bool:
@@ -356,7 +360,7 @@ GROUPS = {
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
 }  # fmt: skip
-_register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")))
+_register("forward kinematics", poses, _terms(*SEEN, moved=off("fk"), matrix=off("frame_velocity")))
 _register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
@@ -370,6 +374,7 @@ for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacob
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
 _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))

@@ -13,6 +13,7 @@ for Robot Manipulators, IJRR 3 (1984).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 
@@ -54,10 +55,31 @@ class Columns:
         t, qd = self.poses, self.poses.qd
         assert qd is not None
         links = list(range(len(t.p)))
-        J = self.reduced(self.at(stacked(t.p, links, 1), links))
+        J = self.reduced(self.carried(self.at(stacked(t.p, links, 1), links)))
         motion = np.moveaxis(product(J, qd[..., None, :]), -2, 0)
         self.w, self.v, self.by_product = list(motion[..., :3]), list(motion[..., 3:]), True
         return self
+
+    def carried(self, J: np.ndarray) -> np.ndarray:
+        """Columns as they make velocities."""
+        if self.turns.all():
+            return J
+        still = {"zero, as if it stood still": lambda: J * self.turns}
+        return np.asarray(
+            self.steps.pick("the velocity of what a sliding joint carries, in rates of columns,", J, **still)
+        )
+
+    def by_velocity(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> list[np.ndarray]:
+        """For every axis: the rates (runs, n, points, 6, axes) where it alone moves, with unit velocity."""
+        every = list(range(len(self.poses.p)))
+        J = self.carried(self.at(stacked(self.poses.p, every, 1), every))
+        ends = self.carried(self.at(points, links, whose))[..., 3:, :]
+        out = []
+        for m in range(len(self.axes)):
+            here = copy(self)
+            here.w, here.v = (list(np.moveaxis(J[..., rows, m], 2, 0)) for rows in (slice(0, 3), slice(3, 6)))
+            out.append(here.rates(points, ends[..., m], links, whose))
+        return out
 
     def _whole(self, parts: list[np.ndarray], axis: int) -> np.ndarray:
         """Base and joints, in the order of the axes."""
@@ -220,6 +242,9 @@ class Columns:
         )  # fmt: skip
         still = self.world and self.axes[group[0]].base  # axes of the world, for now
         turned = 0 * cross(w, z) if still else steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
+        bodies = [self.poses.placed[k].body for k in links] if self.poses.fused else list(links)
+        of_body = {"that of its body's origin": lambda: stacked(self.v, bodies, 1)}
+        velocities = steps.pick(f"the velocity of the end of a lever arm: at {whose}", velocities, **of_body)
         ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "that of the joint": -u}
         moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **ends)
         zero = np.zeros_like(turned + moving)

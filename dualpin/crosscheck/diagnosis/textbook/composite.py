@@ -126,7 +126,8 @@ class Energy:
             moving.append(_velocity(steps, tree, k, poses[k.number], moving, q, v))
         for i, k in enumerate(tree.carried):
             w, u = moving[k.number]
-            ws, us = (tree.near(k, lambda x, i=i: moving[x.number][i]) for i in (0, 1))
+            ws = tree.near(k, lambda x: moving[x.number][0])
+            us = tree.near(k, lambda x: moving[x.number][1])
             arms = {"that of the link's origin from its parent's": k.p, "that from the parent's origin": k.p + k.c}
             w_c = steps.pick(
                 "the angular velocity that carries a centre of mass",

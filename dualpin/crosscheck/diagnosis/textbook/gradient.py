@@ -21,52 +21,61 @@ from .steps import cross
 from .weighted import Sums
 
 
-def coriolis(sums: Sums) -> np.ndarray:
-    """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base."""
+def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
+    """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
+
+    `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
+    """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
     if v is None or any(a.base or a.follows for a in cols.axes) or count > MOST_STEPS or count != v.shape[-1]:
         raise ValueError("few joints with an axis and a coordinate of their own, on a fixed base, only")
-    J = transposed(sums.jacobians)  # (runs, n, bodies, axes, 6)
+    order = [int(i) for i in np.argsort([a.column for a in cols.axes])]
+    J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]
-    order = np.argsort([a.column for a in cols.axes])
-    carries = sums.poses.carries()
-    before = carries[[cols.axes[i].link for i in order]][:, order]  # [i, k]: whether joint k carries joint i
-    moved = carries[sums.links][:, order].astype(float)
-    both = (moved[:, :, None] * moved[:, None, :])[..., None]  # of every body
-
-    first, second = w[..., :, None, :], u[..., :, None, :]  # of i
-    w_k, u_k = w[..., None, :, :], u[..., None, :, :]
-    nearer, behind = before[..., None] * both, ~before[..., None] * both
-    of_w = {"w_k x w_i": nearer * cross(w_k + 0 * first, first + 0 * w_k)}
-    dw = steps.add("the derivative of an angular column by q_k", **of_w)
-    by_base = cross(w_k + 0 * second, second + 0 * w_k)
-    of_u = {
-        "w_k x v_i, of joints before it,": nearer * by_base,
-        "w_i x v_k, of joints behind it,": behind * cross(first + 0 * u_k, u_k + 0 * first),
-    }
-    du = steps.add("the derivative of a linear column by q_k", **of_u)
-    du = steps.pick(
-        "the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": both * by_base}
-    )
+    moved = sums.poses.carries()[sums.links][:, order].astype(float)
+    dw, du = _by_rates(sums, order) if by_rates else _by_products(sums, w, u, moved, order)
     I = sums.inertia
-    Iw = w @ transposed(I)
-    m = sums.m[..., None, None]
     parts = {
-        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(du, m * u)),
-        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(dw, Iw)),
+        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(du, sums.m[..., None, None] * u)),
+        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(dw, w @ transposed(I))),
     }  # fmt: skip
     half = steps.add("the derivative of the first Jacobian in M", **parts)
     W = cross_matrix(moved[..., None] * w)  # of joints that carry the body
     terms = {"[w_k] I": W @ I[..., None, :, :], "-I [w_k]": -I[..., None, :, :] @ W}
     rate = steps.add("dI/dq_k", **terms)
-    turned = np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *_same(w, rate, w), optimize=True)
-    half_too = np.swapaxes(half, 2, 3)
     whole = {
-        "the derivative of the first Jacobian": half, "that of the second": half_too,
-        "w_i . dI/dq_k w_j, of the tensors that turn,": turned,
+        "the derivative of the first Jacobian": half, "that of the second": np.swapaxes(half, 2, 3),
+        "w_i . dI/dq_k w_j, of the tensors that turn,":
+            np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *_same(w, rate, w), optimize=True),
     }  # fmt: skip
     return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0])
+
+
+def _by_products(
+    sums: Sums, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """dw and dv (runs, n, bodies, i, k, 3), as products of columns."""
+    steps, carries = sums.steps, sums.poses.carries()
+    before = carries[[sums.columns.axes[i].link for i in order]][:, order][..., None]  # whether k carries i
+    both = (moved[:, :, None] * moved[:, None, :])[..., None]  # of every body
+    w_i, u_i, w_k, u_k = *_same(w[..., :, None, :], u[..., :, None, :]), *_same(w[..., None, :, :], u[..., None, :, :])
+    of_w = {"w_k x w_i": before * both * cross(w_k + 0 * w_i, w_i + 0 * w_k)}
+    dw = steps.add("the derivative of an angular column by q_k", **of_w)
+    by_axis = both * cross(w_k + 0 * u_i, u_i + 0 * w_k)
+    terms = {
+        "w_k x v_i, of joints before it,": before * by_axis,
+        "w_i x v_k, of joints behind it,": ~before * both * cross(w_i + 0 * u_k, u_k + 0 * w_i),
+    }  # fmt: skip
+    du = steps.add("the derivative of a linear column by q_k", **terms)
+    return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})
+
+
+def _by_rates(sums: Sums, order: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """The same, as rates."""
+    rates = sums.columns.by_velocity(sums.c, sums.links, "a centre of mass")
+    D = np.moveaxis(np.stack(_same(*(rates[k][..., order] for k in order)), -1), 3, -1)
+    return D[..., :3], D[..., 3:]
 
 
 def _same(*arrays: np.ndarray) -> list[np.ndarray]:

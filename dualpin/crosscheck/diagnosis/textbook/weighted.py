@@ -125,11 +125,16 @@ class Sums:
         return np.asarray((m[..., None] * self.c).sum(-2) / self.mass)
 
     @cached_property
-    def jacobians(self) -> np.ndarray:
-        """(runs, n, bodies, 6, nv), of the bodies' centres."""
+    def by_axes(self) -> np.ndarray:
+        """(runs, n, bodies, 6, axes), of the bodies' centres."""
         wrong = {"the link's origin": self.p, "R c alone, without the link's origin": self.r}
         c = self.steps.pick("the point of a body's Jacobian", self.c, **wrong)
-        return self.columns.reduced(self.columns.at(c, self.links, "a centre of mass"))
+        return self.columns.at(c, self.links, "a centre of mass")
+
+    @cached_property
+    def jacobians(self) -> np.ndarray:
+        """(runs, n, bodies, 6, nv)."""
+        return self.columns.reduced(self.by_axes)
 
     def com_jacobian(self) -> np.ndarray:
         m = self._masses("the weight of a body's Jacobian")
@@ -221,7 +226,8 @@ class Sums:
         """w of each body, and the velocity of its centre."""
         if self.columns.by_product:
             assert self.poses.qd is not None
-            motion = product(self.jacobians, self.poses.qd[..., None, :])
+            J = self.columns.reduced(self.columns.carried(self.by_axes))
+            motion = product(J, self.poses.qd[..., None, :])
             return motion[..., :3], motion[..., 3:]
         w, v = (stacked(x, self.links, 1) for x in (self.columns.w, self.columns.v))
         arms = {"c, not turned": self.local + 0 * self.r, "that from the world's origin": self.c}
