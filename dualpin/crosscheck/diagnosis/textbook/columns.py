@@ -245,7 +245,7 @@ class Columns:
         bodies = [self.poses.placed[k].body for k in links] if self.poses.fused else list(links)
         of_body = {"that of its body's origin": lambda: stacked(self.v, bodies, 1)}
         velocities = steps.pick(f"the velocity of the end of a lever arm: at {whose}", velocities, **of_body)
-        ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "that of the joint": -u}
+        ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "the velocity of the joint": -u}
         moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **ends)
         zero = np.zeros_like(turned + moving)
         lever = {"z x dr/dt": cross(z + zero, moving)}
