@@ -56,4 +56,24 @@ def public(body: Callable[P, T]) -> Callable[P, T]:
     return function
 
 
-__all__ = ["ask", "public"]
+def several(rank: int) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Make a public function whose results are the parts of one array, along the first of its last `rank` axes."""
+
+    def public_parts(body: Callable[P, T]) -> Callable[P, T]:
+        whole: Any = public(body)
+        rest = (slice(None),) * (rank - 1)
+
+        @functools.wraps(body)
+        def call(*args: P.args, **named: P.kwargs) -> Any:
+            found = whole(*args, **named)
+            if found.ndim == rank:
+                return tuple(found)
+            places = ((..., k, *rest) for k in range(found.shape[-rank]))  # as any library's arrays understand
+            return tuple(map(found.__getitem__, places))
+
+        return call
+
+    return public_parts
+
+
+__all__ = ["ask", "public", "several"]

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..call import evaluator
+from ..call.public import ask, public, several
 from ..model.robot import Robot
 from ..terms import (
     ABA_DERIVATIVES,
@@ -21,6 +19,7 @@ from ..terms import (
 )
 
 
+@several(3)
 def rnea_derivatives(
     robot: Robot,
     q: ArrayLike,
@@ -77,10 +76,11 @@ def rnea_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_DERIVATIVES, engine, dtype)(q, v, a, out), 3)
-    return parts(evaluator(robot, RNEA_DERIVATIVES_F_EXT, engine, dtype)(q, v, a, f_ext, out), 3)
+        return ask(RNEA_DERIVATIVES, q, v, a)
+    return ask(RNEA_DERIVATIVES_F_EXT, q, v, a, f_ext)
 
 
+@several(3)
 def aba_derivatives(
     robot: Robot,
     q: ArrayLike,
@@ -136,10 +136,11 @@ def aba_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, ABA_DERIVATIVES, engine, dtype)(q, v, tau, out), 3)
-    return parts(evaluator(robot, ABA_DERIVATIVES_F_EXT, engine, dtype)(q, v, tau, f_ext, out), 3)
+        return ask(ABA_DERIVATIVES, q, v, tau)
+    return ask(ABA_DERIVATIVES_F_EXT, q, v, tau, f_ext)
 
 
+@public
 def rnea_jvp(
     robot: Robot,
     q: ArrayLike,
@@ -197,10 +198,11 @@ def rnea_jvp(
     True
     """
     if f_ext is None:
-        return evaluator(robot, RNEA_JVP, engine, dtype)(q, v, a, dq, dv, da, out)
-    return evaluator(robot, RNEA_JVP_F_EXT, engine, dtype)(q, v, a, dq, dv, da, f_ext, out)
+        return ask(RNEA_JVP, q, v, a, dq, dv, da)
+    return ask(RNEA_JVP_F_EXT, q, v, a, dq, dv, da, f_ext)
 
 
+@several(2)
 def rnea_vjp(
     robot: Robot,
     q: ArrayLike,
@@ -256,10 +258,5 @@ def rnea_vjp(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_VJP, engine, dtype)(q, v, a, w, out), 2)
-    return parts(evaluator(robot, RNEA_VJP_F_EXT, engine, dtype)(q, v, a, w, f_ext, out), 2)
-
-
-def parts(whole: np.ndarray, rank: int) -> tuple[Any, ...]:
-    """The parts of the first of the last `rank` axes."""
-    return tuple(np.moveaxis(whole, -rank, 0))
+        return ask(RNEA_VJP, q, v, a, w)
+    return ask(RNEA_VJP_F_EXT, q, v, a, w, f_ext)

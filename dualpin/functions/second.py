@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..call import evaluator
+from ..call.public import ask, several
 from ..model.robot import Robot
 from ..terms import (
     RNEA_HESSIAN,
@@ -15,9 +15,9 @@ from ..terms import (
     RNEA_SECOND_DERIVATIVES,
     RNEA_SECOND_DERIVATIVES_F_EXT,
 )
-from .derivatives import parts
 
 
+@several(2)
 def rnea_hvp(
     robot: Robot,
     q: ArrayLike,
@@ -78,10 +78,11 @@ def rnea_hvp(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_HVP, engine, dtype)(q, v, a, w, dq, dv, da, out), 2)
-    return parts(evaluator(robot, RNEA_HVP_F_EXT, engine, dtype)(q, v, a, w, dq, dv, da, f_ext, out), 2)
+        return ask(RNEA_HVP, q, v, a, w, dq, dv, da)
+    return ask(RNEA_HVP_F_EXT, q, v, a, w, dq, dv, da, f_ext)
 
 
+@several(3)
 def rnea_hessian(
     robot: Robot,
     q: ArrayLike,
@@ -145,10 +146,11 @@ def rnea_hessian(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_HESSIAN, engine, dtype)(q, v, a, w, out), 3)
-    return parts(evaluator(robot, RNEA_HESSIAN_F_EXT, engine, dtype)(q, v, a, w, f_ext, out), 3)
+        return ask(RNEA_HESSIAN, q, v, a, w)
+    return ask(RNEA_HESSIAN_F_EXT, q, v, a, w, f_ext)
 
 
+@several(4)
 def rnea_second_derivatives(
     robot: Robot,
     q: ArrayLike,
@@ -214,5 +216,5 @@ def rnea_second_derivatives(
     True
     """
     if f_ext is None:
-        return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES, engine, dtype)(q, v, a, out), 4)
-    return parts(evaluator(robot, RNEA_SECOND_DERIVATIVES_F_EXT, engine, dtype)(q, v, a, f_ext, out), 4)
+        return ask(RNEA_SECOND_DERIVATIVES, q, v, a)
+    return ask(RNEA_SECOND_DERIVATIVES_F_EXT, q, v, a, f_ext)

@@ -47,8 +47,8 @@ FORM = {
 }  # fmt: skip
 """Fields of `jit.public.Form`: the form of a call, and the fast call for it."""
 
-MOST, AXES = 6, 4
-"""The most arrays of a call, and axes of an array for one sample."""
+MOST, AXES = 9, 4
+"""The most arrays of a call (Hessian products with external forces), and axes of an array for one sample."""
 BUCKETS, FORMS = 64, 63
 """Forms are kept in hash buckets; a call searches one bucket."""
 _READ, _WRITE = 0x101, 0x501  # flags of an array that is C-contiguous and aligned; and writeable
