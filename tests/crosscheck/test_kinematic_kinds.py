@@ -171,6 +171,106 @@ def test_an_axis_that_is_kept_in_the_world_is_wrong_wherever_it_is_used():
     ]
 
 
+def _world(*changes: tuple[str, str]) -> Any:
+    return rewritten("worldframe", *changes)
+
+
+ARM = 'arm = point - (s.p[b.parent] if "jacobian_arm_of_parent" in self.mistakes else s.p[j])'
+COLUMN = "k, z = b.columns[0], s.z[j]"
+SLIDE = '                Jv[:, k] = z\n                if "jac'
+RATE = "Jd[3:, k] = np.cross(zd, p - s.p[j])"
+AT_FRAME = 'Jw, Jv = self.columns(s, i, p)\n        if "jacobian_in'
+STARTS = "w, u, wd, ud = s.w[b.parent], s.u[b.parent], s.wd[b.parent], s.ud[b.parent]"
+COM = "return sum(self.bodies[i].mass * s.c[i] for i in self.counted) / total"
+OF_FRAMES: dict[str, tuple[Any, str, tuple[str, ...]]] = {
+    "arm_of_centre": (_world((ARM, "arm = point - s.c[j]")), "the centre of mass of the joint's link", ("jacobian",)),
+    "arm_of_first": (_world((ARM, "arm = point - s.p[1]")), "counted from the first joint", ("jacobian",)),
+    "arm_of_list": (_world((ARM, "arm = point - s.p[j - 1]")), "the joint before in the list", ("jacobian",)),
+    "arm_sum": (_world((ARM, "arm = point + s.p[j]")), "the sum of both positions", ("jacobian",)),
+    "entry_by_entry": (_world(("else np.cross(z, arm)", "else z * arm")), "taken entry by entry", ("jacobian",)),
+    "axis_of_list": (
+        _world((COLUMN, "k, z = b.columns[0], s.z[j - 1]")),
+        "the joint before in the list",
+        ("jacobian",),
+    ),
+    "link_z": (_world((COLUMN, "k, z = b.columns[0], s.R[j][:, 2]")), "that of the link's z axis", ("jacobian",)),
+    "end_matrix": (
+        _world((COLUMN, "k, z = b.columns[0], s.R[i] @ b.axis")),
+        "that of the link that carries the point",
+        ("jacobian",),
+    ),
+    "slide_unturned": (
+        _world((SLIDE, SLIDE.replace("= z", "= b.axis"))),
+        "the axis of a column, of sliding joints",
+        ("jacobian",),
+    ),
+    "numbers": (
+        _world(("path = self.path[i]\n", "path = [k for k in range(i + 1) if self.bodies[k].columns]\n")),
+        "those of all joints with a smaller number, breadth first",
+        ("jacobian",),
+    ),
+    "rows_twice": (
+        _world((AT_FRAME, AT_FRAME.replace("\n", "; A = R @ s.R[i].T; Jw, Jv = A @ Jw, A @ Jv\n"))),
+        "frame_axes: rows of frames on fixed joints are turned by the fixed joint's rotation twice",
+        ("jacobian",),
+    ),
+    "body_axes": (
+        _world((AT_FRAME, AT_FRAME.replace("\n", "; Jw, Jv = s.R[i].T @ Jw, s.R[i].T @ Jv\n"))),
+        "frame_axes: rows of frames on fixed joints are in the axes of the link that carries",
+        ("jacobian",),
+    ),
+    "minus": (
+        _world(
+            (
+                "return np.vstack([Jw, Jv])\n\n    def jacobian_dot",
+                "return -np.vstack([Jw, Jv])\n\n    def jacobian_dot",
+            )
+        ),
+        "six_sign: ",
+        ("jacobian",),
+    ),
+    "rate_arm": (_world((RATE, "Jd[3:, k] = np.cross(zd, p)")), "the lever arm in the rate", ("jacobian_dot",)),
+    "rate_end": (
+        _world(("u = s.u[i] + np.cross(s.w[i], p - s.p[i])\n        Jd", "u = s.u[i]\n        Jd")),
+        "w x r is left out of the velocity of a frame",
+        ("jacobian_dot",),
+    ),
+    "rate_joint": (
+        _world(("else u - s.u[j]))", "else u - s.u[b.parent]))")),
+        "is that of its parent",
+        ("jacobian_dot",),
+    ),
+    "motion_of_list": (
+        _world((STARTS, "w, u, wd, ud = s.w[i - 1], s.u[i - 1], s.wd[i - 1], s.ud[i - 1]")),
+        "the motion that a link starts from is that of the link before in the list",
+        ("frame_velocity",),
+    ),
+    "com_loses_last": (
+        _world((COM, COM.replace("in self.counted", "in list(self.counted)[:-1]"))),
+        "leaves out the last",
+        ("com",),
+    ),
+    "com_component": (
+        _world((COM, COM.replace("s.c[i]", "(s.p[i] + s.R[i] @ (self.bodies[i].com * [1, -1, 1]))"))),
+        "is that with y of the other sign",
+        ("com",),
+    ),
+}
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("kind", OF_FRAMES)
+def test_columns_rates_and_motions_are_named(kind):
+    code, words, terms = OF_FRAMES[kind]
+    (said,) = told(code, terms)
+    assert words in said
+
+
+@pytest.mark.parametrize("kind", ["rows_twice", "arm_of_list"])
+def test_columns_are_named(kind):
+    test_columns_rates_and_motions_are_named(kind)
+
+
 def test_columns_that_the_subject_counts_by_a_factor():
     """v_s = k v, tau = k tau_s, and positions as they are."""
     from dualpin.crosscheck.subjects import Convention

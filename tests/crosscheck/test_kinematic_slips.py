@@ -183,8 +183,14 @@ def test_rates_by_second_derivatives_and_forces_of_right_motions_are_right(trees
     for term in ("jacobian_dot", "frame_acceleration", "bias", "rnea", "coriolis"):
         x = kinematics.jacobians(view, term, Steps(), how=kinematics.SECOND, fused=fused)[0]
         assert apart(x, view.compute(term)) < 1e-11, term
+    for how in (kinematics.SYMBOLIC, kinematics.RATED):  # and derivatives of M by them, joint by joint
+        x = kinematics.jacobians(view, "coriolis", Steps(), how=how, fused=fused)[0]
+        assert apart(x, view.compute("coriolis")) < 1e-11, how
     for ask in trees:
         view = Case(silent(ask)).view(())
+        for other in ({"early": True}, {"by_level": True}):  # axes kept in the world, and links in another order
+            for term in ("jacobian_dot", "frame_velocity", "crba"):
+                assert apart(kinematics.poses(view, term, Steps(), fused=fused, **other)[0], view.compute(term)) < 1e-11
         x = kinematics.jacobians(view, "bias", Steps(), how=kinematics.PROJECTED, fused=fused)[0]
         assert apart(x, view.compute("bias")) < 1e-11
 

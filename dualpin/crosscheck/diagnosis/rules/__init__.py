@@ -8,6 +8,7 @@ from . import (  # noqa: F401
     exchanged,
     forces,
     formulas,
+    frames,
     inputs,
     joints,
     kinematics,

@@ -43,6 +43,7 @@ def formulation(
     when: Callable[[Case], Any] = lambda case: True, cost: float = COST, says: Mapping[str, str] | None = None,
     batched: bool = False, like: Callable[[str], str] = lambda term: term,
     afterwards: Callable[[Case], bool] = lambda case: False, alike: str = "",
+    only: Callable[[Slip], bool] = lambda slip: True,
 ) -> Callable[[Run], Run]:  # fmt: skip
     """Register an algorithm whose single slips are hypotheses.
 
@@ -68,6 +69,8 @@ def formulation(
         The term in which the slips of a term are looked for, where the same steps are quicker to see there.
     afterwards : callable
         Whether it takes so long that a slip is tried only where it explains another term.
+    only : callable
+        Which of its slips are hypotheses.
     alike : str
         Formulations of which this is equal have the same slips, and share no mistake with any other.
     """
@@ -80,7 +83,7 @@ def formulation(
             asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
             slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, asked))}
             for term in asked:
-                for slip in slips[like(term)]:
+                for slip in filter(only, slips[like(term)]):
                     touched.setdefault(slip, []).append(term)
             return [
                 Hypothesis(

@@ -3,206 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...subjects.layout import product
 from ..case import Case, View
-from ..textbook import gradient
-from ..textbook.assembly import of_symbols, solved
-from ..textbook.attitudes import PLAIN, Ways
-from ..textbook.columns import Columns, referred, referred_rate
-from ..textbook.poses import Poses, position_rates, stacked
-from ..textbook.second import SecondDerivatives
+from ..textbook.answers import (
+    DIFFERENTIATED,
+    JACOBIANS,
+    LARGE,
+    LINKS,
+    MOVED,
+    MOVING,
+    OF_FRAMES,
+    PROJECTED,
+    RATED,
+    SECOND,
+    SEEN,
+    SYMBOLIC,
+    Made,
+)  # fmt: skip
+from ..textbook.lists import branched
+from ..textbook.poses import stacked
+from ..textbook.references import referred
 from ..textbook.slipped import Run
-from ..textbook.steps import Steps
+from ..textbook.steps import Slip, Steps
 from ..textbook.ways import WAYS
-from ..textbook.weighted import RIGHT, Sums
 from .formulation import COST, FUSING, Terms, formulation
 
-SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
-RATED = "Christoffel's symbols of derivatives by rates"
-LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
-SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
-SEEN = (
-    "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
-    "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
-)  # fmt: skip
-MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
-TURNED = ("kinetic_energy", "crba", "minv", "rnea", "aba")
-"""Terms in which the inertia of rotors counts."""
-MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba", "coriolis")
-
-
-@dataclass(frozen=True)
-class Made:
-    """One run, or many.
-
-    Attributes
-    ----------
-    poses, rest, reading : Steps
-        Those of poses and velocities, those of all that is made of them, and those of reading tensors.
-    ways : Ways
-        How rotations are made.
-    fused : bool
-        Whether fixed links are merged into the bodies that carry them.
-    how : str
-        Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
-        rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
-    early : bool
-        Whether axes are turned into the world before their own joint turns.
-    """
-
-    view: View
-    poses: Steps = RIGHT
-    rest: Steps = RIGHT
-    ways: Ways = PLAIN
-    reading: Steps = RIGHT
-    fused: bool = False
-    how: str = LINKS
-    early: bool = False
-
-    def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
-        v = self.view
-        qd = v.states.get("v") if moving else None
-        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused, self.early)
-
-    @cached_property
-    def whole(self) -> Poses:
-        """Without slips there it is the same for all."""
-        v = self.view
-        if self.poses is not RIGHT or self.ways is not PLAIN or self.early:
-            return self.tree(v.states["q"])
-        known = TREES.setdefault(v.case, [])
-        for of, states, fused, tree in known:
-            if of is v.description and states is v.states and fused == self.fused:
-                return tree
-        tree = self.tree(v.states["q"])
-        del known[: len(known) - MOST + 1]
-        known.append((v.description, v.states, self.fused, tree))
-        return tree
-
-    @property
-    def rigid(self) -> bool:
-        """Whether the rotations that the subject returns are some: those of quaternions of another length are not."""
-        R = self.view.case.observed.get("fk", np.eye(3))[..., :3, :3]
-        return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
-
-    def columns(self, tree: Poses) -> Columns:
-        how = self.view.layout.how
-        world = how.angular == how.linear == "world"
-        columns = (SecondDerivatives if self.how == SECOND else Columns)(tree, self.rest, world)
-        return columns.by_jacobians() if self.how in (JACOBIANS, SECOND) and tree.qd is not None else columns
-
-    def sums(self, tree: Poses) -> Sums:
-        sums = Sums(tree, self.columns(tree), self.rest, self.reading)
-        if self.how == PROJECTED:
-            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT)
-        return sums
-
-    def term(self, term: str) -> np.ndarray:
-        """The answer to a question, (runs, n, ...)."""
-        s, g = self.view.states, np.array(self.view.description.gravity)
-        if term in OF_FRAMES:
-            return self.of_frames(term)
-        if term == "coriolis" and self.how == DIFFERENTIATED:
-            return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
-        if term in TURNED and any(any(p.armature) for p in self.view.description.parts):
-            raise ValueError("a robot without rotors only")
-        sums = self.sums(self.whole)
-        if term == "coriolis":
-            symbolic = self.how in (SYMBOLIC, RATED)
-            return gradient.coriolis(sums, self.how == RATED) if symbolic else sums.coriolis()
-        if term in SUMMED:
-            return SUMMED[term](sums, g)
-        if term == "kinetic_energy":
-            if self.how == LINKS:
-                return sums.kinetic_energy()
-            return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
-        add = self.rest.add
-        if term in ("crba", "minv"):
-            M = sums.mass_matrix
-            return M if term == "crba" else solved(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
-        h = add("the bias", **{"what velocities need": sums.velocity_forces(), "gravity": sums.gravity(g)})
-        if term == "bias":
-            return np.asarray(h)
-        if term == "rnea":
-            return np.asarray(add("the torques", **{"M a": product(sums.mass_matrix, s["a"]), "the bias": h}))
-        forces = add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
-        return np.asarray(solved(sums.mass_matrix, forces[..., None])[..., 0])
-
-    def of_frames(self, term: str) -> np.ndarray:
-        """Poses, Jacobians and motions of frames."""
-        tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states.get("a")
-        links = [tree.number[f] for f in self.view.frames]
-        if term == "fk":
-            return stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
-        J = self._jacobian(tree, links)
-        if term == "jacobian":
-            return J
-        if term == "frame_velocity":
-            return product(J, v)
-        D = self._rate(tree, links)
-        if term == "jacobian_dot" or a is None:
-            return D
-        moving = product(D, v)
-        wrong = {"that of the origin of the body that carries the frame": lambda: self._of_bodies(tree, links)}
-        moving = self.rest.pick("what velocities add to a frame's acceleration", moving, **wrong)
-        parts = {"J a": product(J, a[:, None]), "dJ/dt v": moving}
-        halves = [
-            self.rest.add(f"the acceleration of a frame: {which} part", **{k: x[..., at] for k, x in parts.items()})
-            for which, at in (("its angular", slice(0, 3)), ("its linear", slice(3, 6)))
-        ]
-        return np.concatenate(np.broadcast_arrays(*halves), -1)
-
-    def _of_bodies(self, tree: Poses, links: list[int]) -> np.ndarray:
-        """dJ/dt v of the bodies that carry frames on fixed joints."""
-        moving = [self._carrier(tree, k) for k in links]
-        return product(self._rate(tree, moving), self.view.states["v"][:, None])
-
-    def _carrier(self, tree: Poses, link: int) -> int:
-        while link > 0 and not tree.of_link[link]:
-            link = tree.parent[link]
-        return link
-
-    def _jacobian(self, tree: Poses, links: list[int]) -> np.ndarray:
-        columns, R, p = self.columns(tree), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
-        J = columns.reduced(columns.at(p, links))
-        return referred(self.rest, J, R, p, self.view.layout.how.reference)
-
-    def _rate(self, tree: Poses, links: list[int]) -> np.ndarray:
-        s, reference = self.view.states, self.view.layout.how.reference
-        if self.how == DIFFERENTIATED:  # by a complex step along the motion
-            h = 1e-30
-            at = s["q"] + 1j * h * position_rates(self.view.robot, s["q"], s["v"])
-            return self._jacobian(self.tree(at, moving=False), links).imag / h
-        columns = self.columns(tree)
-        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (columns.w, 1), (columns.v, 1)))
-        J = columns.reduced(columns.at(p, links))
-        D = columns.reduced(columns.rates(p, u, links))
-        return referred_rate(self.rest, D, J, (R, p, w, u), reference)
-
-
-OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
-TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()
-LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long
-MOST = 4  # trees of a case that are kept
-SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
-    "com": lambda sums, g: sums.com, "com_jacobian": lambda sums, g: sums.com_jacobian(),
-    "centroidal_momentum_matrix": lambda sums, g: sums.momentum(),
-    "potential_energy": Sums.potential_energy, "gravity": Sums.gravity,
-}  # fmt: skip
-
-
-def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """C by Christoffel's symbols of M(q), whose derivatives are taken by complex steps."""
-    h = 1e-30
-    dM = np.stack([mass(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)
-    return of_symbols(RIGHT, dM, v)
+__all__ = ["DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "WAYS"]
 
 
 def off(*terms: str) -> Callable[[Case], bool]:
@@ -260,7 +90,7 @@ def fuses(case: Case) -> bool:
 
 
 KNOWN = {
-    ("the arm r in w x r", "without the travel of a sliding joint", "step_other"): "slide_radius",
+    ("the arm to a link's origin", "without the travel of a sliding joint", "step_other"): "slide_radius",
     ("the linear part of a turning column", "", "step_swapped"): "jacobian_linear_sign",
     ("the moment of a body", "w x I w", "step_left_out"): "gyroscopic",
     ("the moment of a body", "w x I w", "step_sign"): "gyroscopic_sign",
@@ -297,15 +127,34 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
 
     `after` is a term in which its slips show first, if that is answered; they are looked for there.
     """
-    variant = ", ".join(x for x in (how.get("how", ""), "with axes kept early" * how.get("early", False)) if x)
+    levels = how.get("by_level", False)
+    marks = (how.get("how", ""), "with axes kept early" * how.get("early", False), "level by level" * levels)
+    variant = ", ".join(x for x in marks if x)
     cost, like = COST + 0.05 * bool(variant) + 0.02 * name.startswith("quaternions"), LIKE.get(run, _itself)
     slow = partial(_answers, after)
-    alike = name if run is rotations else ""
-    formulation(name, terms, KNOWN, variant, _always, cost, SAYS, True, like, slow, alike)(_of(run, **how))
+    alike, when = name if run is rotations else "", _branches if levels else _always
+    listing = _in_a_list if levels else _any
+    formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
-    formulation(name, terms, KNOWN, both, fuses, cost + FUSING, None, True, like, slow, alike)(
-        _of(run, fused=True, **how)
-    )
+    formulation(
+        name, terms, KNOWN, both, partial(_both, when, fuses), cost + FUSING, None, True, like, slow, alike, listing
+    )(_of(run, fused=True, **how))
+
+
+def _branches(case: Case) -> bool:
+    return branched(case.description)
+
+
+def _both(a: Callable[[Case], bool], b: Callable[[Case], bool], case: Case) -> bool:
+    return a(case) and b(case)
+
+
+def _any(slip: Slip) -> bool:
+    return True
+
+
+def _in_a_list(slip: Slip) -> bool:
+    return "in the list" in slip.what or slip.how == "step_last"
 
 
 def _answers(after: str, case: Case) -> bool:
@@ -317,7 +166,7 @@ def _always(case: Case) -> bool:
 
 
 LIKE: dict[Run, Callable[[str], str]] = {
-    poses: lambda term: "frame_velocity" if term in MOVING else "fk",
+    poses: lambda term: "frame_velocity" if term in (*MOVING, "coriolis") else "fk",
     rotations: lambda term: "fk" if term in OF_FRAMES else "com", reading: lambda term: "crba",
 }  # fmt: skip
 """Where all slips show."""
@@ -358,16 +207,20 @@ TENSORS = ("centroidal_momentum_matrix", "kinetic_energy", "crba", "minv", "bias
 GROUPS = {
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
-    "rate": ("jacobian_dot",), "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
+    "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
 }  # fmt: skip
-_register("forward kinematics", poses, _terms(*SEEN, moved=off("fk"), matrix=off("frame_velocity")))
+_register(
+    "forward kinematics", poses, _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"))
+)
 _register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
-_register("forward kinematics", poses, RATES, how=DIFFERENTIATED)
+_register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
+_register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
+_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
-_register("geometric Jacobians", jacobians, RATES, how=DIFFERENTIATED)
+_register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
@@ -377,6 +230,7 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
 _register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
 _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
+_register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
 for _name in WAYS:
     _register(_name, rotations, _terms(posed=off("fk")), way=_name)

@@ -262,17 +262,27 @@ def from_shapes(b: Body) -> Body:
     return replace(b, inertia=b.mass * 2e-6 / 3 * np.eye(3))  # a box with half a millimetre of margin each way
 
 
+DEFAULTS = ((1.0, 1.0), (1.0, 0.0), (1.0, 0.1), (1.0, 0.01), (1.0, 1e-3), *((m, i) for m in (0.1, 0.01, 1e-3, 1e-6)
+            for i in (0.0, m, m * 1e-3)))  # fmt: skip
+"""Mass and principal moments that a reader may give to links without <inertial>."""
+
+
 @proposer(
-    "default_mass", "links without <inertial> weigh 1 kg, with inertia 1", "a link without <inertial> has no mass"
+    "default_mass", "links without <inertial> get a mass, and an inertia", "a link without <inertial> has no mass"
 )
 def default_mass(h: Hypothesis, case: object) -> list[Hypothesis]:
-    unit = Body(1.0, np.zeros(3), np.zeros(3), np.eye(3), np.eye(3))
+    def one(m: float, i: float) -> Hypothesis:
+        body = Body(m, np.zeros(3), np.zeros(3), np.eye(3), i * np.eye(3))
 
-    def edit(d: Description, items: Sequence[str]) -> Description:
-        parts = tuple(replace(p, body=unit) if p.body is None else p for p in d.parts)
-        return replace(d, base=d.base or unit, parts=parts)
+        def edit(d: Description, items: Sequence[str]) -> Description:
+            parts = tuple(replace(p, body=body) if p.body is None else p for p in d.parts)
+            return replace(d, base=d.base or body, parts=parts)
 
-    return [replace(h, place="edit", act=edit, terms=INERTIAL)]
+        words = f"with inertia {i:g}" if i else "as points without inertia"
+        says = f"links without <inertial> weigh {m:g} kg, {words}"
+        return replace(h, says=says, place="edit", act=edit, terms=INERTIAL)
+
+    return [one(m, i) for m, i in DEFAULTS]
 
 
 @proposer(

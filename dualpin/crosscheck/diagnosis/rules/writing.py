@@ -13,6 +13,8 @@ from ...subjects.convention import BASE_V
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, Wording, reordered
+from ..textbook.lists import by_levels
+from ..textbook.lumps import listed
 from .register import ALL, PUSHED, SIX, proposer, rule
 
 OF_FRAMES = (*SIX, "frame_acceleration", *PUSHED)
@@ -160,21 +162,22 @@ def _swapped(h: Hypothesis, here: Sequence[str]) -> list[Hypothesis]:
 
 def orders(d: Description, wanted: Sequence[str]) -> dict[str, list[str]]:
     """The orders in which libraries number joints."""
-    by_parent: dict[str, list[str]] = {}
-    for p in d.parts:
-        by_parent.setdefault(p.parent, []).append(p.joint)
-    link = {p.joint: p.link for p in d.parts}
-    breadth, level = [], list(by_parent.get(d.root, []))
-    while level:
-        breadth += level
-        level = [j for joint in level for j in by_parent.get(link[joint], [])]
-    listed = {
-        "in alphabetical order": sorted(link), "in the order in which the file lists them": list(d.listed),
+    named = replace(d, listed=tuple(p.joint for p in d.parts))  # siblings by name
+    turned = replace(d, listed=d.listed[::-1])
+    found = {
+        "in alphabetical order": sorted(p.joint for p in d.parts),
+        "in the order in which the file lists them": list(d.listed),
         "in the file's order, reversed": list(d.listed)[::-1],
-        "depth first, siblings by name": [p.joint for p in d.parts], "breadth first, siblings by name": breadth,
+        "depth first, siblings by name": [p.joint for p in d.parts],
+        "breadth first, siblings by name": [p.joint for p in by_levels(named).parts],
+        "depth first, siblings as in the file": [p.joint for p in listed(d)],
+        "breadth first, siblings as in the file": [p.joint for p in by_levels(d).parts],
+        "depth first, siblings in the file's order, reversed": [p.joint for p in listed(turned)],
         "in the declared order, reversed": list(wanted)[::-1],
-    }  # fmt: skip
-    return {words: [n for n in names if n in set(wanted)] for words, names in listed.items()}
+        "in the declared order, counted from the second": [*wanted[1:], *wanted[:1]],
+        "in the declared order, the last one first": [*wanted[-1:], *wanted[:-1]],
+    }
+    return {words: [n for n in names if n in set(wanted)] for words, names in found.items()}
 
 
 @proposer(

@@ -14,12 +14,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import partial
 
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product
+from .lists import beside, orders
 from .poses import Poses, stacked
+from .references import joined, six
 from .steps import Steps, cross
 
 
@@ -46,6 +49,7 @@ class Columns:
         self.order = np.argsort(base + joints)
         self.before = np.array([self._before(i) for i in range(len(self.axes))], int)
         self.after = np.array([self._after(i) for i in range(len(self.axes))], int)
+        self.listed, self.follow = beside(poses.parent, self.links, (self.before, self.after))
         self.o = stacked(poses.p, self.links, 1)
         self.z = self._whole([self._directions(g, which) for g, which in self.groups], -2)
         self.w, self.v, self.by_product = poses.w, poses.v, False
@@ -85,7 +89,7 @@ class Columns:
         """Base and joints, in the order of the axes."""
         if len(parts) == 1:
             return parts[0]
-        return np.take(_joined(parts, axis), self.order, axis)
+        return np.take(joined(parts, axis), self.order, axis)
 
     def _directions(self, group: list[int], which: str) -> np.ndarray:
         """z = R a, in world axes."""
@@ -94,10 +98,14 @@ class Columns:
         R = stacked(self.poses.R, [self.links[i] for i in group], 2)
         parents = [self.parents[i] for i in group]
         others = {"by the parent's rotation, without its own rpy": lambda: stacked(self.poses.R, parents, 2)}
-        site = f"the axis of a column: {which}"
+        a = a + 0 * R[..., 0]
         if group and self.axes[group[0]].base:
-            return self.steps.turn(site, R, a + 0 * R[..., 0])
-        z = self.steps.turn(site, R, a + 0 * R[..., 0], **others)
+            return self.steps.turn(f"the axis of a column: {which}", R, a)
+        turns = self.turns[group, None]
+        kinds = [(kind, mask) for kind, mask in (("turning", turns), ("sliding", 1 - turns)) if mask.any()]
+        z = sum(
+            mask * self.steps.turn(f"the axis of a column: of {kind} joints", R, a, **others) for kind, mask in kinds
+        )
         for k, x in enumerate(kept):
             if x is not None:
                 z = z + 0 * x[..., None, :]
@@ -105,17 +113,21 @@ class Columns:
         o = self.o[..., group, :]
         wrong = {
             "the joint before": lambda: self._moved(group, z, self.before),
-            "the next joint": lambda: self._moved(group, z, self.after),
+            "the next joint": lambda: self._moved(group, z, self.after, None),
             "the first joint": lambda: z[..., :1, :] + 0 * z,
+            **{words: partial(self._moved, group, z, to, 0.0) for words, to in self.listed.items()},
+            **{words: partial(self._moved, group, z, to, None) for words, to in self.follow.items()},
         }
         z = np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
         point = {"a point, with the position of its origin added": lambda: z + o}
+        point |= {f"that of the link's {'xyz'[k]} axis": R[..., k] + 0 * z for k in range(3)}
         return np.asarray(self.steps.pick("the direction in a column, of joints,", z, **point))
 
-    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray, z: float = 1.0) -> np.ndarray:
-        """Of every axis, what another axis has; where there is none, the world's z, or its origin."""
-        out = np.zeros_like(x)
-        out[..., 2] = z
+    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray, z: float | None = 1.0) -> np.ndarray:
+        """Of every axis, what another axis has; where there is none, the world's z or origin, or its own."""
+        out = x.copy()
+        if z is not None:
+            out[:] = (0.0, 0.0, z)
         for k, i in enumerate(group):
             if to[i] in group:
                 out[..., k, :] = x[..., group.index(to[i]), :]
@@ -137,29 +149,40 @@ class Columns:
 
     def at(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> np.ndarray:
         """(runs, n, points, 6, axes): [w; v] of points (runs, n, points, 3) of links, by the rate of each axis."""
-        J = self._whole([self._columns(points, g, which, whose) for g, which in self.groups], -1)
+        J = self._whole([self._columns(points, links, g, which, whose) for g, which in self.groups], -1)
         return J * self._moving(links)
 
-    def _columns(self, points: np.ndarray, group: list[int], which: str, whose: str) -> np.ndarray:
+    def _columns(
+        self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
+    ) -> np.ndarray:  # fmt: skip
         steps, p = self.steps, points[..., None, :]
         z, o = self.z[..., None, group, :], self.o[..., None, group, :]
-        r = steps.pick(f"the lever arm of a column: to {whose}, {which}", p - o, **self._arms(group, p, o))
+        if not self.axes[group[0]].base:
+            carriers = [self.poses.carrier(k) for k in links]
+            wrong = {
+                "that of the link on which the point is": lambda: self._seen(links, group) + 0 * z,
+                "that of the link that carries the point": lambda: self._seen(carriers, group) + 0 * z,
+            }
+            z = steps.pick("the matrix that turns an axis in a column", z, **wrong)
+        r = steps.pick(f"the lever arm of a column: to {whose}, {which}", p - o, **self._arms(group, links, p, o))
         lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
+        lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         zero = np.zeros_like(lever)
         z = z + zero
         angular, lever = self._exchanged(z, r, lever, group)
         column = steps.pick(
-            f"the column of a turning axis: {which}", _six(angular, lever),
-            **{"[z; 0], without the lever arm": _six(z, zero), "[0; z x r], without z": _six(zero, lever),
-               "[0; z], as of a sliding one": _six(zero, z), "[z; z]": _six(z, z), "[z x r; z]": _six(lever, z)},
+            f"the column of a turning axis: {which}", six(angular, lever),
+            **{"[z; 0], without the lever arm": six(z, zero), "[0; z x r], without z": six(zero, lever),
+               "[0; z], as of a sliding one": six(zero, z), "[z; z]": six(z, z), "[z x r; z]": six(lever, z)},
         )  # fmt: skip
-        slide = _six(zero, z)
+        slide = six(zero, z)
         if not self.turns[group].all():
             slide = steps.pick(
                 f"the column of a sliding axis: {which}", slide,
-                **{"[z; z x r], as of a turning one": _six(z, cross(z, r)), "[z; z]": _six(z, z), "zero": 0 * slide,
-                   "[0; z x r]": _six(zero, cross(z, r)), "[z; 0]": _six(z, zero), "[0; -z]": -slide,
-                   "[0; z + o], as if the axis were a point of the link": _six(zero, z + o)},
+                **{"[z; z x r], as of a turning one": six(z, cross(z, r)), "[z; z]": six(z, z), "zero": 0 * slide,
+                   "[0; z x r]": six(zero, cross(z, r)), "[z; 0]": six(z, zero), "[0; -z]": -slide,
+                   "[0; z + o], as if the axis were a point of the link": six(zero, z + o),
+                   "[0; z + z x r]": six(zero, z + cross(z, r)), "[0; r]": six(zero, r + zero)},
             )  # fmt: skip
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
@@ -183,24 +206,47 @@ class Columns:
         site = "the base's turning columns"
         return self.steps.pick(site, z, **angular), self.steps.pick(site, lever, **linear)
 
-    def _arms(self, group: list[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
+    def _seen(self, links: Sequence[int], group: list[int]) -> np.ndarray:
+        """(runs, n, points, axes, 3): the axes of this group, turned by the matrices of other links."""
+        a = np.concatenate([self.axes[i].direction for i in group], -2)
+        R = stacked(self.poses.R, list(links), 2)[..., None, :, :]
+        return product(R, a + 0 * R[..., 0])
+
+    def _carriers(self, links: Sequence[int], of: Sequence[np.ndarray]) -> np.ndarray:
+        """Of the links that joints move and on which these are fixed."""
+        return stacked(list(of), [self.poses.carrier(k) for k in links], 1)
+
+    def _arms(self, group: list[int], links: Sequence[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
         """Other lever arms."""
         t = self.poses
         found: dict[str, object] = {"counted from the world's origin": lambda: p + 0 * o}
         if not self.axes[group[0]].base:
             parents = [self.parents[i] for i in group]
 
-            def neighbour(to: np.ndarray) -> np.ndarray:
-                return self._moved(group, o[..., 0, :, :], to, 0.0)[..., None, :, :]
+            def counted(to: np.ndarray) -> np.ndarray:
+                return p - self._moved(group, o[..., 0, :, :], to, 0.0)[..., None, :, :]
 
             found |= {
                 "counted from the root link": lambda: p - t.p[0][..., None, None, :] + 0 * o,
                 "counted from the joint's parent link": lambda: p - stacked(t.p, parents, 1)[..., None, :, :],
-                "counted from the joint before": lambda: p - neighbour(self.before),
-                "counted from the next joint": lambda: p - neighbour(self.after),
+                "counted from the joint before": partial(counted, self.before),
+                "counted from the next joint": partial(counted, self.after),
                 "that of the joint itself from the world's origin": lambda: o + 0 * p,
+                "the sum of both positions, not their difference": lambda: p + o,
+                "counted from the first joint": lambda: p - o[..., :1, :] + 0 * o,
+                "counted from the centre of mass of the joint's link": lambda: p - self._centres(group) + 0 * o,
+                "counted to the origin of the link that carries the point": (
+                    lambda: self._carriers(links, t.p)[..., None, :] - o + 0 * p
+                ),
+                **{f"counted from {w}": partial(counted, to) for w, to in (self.listed | self.follow).items()},
             }  # fmt: skip
         return found
+
+    def _centres(self, group: list[int]) -> np.ndarray:
+        """(runs, n, 1, axes, 3): the centres of mass of the links that joints move."""
+        t, links = self.poses, [self.links[i] for i in group]
+        centres = np.stack([t.centre(k) for k in links])
+        return (stacked(t.p, links, 1) + product(stacked(t.R, links, 2), centres))[..., None, :, :]
 
     def _moving(self, links: Sequence[int]) -> np.ndarray:
         """(runs, 1, points, 1, axes): whether an axis moves a point."""
@@ -218,6 +264,12 @@ class Columns:
             "only that of the last joint": right & (base | (numbers == last)),
             "those of the joints, without the base": right & ~base,
         }
+        for words, order in orders(self.poses.parent).items():
+            if words.endswith("(breadth first)"):
+                rank = np.array([order.index(k) for k in self.links])
+                ends = np.array([max([rank[i] for i in np.flatnonzero(r & ~base)], default=-1) for r in right])
+                before = (rank <= ends[:, None]) | (right & base)
+                wrong["those of all joints with a smaller number, breadth first"] = before
         shaped = {name: x[None, None, :, None] for name, x in wrong.items()}
         return np.asarray(self.steps.pick("the axes that have a column", right[None, None, :, None], **shaped))
 
@@ -235,33 +287,59 @@ class Columns:
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
         w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
+        arms, joints = {}, not self.axes[group[0]].base
+        if joints:
+            arms = self._arms(group, links, p, o)
+        r = steps.pick(f"the lever arm in the rate of a column: to {whose}, {which}", p - o, **arms)
         w = steps.pick(
             f"the angular velocity that turns an axis: {which}", w,
             **{"that of the frame's link": frames + 0 * w, "that of the axis against the frame": w - frames,
-               "that of the root": self.w[0][..., None, None, :] + 0 * w},
+               "that of the root": self.w[0][..., None, None, :] + 0 * w,
+               **self._others(group, self.w, w)},
         )  # fmt: skip
+        ends = velocities[..., None, :] + 0 * u
+        body_w, body_v, body_p = (self._carriers(links, x)[..., None, :] for x in (self.w, self.v, self.poses.p))
+        wrong = {
+            "that of its body's origin": body_v + 0 * ends,
+            "that of its body's origin with w x p added, not w x r": body_v + cross(body_w, p) + 0 * ends,
+            "that of its body's origin with r x w added, not w x r": body_v - cross(body_w, p - body_p) + 0 * ends,
+        }
+        ends = steps.pick(f"the velocity of the end of a lever arm: at {whose}", ends, **wrong)
+        u = steps.pick(
+            f"the velocity of a joint in the rate of a lever arm: {which}", u, **self._others(group, self.v, u)
+        )
         still = self.world and self.axes[group[0]].base  # axes of the world, for now
         turned = 0 * cross(w, z) if still else steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
-        bodies = [self.poses.placed[k].body for k in links] if self.poses.fused else list(links)
-        of_body = {"that of its body's origin": lambda: stacked(self.v, bodies, 1)}
-        velocities = steps.pick(f"the velocity of the end of a lever arm: at {whose}", velocities, **of_body)
-        ends = {"the velocity of its end": velocities[..., None, :] + 0 * u, "the velocity of the joint": -u}
-        moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **ends)
+        terms = {"the velocity of its end": ends, "the velocity of the joint": -u}
+        moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **terms)
         zero = np.zeros_like(turned + moving)
         lever = {"z x dr/dt": cross(z + zero, moving)}
         if not still:
-            lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, p - o), **lever}
+            lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, r + zero), **lever}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
-        column = _six(turned + zero, rate)
-        linear = {"[0; its linear part], without the turning of the axis": _six(zero, rate)}
+        column = six(turned + zero, rate)
+        linear = {"[0; its linear part], without the turning of the axis": six(zero, rate)}
         column = steps.pick(f"the rate of a turning column: {which}", column, **linear)
-        slide = _six(zero, turned + zero)
+        slide = six(zero, turned + zero)
         if not self.turns[group].all():
             wrong = {"zero": 0 * slide, "that of a turning one": column}
             slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
         turns = self.turns[group, None]
         rates = np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
-        return rates + self._carried(self._columns(points, group, which, whose)) if still else rates
+        return rates + self._carried(self._columns(points, links, group, which, whose)) if still else rates
+
+    def _others(self, group: list[int], of: Sequence[np.ndarray], like: np.ndarray) -> dict[str, object]:
+        """What other links have than those that the joints of a group move."""
+        if self.axes[group[0]].base:
+            return {}
+        own = stacked(list(of), self.links, 1)
+        found: dict[str, object] = {
+            "that of its parent": stacked(list(of), [self.parents[i] for i in group], 1)[..., None, :, :] + 0 * like
+        }
+        for words, to in {**self.listed, **self.follow}.items():
+            others = own[..., [to[i] for i in group], :] * (to[group] >= 0)[:, None]
+            found[f"that of {words}"] = others[..., None, :, :] + 0 * like
+        return found
 
     def _carried(self, J: np.ndarray) -> np.ndarray:
         """J_w dR/dt, of the base's columns in world axes, J_w = J R^T: what its own axes have besides."""
@@ -280,49 +358,3 @@ class Columns:
                 ratio = self.steps.pick("the column of a joint that follows", ratio, **wrong)
             S[:, i, a.column] = ratio
         return J @ S[:, None, None]
-
-
-def referred(
-    steps: Steps, J: np.ndarray, R: np.ndarray, p: np.ndarray, reference: str, what: str = "the Jacobian"
-) -> np.ndarray:  # fmt: skip
-    """From the frame in world axes to a reference; J (..., 6, k), R (..., 3, 3), p (..., 3)."""
-    rows = np.swapaxes(J, -1, -2)
-    w, v = rows[..., :3], rows[..., 3:]
-    if reference == "local":
-        back = np.swapaxes(R, -1, -2)[..., None, :, :]
-        w = steps.turn(f"{what}, in world axes: its angular part", back, w)
-        v = steps.turn(f"{what}, in world axes: its linear part", back, v)
-    elif reference == "world":
-        terms = {"v": v, "p x w": cross(p[..., None, :] + 0 * w, w)}
-        v = steps.add(f"the linear part of {what}, of the point at the world's origin", **terms)
-    return np.swapaxes(_six(w, v), -1, -2)
-
-
-def referred_rate(
-    steps: Steps, D: np.ndarray, J: np.ndarray, frame: Sequence[np.ndarray], reference: str
-) -> np.ndarray:  # fmt: skip
-    """The rate of `referred`, where D is that of J; `frame` is R, p, w, v of the frames."""
-    R, p, w, v = frame
-    if reference == "local":  # d/dt (R^T J) = R^T (D - w x J)
-        rows = np.swapaxes(J, -1, -2)
-        turning = _six(*(cross(w[..., None, :] + 0 * x, x) for x in (rows[..., :3], rows[..., 3:])))
-        terms = {"dJ/dt": D, "w x J, the turning of the frame": -np.swapaxes(turning, -1, -2)}
-        D = steps.add("the rate of the local Jacobian", **terms)
-    D = referred(steps, D, R, p, reference, "the rate of the Jacobian")
-    if reference == "world":  # d/dt (v + p x w) = vd + p x wd + pd x w
-        angular = np.swapaxes(J, -1, -2)[..., :3]
-        rows = np.swapaxes(D, -1, -2)
-        terms = {"that about a fixed point": rows[..., 3:], "dp/dt x w": cross(v[..., None, :] + 0 * angular, angular)}
-        linear = steps.add("the rate of the world's Jacobian", **terms)
-        D = np.swapaxes(_six(rows[..., :3] + 0 * linear, linear), -1, -2)
-    return D
-
-
-def _six(w: np.ndarray, v: np.ndarray) -> np.ndarray:
-    return _joined([w, v], -1)
-
-
-def _joined(parts: Sequence[np.ndarray], axis: int) -> np.ndarray:
-    """Concatenated, where some have fewer runs."""
-    lead = np.broadcast_shapes(*(x.shape[:2] for x in parts))
-    return np.concatenate([np.broadcast_to(x, (*lead, *x.shape[2:])) for x in parts], axis)

@@ -91,7 +91,7 @@ def at_once(steps: Steps, group: list[Piece]) -> Body:
     total = steps.pick("the mass of merged links", mass, **wrong)
     from_there = {
         "that of the first link": centres[0], "that of the last link": centres[-1],
-        "the mean of the links' centres": centres.mean(0),
+        "the mean of the links' centres": centres.mean(0), "the body's origin": np.zeros(3),
     }  # fmt: skip
     about = steps.pick("the point about which tensors are merged", C, **from_there)
     tensors = [tensor(steps, p)[0, 0] for p in group]
@@ -159,11 +159,20 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
             "the sum of m c, divided by the mass of the new link": (m * c + mass * new) / (mass or 1.0),
         }  # fmt: skip
         C = steps.pick("the centre of what is there and a fixed link", right, **others)
+        others = {
+            "the centre before it was added": c, "the body's origin": np.zeros(3), "the link's own centre": new,
+            "the mean of the two centres": (c + new) / 2,
+        }  # fmt: skip
+        about = steps.pick("the point about which a link is merged", C, **others)
+        arms = {"counted from the centre before": new - c, "counted from the body's origin": new + 0 * c, "C": C}
+        arm = steps.pick("the arm of the fixed link's Steiner's term", new - about, **arms)
+        arms = {"counted from the new link's centre": c - new, "counted from the body's origin": c + 0 * new, "C": C}
+        other = steps.pick("the arm of Steiner's term of what is there", c - about, **arms)
         terms = {
             "the tensor of what is there": I,
-            "Steiner's term of what is there": _steiner(steps, m, c - C, ": of what is there"),
+            "Steiner's term of what is there": _steiner(steps, m, other, ": of what is there"),
             "the fixed link's tensor": tensor(steps, p)[0, 0],
-            "Steiner's term of the fixed link": _steiner(steps, mass, new - C, ": of the fixed link"),
+            "Steiner's term of the fixed link": _steiner(steps, mass, arm, ": of the fixed link"),
         }  # fmt: skip
         I = steps.add("the inertia of what is there and a fixed link", **terms)
         terms = {"the mass of what is there": m, "the fixed link's mass": mass}

@@ -13,15 +13,18 @@ section 5.6.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ....model.robot import Joint, Robot
 from ...subjects.convention import base_of
-from ...subjects.layout import product, rotations, transposed
-from ..description import Description, Part
+from ...subjects.layout import product, transposed
+from ..description import Body, Description, Part, merged
 from .attitudes import PLAIN, Ways
+from .lists import branched, by_levels
+from .lumps import listed
 from .steps import Steps, cross
 from .turns import ONE
 
@@ -75,13 +78,18 @@ class Poses:
 
     def __init__(
         self, robot: Robot, d: Description, q: np.ndarray, qd: np.ndarray | None, steps: Steps, ways: Ways = PLAIN,
-        fused: bool = False, early: bool = False,
+        fused: bool = False, early: bool = False, by_level: bool = False,
     ) -> None:  # fmt: skip
-        """`early` says that axes are turned into the world before their own joint turns, and kept for all uses."""
+        """`early` says that axes are turned into the world before their own joint turns, and kept for all uses.
+
+        Links are taken branch by branch in the file's order, or level by level.
+        """
+        d = by_levels(d) if by_level else replace(d, parts=tuple(listed(d)))
         self.robot, self.d, self.steps, self.ways, self.fused, self.early = robot, d, steps, ways, fused, early
         self.q, self.qd = q[None], None if qd is None else qd[None]
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
+        self._words = "" if not branched(d) else " (breadth first)" if by_level else " (depth first)"
         self.axes: list[Axis] = []
         self.of_link: list[list[int]] = [[]]
         zero = np.zeros((1, len(q), 3), q.dtype)
@@ -169,8 +177,10 @@ class Poses:
         """Of the link that carries a joint: orientation, matrix and position."""
         if not moves:
             return self.attitudes[up], self.R[up], self.p[up]
-        before = next(k for k in range(link - 1, -1, -1) if not self.fused or k == 0 or self.of_link[k])
-        others = {"the one before in the list": before, "the root": 0, "the parent's parent": max(0, self.parent[up])}
+        others = {
+            f"the one before in the list{self._words}": self._before(link), "the root": 0,
+            "the parent's parent": max(0, self.parent[up]),
+        }  # fmt: skip
         site = "the link on which a moving joint is placed"
         A, R, p = (
             self.steps.pick(site, x[up], **{words: x[k] for words, k in others.items()})
@@ -268,23 +278,82 @@ class Poses:
     def _velocity(self, link: int, up: int) -> None:
         """Of a link, from that of its parent."""
         steps, r, qd = self.steps, self.p[link] - self.p[up], self.qd
+        if self.fused and not self.of_link[link]:
+            self._carried(link, up, r)
+            return
+        which = "of fixed links" if not self.of_link[link] else "of links that move"
         assert qd is not None
         turning = sliding = np.zeros_like(r)
+        up_w, up_v = self._start(link, up)
         for i in self.of_link[link]:
             a = self.axes[i]
             z = product(self.R[link], a.direction + 0 * r) if a.world is None else a.world
             rate = z * a.ratio * qd[..., a.column, None]
             turning, sliding = (turning + rate, sliding) if a.turns else (turning, sliding + rate)
-        own = steps.add("the angular velocity of a link", **{"that of the parent": self.w[up], "z qd": turning})
+        w_up = steps.pick("the parent's angular velocity: in that of the link", up_w, **self._near(link, self.w))
+        rate = steps.pick("the rate that turns a link", turning, **{"that of a sliding joint too": turning + sliding})
+        own = steps.add("the angular velocity of a link", **{"that of the parent": w_up, "z qd": rate})
         self.w.append(own)
-        w = steps.pick("the angular velocity in w x r", self.w[up], **{"that of the link itself": own})
-        others = {"not turned into world axes": lambda: product(transposed(self.R[up]), r)}
-        others["without the travel of a sliding joint"] = lambda: r - self.travel.get(link, 0 * r)
-        arm = steps.pick("the arm r in w x r", r, **others)
-        terms = {"that of the parent": self.v[up], "w x r": cross(w, arm), "z qd of a sliding joint": sliding}
-        self.v.append(steps.add("the velocity of a link", **terms))
+        carrying = self._near(link, self.w)
+        site = f"the angular velocity that carries a link's origin: {which}"
+        w = steps.pick(site, up_w, **{"the link's own": own}, **carrying)
+        others = {
+            "that from the world's origin": self.p[link] + 0 * r,
+            "in the parent's axes": lambda: product(transposed(self.R[up]), r),
+            "in the link's axes": lambda: product(transposed(self.R[link]), r),
+            "without the travel of a sliding joint": lambda: r - self.travel.get(link, 0 * r),
+        }
+        arm = steps.pick(f"the arm to a link's origin: {which}", r, **others)
+        v_up = steps.pick("the parent's velocity", up_v, **self._near(link, self.v))
+        slid = steps.pick("the rate that slides a link", sliding, **{"that of a turning joint too": turning + sliding})
+        terms = {"that of the parent": v_up, "w x r": cross(w, arm), "z qd of a sliding joint": slid}
+        self.v.append(steps.add(f"the velocity of a link: {which}", **terms))
+
+    def _carried(self, link: int, up: int, r: np.ndarray) -> None:
+        """The velocity of a frame that is fixed on a body."""
+        others = {
+            "that from the world's origin": self.p[link] + 0 * r,
+            "in the body's axes": lambda: product(transposed(self.R[up]), r),
+            "that to the body's centre of mass": lambda: product(self.R[up], self.centre(up) + 0 * r),
+        }
+        arm = self.steps.pick("the arm to a frame on a body", r, **others)
+        terms = {"that of the body's origin": self.v[up], "w x r": cross(self.w[up], arm)}
+        self.w.append(self.w[up])
+        self.v.append(self.steps.add("the velocity of a frame on a body", **terms))
+
+    def centre(self, link: int) -> np.ndarray:
+        """Of mass, in the link's axes."""
+        body = self.bodies[link]
+        return np.zeros(3) if body is None else body.com
+
+    def _start(self, link: int, up: int) -> tuple[np.ndarray, np.ndarray]:
+        """The twist that a link starts from."""
+        both = [np.concatenate(np.broadcast_arrays(w, v), -1) for w, v in zip(self.w, self.v, strict=True)]
+        six = self.steps.pick("the motion that a link starts from", both[up], **self._near(link, both))
+        w = self.steps.pick("the angular velocity that a link starts from", six[..., :3], **self._near(link, self.w))
+        return w, six[..., 3:]
+
+    def _near(self, link: int, of: list[np.ndarray]) -> dict[str, np.ndarray]:
+        """What the link before in the list has."""
+        return {f"that of the link before in the list{self._words}": of[self._before(link)]}
+
+    def _before(self, link: int) -> int:
+        """The link before in the list, of those that move where fixed ones are merged."""
+        return next(k for k in range(link - 1, -1, -1) if not self.fused or k == 0 or self.of_link[k])
 
     # what the formulas take
+
+    @cached_property
+    def bodies(self) -> list[Body | None]:
+        """Of each link; of links that are merged, in the one that carries them."""
+        d = merged(self.d) if self.fused else self.d
+        return [d.base, *(p.body for p in d.parts)]
+
+    def carrier(self, link: int) -> int:
+        """The link that a joint moves and on which this one is fixed, or the root."""
+        while link > 0 and not self.of_link[link]:
+            link = self.parent[link]
+        return link
 
     def carries(self) -> np.ndarray:
         """(links, axes): whether an axis moves a link."""
@@ -301,28 +370,6 @@ class Poses:
         H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
         H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
         return H
-
-
-def position_rates(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """dq/dt (n, nq): of positions in the parent's axes, and of quaternions by q (0, w) / 2."""
-    out = np.zeros_like(q)
-    for j in robot:
-        if j.mimic is not None:
-            continue
-        if j.model.additive:
-            out[:, j.q] = v[:, j.v]
-            continue
-        x, u = q[:, j.q], v[:, j.v]
-        if x.shape[1] == 7:
-            w, r = x[:, 3:4], x[:, 4:]
-            R = rotations(x[:, 3:])
-            vector = w * u[:, :3] + cross(r, u[:, :3])
-            scalar = -(r * u[:, :3]).sum(-1, keepdims=True)
-            out[:, j.q] = np.concatenate([product(R, u[:, 3:]), scalar / 2, vector / 2], -1)
-        else:  # planar
-            s, c = np.sin(x[:, 2]), np.cos(x[:, 2])
-            out[:, j.q] = np.stack([c * u[:, 0] - s * u[:, 1], s * u[:, 0] + c * u[:, 1], u[:, 2]], -1)
-    return out
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

@@ -44,11 +44,23 @@ class SecondDerivatives(Columns):
         def where(mask: np.ndarray) -> np.ndarray:
             return mask.reshape(-1, 1, 1, count, count, 1).astype(float)
 
+        m_turns, k_turns = turns[None, :, None], turns[:, None, None]
+        site = "the second derivative of a position"
+        by_earlier = steps.add(
+            f"{site} by an earlier joint",
+            **{"that of a column that turns": where(earlier) * k_turns * of_m,
+               "that of a column that slides": where(earlier) * ~k_turns * of_m},
+        )  # fmt: skip
+        by_later = steps.add(
+            f"{site} by a later joint",
+            **{"that by a joint that turns": where(later) * m_turns * of_k,
+               "that by a joint that slides": where(later) * ~m_turns * of_k},
+        )  # fmt: skip
         terms = {
-            "that by an earlier joint": where(earlier) * of_m, "that by a later joint": where(later) * of_k,
+            "that by an earlier joint": by_earlier, "that by a later joint": by_later,
             "that by the joint itself (centrifugal)": where(own[None]) * of_k,
         }  # fmt: skip
-        ddp = steps.add("the second derivative of a position", **terms)
+        ddp = steps.add(site, **terms)
         both = where(earlier | later | own)
         others = {
             "z_k x dp_m whichever comes first": lambda: both * of_k,

@@ -35,7 +35,8 @@ def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
         "K^2 in Rodrigues' formula", K @ K,
         **{"K": K, "a a^T": lambda: _outer(axis), "the square of each entry of K": lambda: K * K},
     )  # fmt: skip
-    terms = {"1": ONE + 0 * f, "sin q K": f * K, "(1 - cos q) K^2": g * square}
+    one = steps.pick("the 1 of Rodrigues' formula", ONE + 0 * f, **{"cos q 1": c * ONE, "(1 - cos q) 1": (1 - c) * ONE})
+    terms = {"1": one, "sin q K": f * K, "(1 - cos q) K^2": g * square}
     return np.asarray(steps.add("the rotation of a joint, by Rodrigues' formula", **terms))
 
 
@@ -43,10 +44,14 @@ def by_outer_product(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarra
     """R = cos q 1 + sin q K + (1 - cos q) a a^T."""
     s, c = _sin_cos(steps, q)
     g = steps.pick("the factor of a a^T", 1 - c, **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s})
-    square = steps.pick("a a^T", _outer(axis), **{"its diagonal alone": lambda: _outer(axis) * ONE})
+    square = steps.pick(
+        "a a^T", _outer(axis),
+        **{"its diagonal alone": lambda: _outer(axis) * ONE, "K^2": lambda: cross_matrix(axis) @ cross_matrix(axis)},
+    )  # fmt: skip
     K = cross_matrix(axis)
     K = steps.pick("K in a rotation by axis and angle", K, **_skews(K))
-    terms = {"cos q 1": c * ONE, "sin q K": s * K, "(1 - cos q) a a^T": g * square}
+    one = steps.pick("cos q 1", c * ONE, **{"1": ONE + 0 * c, "(1 - cos q) 1": (1 - c) * ONE})
+    terms = {"cos q 1": one, "sin q K": s * K, "(1 - cos q) a a^T": g * square}
     return np.asarray(steps.add("the rotation of a joint, by axis and angle", **terms))
 
 

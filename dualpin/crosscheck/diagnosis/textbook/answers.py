@@ -1,0 +1,201 @@
+"""Answers to all questions from poses, Jacobians and sums over bodies, in the ways in which codes combine them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ...subjects.layout import product
+from ..case import Case, View
+from . import gradient
+from .assembly import of_symbols, solved
+from .attitudes import PLAIN, Ways
+from .columns import Columns
+from .poses import Poses, stacked
+from .positions import position_rates
+from .references import referred, referred_rate
+from .second import SecondDerivatives
+from .steps import Steps
+from .weighted import RIGHT, Sums
+
+LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
+SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
+SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
+RATED = "Christoffel's symbols of derivatives by rates"
+SEEN = (
+    "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
+    "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
+)  # fmt: skip
+MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
+TURNED = ("kinetic_energy", "crba", "minv", "rnea", "aba")
+"""Terms in which the inertia of rotors counts."""
+MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba", "coriolis")
+
+
+@dataclass(frozen=True)
+class Made:
+    """One run, or many.
+
+    Attributes
+    ----------
+    poses, rest, reading : Steps
+        Those of poses and velocities, those of all that is made of them, and those of reading tensors.
+    ways : Ways
+        How rotations are made.
+    fused : bool
+        Whether fixed links are merged into the bodies that carry them.
+    how : str
+        Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
+        rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
+    early : bool
+        Whether axes are turned into the world before their own joint turns.
+    by_level : bool
+        Whether links are listed level by level, not branch by branch.
+    """
+
+    view: View
+    poses: Steps = RIGHT
+    rest: Steps = RIGHT
+    ways: Ways = PLAIN
+    reading: Steps = RIGHT
+    fused: bool = False
+    how: str = LINKS
+    early: bool = False
+    by_level: bool = False
+
+    def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
+        v = self.view
+        qd = v.states.get("v") if moving else None
+        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused, self.early, self.by_level)
+
+    @cached_property
+    def whole(self) -> Poses:
+        """Without slips there it is the same for all."""
+        v = self.view
+        if self.poses is not RIGHT or self.ways is not PLAIN or self.early or self.by_level:
+            return self.tree(v.states["q"])
+        known = TREES.setdefault(v.case, [])
+        for of, states, fused, tree in known:
+            if of is v.description and states is v.states and fused == self.fused:
+                return tree
+        tree = self.tree(v.states["q"])
+        del known[: len(known) - MOST + 1]
+        known.append((v.description, v.states, self.fused, tree))
+        return tree
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the rotations that the subject returns are some: those of quaternions of another length are not."""
+        R = self.view.case.observed.get("fk", np.eye(3))[..., :3, :3]
+        return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
+
+    def columns(self, tree: Poses) -> Columns:
+        how = self.view.layout.how
+        world = how.angular == how.linear == "world"
+        columns = (SecondDerivatives if self.how == SECOND else Columns)(tree, self.rest, world)
+        return columns.by_jacobians() if self.how in (JACOBIANS, SECOND) and tree.qd is not None else columns
+
+    def sums(self, tree: Poses) -> Sums:
+        sums = Sums(tree, self.columns(tree), self.rest, self.reading)
+        if self.how == PROJECTED:
+            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT)
+        return sums
+
+    def term(self, term: str) -> np.ndarray:
+        """The answer to a question, (runs, n, ...)."""
+        s, g = self.view.states, np.array(self.view.description.gravity)
+        if term in OF_FRAMES:
+            return self.of_frames(term)
+        if term == "coriolis" and self.how == DIFFERENTIATED:
+            return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
+        if term in TURNED and any(any(p.armature) for p in self.view.description.parts):
+            raise ValueError("a robot without rotors only")
+        sums = self.sums(self.whole)
+        if term == "coriolis":
+            symbolic = self.how in (SYMBOLIC, RATED)
+            return gradient.coriolis(sums, self.how == RATED) if symbolic else sums.coriolis()
+        if term in SUMMED:
+            return SUMMED[term](sums, g)
+        if term == "kinetic_energy":
+            if self.how == LINKS:
+                return sums.kinetic_energy()
+            return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
+        add = self.rest.add
+        if term in ("crba", "minv"):
+            M = sums.mass_matrix
+            return M if term == "crba" else solved(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
+        h = add("the bias", **{"what velocities need": sums.velocity_forces(), "gravity": sums.gravity(g)})
+        if term == "bias":
+            return np.asarray(h)
+        if term == "rnea":
+            return np.asarray(add("the torques", **{"M a": product(sums.mass_matrix, s["a"]), "the bias": h}))
+        forces = add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
+        return np.asarray(solved(sums.mass_matrix, forces[..., None])[..., 0])
+
+    def of_frames(self, term: str) -> np.ndarray:
+        """Poses, Jacobians and motions of frames."""
+        tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states.get("a")
+        links = [tree.number[f] for f in self.view.frames]
+        if term == "fk":
+            return stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
+        J = self._jacobian(tree, links)
+        if term == "jacobian":
+            return J
+        if term == "frame_velocity":
+            return product(J, v)
+        D = self._rate(tree, links)
+        if term == "jacobian_dot" or a is None:
+            return D
+        moving = product(D, v)
+        wrong = {"that of the origin of the body that carries the frame": lambda: self._of_bodies(tree, links)}
+        moving = self.rest.pick("what velocities add to a frame's acceleration", moving, **wrong)
+        parts = {"J a": product(J, a[:, None]), "dJ/dt v": moving}
+        halves = [
+            self.rest.add(f"the acceleration of a frame: {which} part", **{k: x[..., at] for k, x in parts.items()})
+            for which, at in (("its angular", slice(0, 3)), ("its linear", slice(3, 6)))
+        ]
+        return np.concatenate(np.broadcast_arrays(*halves), -1)
+
+    def _of_bodies(self, tree: Poses, links: list[int]) -> np.ndarray:
+        """dJ/dt v of the bodies that carry frames on fixed joints."""
+        moving = [tree.carrier(k) for k in links]
+        return product(self._rate(tree, moving), self.view.states["v"][:, None])
+
+    def _jacobian(self, tree: Poses, links: list[int]) -> np.ndarray:
+        columns, R, p = self.columns(tree), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
+        J = columns.reduced(columns.at(p, links))
+        return referred(self.rest, J, R, p, self.view.layout.how.reference)
+
+    def _rate(self, tree: Poses, links: list[int]) -> np.ndarray:
+        s, reference = self.view.states, self.view.layout.how.reference
+        if self.how == DIFFERENTIATED:  # by a complex step along the motion
+            h = 1e-30
+            at = s["q"] + 1j * h * position_rates(self.view.robot, s["q"], s["v"])
+            return self._jacobian(self.tree(at, moving=False), links).imag / h
+        columns = self.columns(tree)
+        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (columns.w, 1), (columns.v, 1)))
+        J = columns.reduced(columns.at(p, links))
+        D = columns.reduced(columns.rates(p, u, links))
+        return referred_rate(self.rest, D, J, (R, p, w, u), reference)
+
+
+OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
+TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()
+LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long
+MOST = 4  # trees of a case that are kept
+SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
+    "com": lambda sums, g: sums.com, "com_jacobian": lambda sums, g: sums.com_jacobian(),
+    "centroidal_momentum_matrix": lambda sums, g: sums.momentum(),
+    "potential_energy": Sums.potential_energy, "gravity": Sums.gravity,
+}  # fmt: skip
+
+
+def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """C by Christoffel's symbols of M(q), whose derivatives are taken by complex steps."""
+    h = 1e-30
+    dM = np.stack([mass(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)
+    return of_symbols(RIGHT, dM, v)

@@ -1,0 +1,57 @@
+"""The orders in which codes list links and joints, and what stands beside a joint there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..description import Description, Part
+from .lumps import listed
+
+Neighbours = dict[str, np.ndarray]
+"""For each axis, by words, the number of another one, or -1."""
+
+
+def orders(parent: Sequence[int]) -> dict[str, list[int]]:
+    """The links, which are numbered branch by branch; level by level too where that differs."""
+    children: list[list[int]] = [[] for _ in parent]
+    for k, up in enumerate(parent):
+        if up >= 0:
+            children[up].append(k)
+    by_level = [0]
+    for k in by_level:
+        by_level += children[k]
+    by_branch = list(range(len(parent)))
+    return {"": by_branch} if by_level == by_branch else {" (depth first)": by_branch, " (breadth first)": by_level}
+
+
+def branched(d: Description) -> bool:
+    """Whether level by level is another order than branch by branch."""
+    return [p.joint for p in by_levels(d).parts] != [p.joint for p in listed(d)]
+
+
+def by_levels(d: Description) -> Description:
+    """With its parts level by level, siblings as in the file."""
+    parts = listed(d)
+    level, found = [d.root], list[Part]()
+    for link in level:
+        below = [p for p in parts if p.parent == link]
+        found += below
+        level += [p.link for p in below]
+    return replace(d, parts=tuple(found))
+
+
+def beside(parent: Sequence[int], links: Sequence[int], apart: Sequence[np.ndarray]) -> tuple[Neighbours, Neighbours]:
+    """The axes before and after each one in these lists, where that is none of `apart` for some."""
+    before, after = Neighbours(), Neighbours()
+    for words, order in orders(parent).items():
+        ranked = sorted(range(len(links)), key=lambda i, order=order: order.index(links[i]))  # type: ignore[misc]
+        previous, following = np.full(len(links), -1), np.full(len(links), -1)
+        previous[ranked[1:]], following[ranked[:-1]] = ranked[:-1], ranked[1:]
+        if not any(np.array_equal(previous, x) for x in apart):
+            before[f"the joint before in the list{words}"] = previous
+        if not any(np.array_equal(following, x) for x in apart):
+            after[f"the next joint in the list{words}"] = following
+    return before, after
