@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from . import functions
+from .call import find
 from .crosscheck.oracles.pinocchio import Pinocchio
 from .engine.jit.threads import get_num_threads, set_num_threads
 from .errors import ArgumentError, DualpinError, DualpinWarning, nearest
@@ -134,6 +135,7 @@ class Pair:
             out, args = np.empty(shape), [x[0].copy() for x in self.inputs]
         else:
             out, args = np.empty((self.batch, *shape)), self.inputs
+            find(self.robot, self.term, self.term.settled(self.robot, self.options))  # not while it is measured
         return loop(f, [args], out), out
 
     def function(self) -> Call:

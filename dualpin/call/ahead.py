@@ -19,6 +19,8 @@ class Ahead:
 
     def __init__(self, evaluators: Iterable[Evaluator]) -> None:
         self._kernels = [x.kernels for x in evaluators if x.engine in ("auto", "compiled")]
+        for kernels in self._kernels:
+            kernels.ahead = True
         self._ended, self._bench = False, Workbench()
         self._thread = threading.Thread(target=self._begin, name="dualpin-ahead", daemon=True)
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..delegates import home
+from ..engine import tuning
 from ..interpret import interpret
 from ..model import frames
 from .arguments import check_result, rows, separated
@@ -50,15 +51,15 @@ class Evaluator:
 
     def rows(self, inputs: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Arrays (n, size) in, one array (n, *shape) out, whose rows are those of `out` (n, width) if given."""
-        kernel, one = None, len(inputs[0]) == 1
+        kernel, n = None, len(inputs[0])
         if self.engine == "tiered":
-            kernel = self.kernels.meanwhile(single=one)
-        elif self.engine == "auto" and one:
-            kernel = self.kernels.soonest()
+            kernel = self.kernels.meanwhile(single=n == 1)
+        elif self.engine == "auto" and n <= tuning.SOON_SAMPLES:
+            kernel = self.kernels.soonest(single=n == 1)
         elif self.engine != "numpy":
-            kernel = self.kernels.kernel(single=one, required=self.engine == "compiled")
+            kernel = self.kernels.kernel(single=n == 1, required=self.engine == "compiled")
         if kernel is not None:
-            return kernel.rows(inputs, out).reshape((len(inputs[0]), *self.shape))
+            return kernel.rows(inputs, out).reshape((n, *self.shape))
         result = interpret(self.robot, self.term, self.options, inputs).astype(self.dtype, copy=False)
         if out is not None:
             out[...] = result.reshape(out.shape)

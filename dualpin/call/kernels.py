@@ -38,6 +38,7 @@ class Kernels:
         self._code: Code | None = None
         self._claim, self._claimed_by = threading.Lock(), 0  # held by the thread that makes the batch kernel
         self._begun: Future[Begun | None] = Future()
+        self.ahead = False  # whether the batch kernel is among those that are compiled ahead
         self._asked = [0, 0]  # ids of processes that compile in the background
 
     def kernel(self, *, single: bool, required: bool = False) -> Kernel | None:
@@ -81,15 +82,21 @@ class Kernels:
             later(lambda: self.kernel(single=single))
         return self.known(single=single)
 
-    def soonest(self) -> Kernel | None:
-        """The kernel for one sample; the first time, unless it is short, bytecode of the same bits.
+    def soonest(self, *, single: bool) -> Kernel | None:
+        """The kernel for one sample, or for a batch; the first time, unless it is short, bytecode of the same bits.
 
-        That serves until it is asked for again, and another thread has made the real one.
+        That is made for one sample, and serves batches too.  When asked again, a thread begins to compile the kernel,
+        which then takes its place.  A batch kernel that is compiled ahead is waited for.
         """
-        if self._soon is not None:
-            return self.meanwhile(single=True) or self._soon
-        if self._found[True] is not None:
-            return self.kernel(single=True)
+        found, first = self._found[single], self._first
+        if first is not None and isinstance(found, DualpinError):
+            return first  # it serves on where no other can be made
+        if found is not None or (self.ahead and not single):
+            return self.kernel(single=single)
+        if first is not None:
+            return self.meanwhile(single=single) or first
+        if not single and self._kept():
+            return self.kernel(single=False)
         with LOCK:
             if self._soon is None and self._found[True] is None:
                 made = self._made(True, None, soon=True)
@@ -98,7 +105,22 @@ class Kernels:
                     self._tell(single=True)
                 else:
                     self._soon = made
-        return self._soon or self.kernel(single=True)
+        return self._first or self.kernel(single=single)
+
+    @property
+    def _first(self) -> Kernel | None:
+        """A kernel for one sample, whatever it is made of."""
+        return self.known(single=True) or self._soon
+
+    def _kept(self) -> bool:
+        """Whether the batch kernel is in the cache."""
+        from ..engine.jit.host import CompilerError
+        from ..engine.jit.kernel import kept
+
+        try:
+            return kept(self.robot, self.term, self.options, self.dtype)
+        except CompilerError:
+            return False
 
     def begin(self, bench: Workbench) -> None:
         """Trace and schedule the batch kernel now, and submit the rest to LLVM."""

@@ -70,6 +70,12 @@ Emerald Rapids, kernels for one sample of panda, 684 / 1881 / 3636 operations (R
 takes 9 / 8 / 10 ms instead of 40 / 88 / 190 for code (21 / 40 / 79 without optimising).  At 79 operations: no gain.
 """
 
+SOON_SAMPLES = 1024
+"""Samples of a first batch up to which bytecode for one sample computes them, while a thread compiles for batches.
+
+Xeon, second derivatives of panda (16 600 operations): 20 ms for so many, where a compilation takes 0.5 s.
+"""
+
 PROCESSES_FROM = 30_000
 """Nodes of a graph from which several processes compile: each takes 0.1 s to start.
 

@@ -108,7 +108,7 @@ q, v, a = known.sample(50, seed=0)
 expected = dp.rnea(known, q, v, a)
 large = dp.load("talos", floating=True)
 state = large.sample(3, seed=0)
-threading.Thread(target=dp.coriolis, args=(large, *state[:2]), daemon=True).start()
+threading.Thread(target=dp.coriolis, args=(large, *state[:2]), kwargs={"engine": "compiled"}, daemon=True).start()
 while not locking.LOCK.depth:
     time.sleep(1e-3)
 time.sleep(0.3)  # it is at work

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import dualpin as dp
-from dualpin.call import evaluator
+from dualpin.call import evaluator, made_ahead
 from dualpin.call.making import evaluator_of
 from dualpin.engine import tuning
 from dualpin.engine.jit import cache, kernel
@@ -53,6 +53,33 @@ def test_bits_are_the_same_first_later_and_in_batches(cold):
     third, many = dp.rnea_derivatives(robot, q[0], v[0], a[0]), dp.rnea_derivatives(robot, q, v, a)
     for x in zip(first, second, third, many, strict=True):
         assert all(np.array_equal(x[0], y) for y in (x[1], x[2], x[3][0]))
+
+
+@pytest.mark.parametrize("n", [2, 100, tuning.SOON_SAMPLES])
+def test_a_first_batch_is_answered_by_the_same_bytecode(cold, n):
+    robot = dp.load("ur5").with_gravity((0, 0, -9 - n / 1000))  # no thread of another test compiles for it
+    q, v, a = robot.sample(n, seed=0)
+    found = kernels(robot, LONG)
+    first = slope(robot, (q, v, a))
+    assert found._soon is not None and found.known(single=False) is None
+    end = time.monotonic() + 60
+    while found.known(single=False) is None:
+        assert time.monotonic() < end and np.array_equal(slope(robot, (q, v, a)), first)
+        time.sleep(0.005)
+    assert np.array_equal(slope(robot, (q, v, a)), first)
+
+
+def test_batches_that_are_long_or_compiled_ahead_or_kept_wait_for_the_real_kernel(cold):
+    robot = dp.load("ur5")
+    slope(robot, robot.sample(tuning.SOON_SAMPLES + 1, seed=0))
+    assert kernels(robot, LONG).known(single=False)
+    again = dp.load("ur5")
+    slope(again, robot.sample(3, seed=0))
+    assert kernels(again, LONG).known(single=False) and kernels(again, LONG)._soon is None  # from the cache
+    other = dp.load("panda")
+    with made_ahead(other, [(LONG, {}), ("rnea", {})]):
+        slope(other, other.sample(3, seed=0))
+    assert kernels(other, LONG).known(single=False) and kernels(other, LONG)._soon is None
 
 
 @pytest.mark.parametrize("term", ["coriolis", "aba", "frame_acceleration"])
@@ -106,7 +133,7 @@ while not fast_call.addresses.made:
     assert (dp.rnea(robot, q, v, a) == first).all() and time.monotonic() < end
     time.sleep(0.001)
 assert (dp.rnea(robot, q, v, a) == first).all()
-from dualpin.call import evaluator
+from dualpin.call import evaluator, made_ahead
 from dualpin.terms import TERMS
 assert type(evaluator(robot, TERMS["rnea"], "auto")).__name__ == "builtin_function_or_method"
 """

@@ -84,6 +84,7 @@ def arguments(robot: Any, term: str, n: int | None) -> list[Any]:
 
 
 def checked(robot: Any, f: Callable[..., np.ndarray], given: list[Any], out: np.ndarray) -> None:
+    f(robot, *given, engine="compiled")  # not while it is measured
     few = [x[:8] if isinstance(x, np.ndarray) and x.ndim > 1 else x for x in given]
     expected = f(robot, *few, engine="numpy")
     f(robot, *given, out=out)
@@ -130,7 +131,7 @@ def sizes(seconds: float) -> Rows:
             given = arguments(robot, term, n)
             if f(robot, *arguments(robot, term, 2)).nbytes // 2 * n > 1.1e9:
                 break
-            out = np.empty_like(f(robot, *given))
+            out = np.empty_like(f(robot, *given, engine="compiled"))  # compiled now, not while it is measured
             calls = {
                 "plain": lambda f=f, r=robot, x=given: f(r, *x),
                 "out": lambda f=f, r=robot, x=given, o=out: f(r, *x, out=o),
@@ -164,7 +165,7 @@ def terms(seconds: float) -> Rows:
         for size in (1 << k for k in range(10, 29, 3)):
             n = min(max(2, size // one), MOST)
             given = arguments(robot, term, n)
-            out = result(f(robot, *given))
+            out = result(f(robot, *given, engine="compiled"))  # compiled now, not while it is measured
             calls = {
                 "plain": lambda f=f, x=given: f(robot, *x),
                 "out": lambda f=f, x=given, o=out: f(robot, *x, out=o),
@@ -210,7 +211,10 @@ def single(seconds: float) -> Rows:
 COLD = [("ur5", False, "rnea"), ("panda", False, "rnea"), ("panda", False, "coriolis"), ("panda", False, "aba"),
         ("panda", False, "rnea_derivatives"), ("panda", False, "aba_derivatives"),
         ("panda", False, "rnea_second_derivatives"), ("panda", False, "joint_torque_regressor"),
-        ("talos", True, "rnea"), ("talos", True, "fk"), ("talos", True, "crba"), ("g1", True, "rnea")]  # fmt: skip
+        ("talos", True, "rnea"), ("talos", True, "fk"), ("talos", True, "crba"), ("g1", True, "rnea"),
+        ("panda", False, "rnea", 100), ("panda", False, "rnea_derivatives", 100),
+        ("panda", False, "rnea_second_derivatives", 100)]  # fmt: skip
+"""Robot, whether it floats, term; samples of a batch."""
 
 
 def cold(seconds: float) -> Rows:
@@ -225,13 +229,13 @@ def cold(seconds: float) -> Rows:
     rehearsal = "import dualpin as dp; r = dp.load('ur5'); dp.rnea(r, *r.sample(seed=0))"
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([sys.executable, "-c", rehearsal], env={**usual, "DUALPIN_CACHE_DIR": folder}, check=True)
-    for name, floating, term in COLD:
+    for name, floating, term, *samples in COLD:
         if not hasattr(dp, term):
             continue  # of a later version
         code = f"""
 import time, dualpin as dp
 robot = dp.load({name!r}, floating={floating})
-q, v, a = robot.sample(seed=0)
+q, v, a = robot.sample(*{samples}, seed=0)
 given = {{"fk": (q,), "crba": (q,), "coriolis": (q, v)}}.get({term!r}, (q, v, a))
 start = time.perf_counter()
 dp.{term}(robot, *given)
@@ -241,7 +245,7 @@ print(time.perf_counter() - start)
             env = {**usual, "DUALPIN_CACHE_DIR": folder}
             start = time.perf_counter()
             done = subprocess.run([sys.executable, "-c", code], env=env, check=True, capture_output=True, text=True)
-            label = f"{name}{' + floating' if floating else ''} {term}"
+            label = f"{name}{' + floating' if floating else ''} {term}{''.join(f' x {n}' for n in samples)}"
             rows[f"{label} | process"] = time.perf_counter() - start
             rows[f"{label} | call"] = float(done.stdout)
     return rows

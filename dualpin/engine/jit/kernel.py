@@ -168,12 +168,18 @@ class Begun:
         return self.about | {"objects": [len(x) for x in objects]}, b"".join(objects)
 
 
+def kept(robot: Robot, term: Term, options: Options, dtype: np.dtype) -> bool:
+    """Whether the batch kernel is in the cache."""
+    host = this_host()
+    key = kernel_key(robot, term, options, dtype, host, host.lanes(dtype.itemsize))
+    return bool(key and disk.stored(key))
+
+
 def begin(robot: Robot, term: Term, options: Options, dtype: np.dtype, bench: Workbench) -> Begun | None:
     """Trace a batch kernel and submit it for compilation; None if it is in the cache."""
     host = this_host()
     lanes = host.lanes(dtype.itemsize)
-    key = kernel_key(robot, term, options, dtype, host, lanes)
-    if key and disk.stored(key):
+    if kept(robot, term, options, dtype):
         return None
     program = trace(robot, term, options)
     plan, about, texts = _written(program, dtype, host, lanes, lambda: 1)
