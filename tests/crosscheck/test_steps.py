@@ -28,13 +28,14 @@ def algorithm(steps: Steps) -> np.ndarray:
     for k, x in enumerate((B, 2 * A, 5 * B)):
         total = total + steps.part("the joints", x, k, 3, alone=True)
     total = total + steps.summed("what a child hands on", 4 * A, **{"the last one's is left": 0 * A})
+    total = total + steps.components("the place", A + 4 * B)
     total = total + steps.mistaken("the force", A, **{"the moment": B})
     return total * steps.pick("the factor", 2.0, half=1.0, none=lambda: 0.0)
 
 
 def test_without_a_slip_steps_are_right():
     total = (A + np.cross(B, A)) @ ROTATION.T @ (ROTATION @ TENSOR @ ROTATION.T)
-    expected = 2 * (total + np.cross(A, B) @ ROTATION.T + 9 * A + 9 * B)
+    expected = 2 * (total + np.cross(A, B) @ ROTATION.T + 10 * A + 13 * B)
     assert np.abs(algorithm(Steps()) - expected).max() < 1e-14
 
 
@@ -42,17 +43,17 @@ def test_every_slip_changes_the_answer_in_a_way_of_its_own():
     steps = Steps()
     right = algorithm(steps)
     answers = [algorithm(Steps(slip)) for slip in steps.found]
-    assert len(answers) == 34 and {s.how for s in steps.found} == set(KINDS) == set(rows())
+    assert len(answers) == 45 and {s.how for s in steps.found} == set(KINDS) == set(rows())
     for k, x in enumerate(answers):
         assert np.abs(x - right).max() > 1e-3
         assert all(np.abs(x - y).max() > 1e-3 for y in answers[:k])
-    assert len({slip.says for slip in steps.found}) == 34 and all(slip.fix for slip in steps.found)
+    assert len({slip.says for slip in steps.found}) == 45 and all(slip.fix for slip in steps.found)
 
 
 def test_two_slips_at_once():
     one, two = Slip("the sum", "a", "step_left_out"), Slip("the factor", "half", "step_other")
     expected = np.cross(B, A) @ ROTATION.T @ (ROTATION @ TENSOR @ ROTATION.T)
-    expected = expected + np.cross(A, B) @ ROTATION.T + 9 * A + 9 * B
+    expected = expected + np.cross(A, B) @ ROTATION.T + 10 * A + 13 * B
     assert np.abs(algorithm(Steps(one, two)) - expected).max() < 1e-14
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from ..case import Case, View
-from ..textbook import body_coriolis, composite, lagrange, link_axes, spatial, sums, world_axes
+from ..textbook import body_coriolis, composite, lagrange, link_axes, spatial, sums, transforms, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
@@ -184,6 +185,11 @@ register(
 )  # fmt: skip
 _spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
 register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix", "potential_energy"))
+for _fused in (False, True):
+    _values = f"poses by transforms, {FUSED}" if _fused else "poses by transforms"
+    formulation(SPATIAL, transforms.OF_BODIES if _fused else transforms.TERMS, KNOWN, _values, batched=True)(
+        partial(transforms.run, fused=_fused)
+    )
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
 register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")

@@ -17,7 +17,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
-from .link_axes import gathered
+from .link_axes import gathered, of_joint
 from .spatial import crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transform
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
@@ -60,7 +60,10 @@ def _first(
     I = [inertia(steps, k) + np.zeros((*zero.shape[:-1], 6, 6)) for k in tree.links]
     p = []
     for k in tree.links:
-        spin = crf(steps, "v x* I v", vs[k.number], product(I[k.number], vs[k.number]))
+        others = {"that of the parent": vs[max(0, k.parent)], **tree.near(k, lambda x: vs[x.number])}
+        sides = ("its first", "its second")
+        first, second = (steps.pick(f"the velocity in v x* I v: {x}", vs[k.number], **others) for x in sides)
+        spin = crf(steps, "v x* I v", first, product(I[k.number], second))
         p.append(steps.add("the bias force p^A", **{"v x* I v": spin}))
     return c, p, I
 
@@ -69,20 +72,21 @@ def _inward(
     steps: Steps, tree: Tree, k: Link, X: np.ndarray, c: np.ndarray, p: list[np.ndarray], I: list[np.ndarray],
     tau: np.ndarray, bodies: dict[int, Body],
 ) -> None:  # fmt: skip
-    IA, pA = I[k.number], p[k.number]
+    IA, pA, own_inertia = I[k.number], p[k.number], inertia(Steps(), k)
     Ia, pa = IA, pA
     if k.moves:
         S = subspace(steps, k)
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
-        u = steps.add(
-            "u of articulated bodies", **{"tau": tau[..., k.column, None], "-S^T p^A": -(S * pA).sum(-1)[..., None]}
-        )
+        alone = (S * product(own_inertia, S)).sum(-1)[..., None]
+        D = steps.pick("D of articulated bodies", D, **{"S^T I S, of the link alone": alone + 0 * D, "1": 0 * D + 1})
+        torque = of_joint(steps, tree, k, tau, "torque")
+        u = steps.add("u of articulated bodies", **{"tau": torque, "-S^T p^A": -(S * pA).sum(-1)[..., None]})
         bodies[k.number] = Body(c, U, D, u)
         square = U[..., :, None] * U[..., None, :]
         outer = steps.pick("U D^-1 U^T", square / D[..., None], **{"not divided by D": square})
         Ia = steps.add("the articulated inertia I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
-        I_c = steps.pick("the articulated inertia in I^a c", Ia, **{"I^A": IA})
+        I_c = steps.pick("the articulated inertia in I^a c", Ia, **{"I^A": IA, "the link's own": own_inertia + 0 * IA})
         pa = steps.add(
             "the articulated bias force p^a",
             **{
@@ -119,8 +123,13 @@ def _last(
         a_k = steps.turn("the parent's acceleration", x, acc[k.parent], **other)
         if k.moves:
             b = bodies[k.number]
+            a_up = a_k
             a_k = steps.add("a' of articulated bodies", **{"X a of the parent": a_k, "c": b.c})
-            a_U = steps.pick("the acceleration in U^T a'", a_k, **{"the parent's, in its own axes": acc[k.parent]})
+            a_U = steps.pick(
+                "the acceleration in U^T a'",
+                a_k,
+                **{"the parent's, in its own axes": acc[k.parent], "X a_p, without c": a_up},
+            )
             needed = steps.add("D qdd of articulated bodies", **{"u": b.u, "-U^T a'": -(b.U * a_U).sum(-1)[..., None]})
             qdd = steps.pick("D^-1 (u - U^T a')", needed / b.D, **{"not divided by D": needed})
             columns[k.column] = qdd[..., 0]

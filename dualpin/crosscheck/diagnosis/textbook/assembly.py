@@ -102,6 +102,8 @@ class Dynamics:
         if term == "coriolis" and self.matrix is not None:
             of = self.matrix
             return {(of.mass, self.fused): "crba"} if isinstance(of, Symbols) else {(of, self.fused): term}
+        if self.pushed is not None and term in ("rnea_f_ext", "aba_f_ext"):
+            forces[self.pushed, self.fused] = "rnea_f_ext"
         if term in (*OF_FORCES, "coriolis"):
             return forces
         return mass if term in ("crba", "minv", "kinetic_energy") else forces | mass

@@ -64,7 +64,14 @@ def _of_body(steps: Steps, I: np.ndarray, v: np.ndarray) -> np.ndarray:
     """B of a body, with B v = v x* I v."""
     by_columns = transposed(crf(steps, "B", v[..., None, :], transposed(I)))  # v x* I
     motion = transposed(crm(steps, "B", v[..., None, :], ONE + 0 * I))
-    bar = transposed(crf(Steps(), "", ONE + 0 * I, product(I, v)[..., None, :]))
+    h = product(I, v)
+    bar = transposed(crf(Steps(), "", ONE + 0 * I, h[..., None, :]))
+    halves = {
+        "that with the other sign of the moment": h * np.repeat([-1.0, 1.0], 3),
+        "that with the other sign of the force": h * np.repeat([1.0, -1.0], 3),
+    }  # fmt: skip
+    wrong = {name: transposed(crf(Steps(), "", ONE + 0 * I, x[..., None, :])) for name, x in halves.items()}
+    bar = steps.pick("(I v) bar", bar, **wrong)
     terms = {"v x* I": 0.5 * by_columns, "(I v) bar": 0.5 * bar, "-I v x": -0.5 * I @ motion}
     B = steps.add("B of a body", **terms)
     others = {"v x* I, with the same C v": by_columns, "(I v) bar, with the same C v": bar, "not halved": 2 * B}
@@ -77,7 +84,8 @@ def _column(
 ) -> None:  # fmt: skip
     """The entries of a joint with itself and with those below it."""
     S = subspace(steps, k) + 0 * I[..., 0]
-    forces = {"I^C Sdot": product(I, rates[k.number]), "B S": product(B, S)}
+    B_S = product(steps.pick("B in B S", B, **{"its transpose": lambda: transposed(B)}), S)
+    forces = {"I^C Sdot": product(I, rates[k.number]), "B S": B_S}
     f1, f2 = steps.add("I^C Sdot + B S", **forces), product(I, S)
     f3 = product(steps.transpose("B in B^T S", B), S)
     rows[k.column, k.column] = (subspace(steps, k) * f1).sum(-1)

@@ -27,7 +27,8 @@ def jacobians(steps: Steps, tree: Tree, q: np.ndarray, k: Link) -> tuple[np.ndar
     """Jv of the centre of mass and Jw (runs, samples, nv, 3), and the centre."""
     poses, chain = tree.poses(q), tree.joints_of(k)
     pose = poses[k.number]
-    r = steps.turn("the arm to the centre of mass", pose.R0, k.c)
+    local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+    r = steps.turn("the arm to the centre of mass", pose.R0, local)
     c = pose.p0 + r
     zero = np.zeros((*q.shape[:-1], 3), q.dtype)
     linear, angular = {}, {}
@@ -97,7 +98,8 @@ def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndar
     poses = tree.poses(q)
     for i, k in enumerate(tree.carried):
         pose = poses[k.number]
-        at = pose.p0 + steps.turn("the arm to the centre of mass", pose.R0, k.c)
+        local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+        at = pose.p0 + steps.turn("the arm to the centre of mass", pose.R0, local)
         at = steps.pick("the height of a body", at, **{"that of the link's origin": pose.p0 + 0 * at})
         m = k.mass + np.zeros((1, 1))
         m = steps.pick("the mass in -m g . c", m, **tree.masses(k, m))

@@ -303,12 +303,19 @@ def inertia(steps: Steps, k: Link) -> np.ndarray:
     I = steps.add(
         "the inertia about a link's origin", **{"I of the centre": k.tensor(steps), "m (c.c 1 - c c^T)": about}
     )
-    h = k.mass * cross_matrix(k.c)
-    upper = steps.pick("the block m [c x] of the inertia", h, **{"-m [c x]": -h, "left out": 0 * h})
-    lower = steps.pick("the block m [c x]^T of the inertia", -h, **{"m [c x], not transposed": h, "left out": 0 * h})
+    c = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+    h, one = k.mass * cross_matrix(c), cross_matrix(c)
+    wrong = {"-m [c x]": -h, "left out": 0 * h, "without the mass": one}
+    upper = steps.pick("the block m [c x] of the inertia", h, **wrong)
+    wrong = {"m [c x], not transposed": h, "left out": 0 * h, "without the mass": -one}
+    lower = steps.pick("the block m [c x]^T of the inertia", -h, **wrong)
     if upper.shape != lower.shape:  # of several runs
         upper, lower = np.broadcast_arrays(upper, lower)
-    return spatial([[I, upper], [lower, k.mass * np.eye(3)[None, None]]])
+    last = k.mass * np.eye(3)[None, None]
+    last = steps.pick(
+        "the block m 1 of the inertia", last, **{"1, without the mass": np.eye(3)[None, None], "left out": 0 * last}
+    )
+    return spatial([[I, upper], [lower, last]])
 
 
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:

@@ -57,6 +57,15 @@ _PRODUCTS: dict[str, Callable[[Any, Any, Any], Any]] = {
     "R I R^T with R I and R^T multiplied entry by entry": lambda R, I, T: (R @ I) * T,
 }
 """What may stand in the place of R I R^T."""
+_ONE = np.eye(3)
+_COMPONENTS: dict[str, np.ndarray] = {
+    **{f"that with {c} of the other sign": np.diag(1 - 2 * e) for c, e in zip("xyz", _ONE, strict=True)},
+    **{f"that without {c}": np.diag(1 - e) for c, e in zip("xyz", _ONE, strict=True)},
+    "that with x and y exchanged": _ONE[[1, 0, 2]], "that with x and z exchanged": _ONE[[2, 1, 0]],
+    "that with y and z exchanged": _ONE[[0, 2, 1]], "that with y, z, x in the places of x, y, z": _ONE[[2, 0, 1]],
+    "that with z, x, y in the places of x, y, z": _ONE[[1, 2, 0]],
+}  # fmt: skip
+"""What may become of a vector."""
 EVERYWHERE = "every equation where it belongs"
 """The site of a slip that is made wherever a term of that name is added."""
 HAVE = "the sum so far (its own and of earlier children)"
@@ -204,6 +213,15 @@ class Steps:
     def summed(self, site: str, right: Any, **alone: Any) -> Any:
         """What a child adds; `alone` is what is left of it where the children replace each other's."""
         return self._replaced(site, "step_overwritten", right, alone)
+
+    def components(self, site: str, x: np.ndarray) -> Any:
+        """A vector (..., 3) whose components may have another sign, be left out, or change places."""
+
+        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+            return of(x) @ _COMPONENTS[slips[0].what]
+
+        mine = self._here(site, lambda: [(name, "step_other") for name in _COMPONENTS], "components")
+        return self._done(x, [m for m in mine if m[1].what in _COMPONENTS], wrong)
 
     def _replaced(self, site: str, how: str, right: Any, wrong: Mapping[str, Any]) -> Any:
         def other(slips: Sequence[Slip], of: _Row) -> Any:

@@ -85,13 +85,13 @@ class Sums:
         self.steiner = steiners(m, com)
         parents = [max(0, poses.parent[k]) for k in self.links]
         others = {"by the parent's matrix": lambda: stacked(poses.R, parents, 2)}
-        com = steps.pick("the centre of mass of a body, in its link's axes,", com, **components(com))
+        com = steps.components("the centre of mass of a body, in its link's axes,", com)
         self.local = com + 0 * self.p
         self.r = steps.turn("the centre of mass of a body", self.R, self.local, **others)
         wrong = {"that of the parent": lambda: stacked(poses.p, parents, 1) + 0 * self.p}
         p = steps.pick("the origin from which a body's centre is counted", self.p, **wrong)
         c = steps.add("the place of a body's centre", **{"the link's origin": p, "R c": self.r})
-        self.c = np.asarray(steps.pick("the place of a body's centre, in world axes,", c, **components(c)))
+        self.c = np.asarray(steps.components("the place of a body's centre, in world axes,", c))
 
     def _piece(self, link: int, b: Body) -> Piece:
         """A link's body in the axes of what carries it, or in its own."""
@@ -310,19 +310,6 @@ class Sums:
         linear, angular = (product(A, x).sum(-2) for A, x in ((J[..., 3:], f), (J[..., :3], n)))
         forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
         return np.asarray(steps.add("the forces that velocities need", **forces))
-
-
-def components(x: np.ndarray) -> dict[str, np.ndarray]:
-    """Vectors of which a component is wrong."""
-    found: dict[str, np.ndarray] = {}
-    for k, name in enumerate("xyz"):
-        e = np.eye(3)[k]
-        found |= {f"that with {name} of the other sign": x * (1 - 2 * e), f"that without {name}": x * (1 - e)}
-    for a, b in ((0, 1), (0, 2), (1, 2)):
-        to = [0, 1, 2]
-        to[a], to[b] = b, a
-        found[f"that with {'xyz'[a]} and {'xyz'[b]} exchanged"] = x[..., to]
-    return found
 
 
 def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:

@@ -257,7 +257,8 @@ def _bodies(
     f, n = [zero] * len(tree.links), [zero] * len(tree.links)
     for i, k in enumerate(tree.bodies):
         m, pose = moving[k.number], poses[k.number]
-        c = steps.turn("the arm to the centre of mass", pose.R0, k.c)
+        local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+        c = steps.turn("the arm to the centre of mass", pose.R0, local)
         a_c = _of_centre(steps, tree, k, poses, moving, c)
         down = g + zero
         other = {"added at every link": (1 + depth(tree, k)) * down}

@@ -1,0 +1,124 @@
+"""Poses and Jacobians of frames, and the centre of mass, by Plücker transforms.
+
+    X_0k = X_k X_0p = [E 0; -E [r x]  E]        R = E^T,  [r x] = -E^T times the block below
+    J_j = X_kj S_j, of all joints j on the path, in the frame's axes; both halves times R in those of the world
+    A = sum X_0k^T I_k J_k,  about the centre of mass:  n - c x p
+    m [c x] is the upper right block of sum X_0k^T I_k X_0k, and m the last one
+
+References: Featherstone, Rigid Body Dynamics Algorithms (2008), sections 2.8, 4.1 and 5.3.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...subjects.layout import product, transposed
+from ..case import View
+from .spatial import inertia, subspace, to_parent, transform
+from .steps import Steps, cross
+from .tree import Tree, tree_of
+
+TERMS = ("fk", "jacobian", "frame_velocity", "com", "centroidal_momentum_matrix")
+OF_BODIES = TERMS[3:]
+
+
+def run(view: View, term: str, steps: Steps, fused: bool = False) -> np.ndarray | None:
+    """The term (runs, samples, ...); `fused` as of `Tree`, where bodies count."""
+    if view.layout.how.reference != "local_world_aligned" and term in ("jacobian", "frame_velocity"):
+        return None
+    tree, q = tree_of(view, fused and term in OF_BODIES), view.states["q"][None]
+    X = [transform(steps, p) for p in tree.poses(q)]
+    whole = [X[0]]
+    for k in tree.links[1:]:
+        up = whole[k.parent]
+        other = {"the parent's times its own": up @ X[k.number]}
+        whole.append(
+            steps.pick("the transform of a link from the world, its own times the parent's,", X[k.number] @ up, **other)
+        )
+    if term == "com":
+        return _com(steps, tree, whole)
+    if term == "centroidal_momentum_matrix":
+        return _momentum(steps, tree, X, whole)
+    numbers = [tree.frames[frame][0] for frame in view.frames]
+    if term == "fk":
+        return _stacked([_pose(steps, whole[k]) for k in numbers])
+    J = _stacked([_jacobian(steps, tree, X, whole[k], k) for k in numbers])
+    return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
+
+
+def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
+    E = X[..., :3, :3]
+    read = -transposed(E) @ X[..., 3:, :3]
+    others = {
+        "-E [r x] itself": X[..., 3:, :3],
+        "[r x] with the other sign": -read,
+        "E^T [r x], with E left there": transposed(E) @ read,
+    }
+    r = _vector(steps.pick("the block from which a position is read", read, **others))
+    R = steps.transpose("E, the rotation of a pose,", E)
+    lead = np.broadcast_shapes(R.shape[:-2], r.shape[:-1])
+    T = np.zeros((*lead, 4, 4))
+    T[..., :3, :3], T[..., :3, 3], T[..., 3, 3] = R, r, 1.0
+    return T
+
+
+def _vector(K: np.ndarray) -> np.ndarray:
+    """Of its cross product matrix."""
+    return np.stack([K[..., 2, 1], K[..., 0, 2], K[..., 1, 0]], -1)
+
+
+def _jacobian(steps: Steps, tree: Tree, X: list[np.ndarray], whole: np.ndarray, number: int) -> np.ndarray:
+    R = transposed(whole[..., :3, :3])[..., None, :, :]
+    rows = transposed(_in_link(steps, tree, X, number))
+    site = "a column, in the frame's axes"
+    w = steps.turn(f"{site}: its angular part", R, rows[..., :3])
+    v = steps.turn(f"{site}: its linear part", R, rows[..., 3:])
+    return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
+
+
+def _in_link(steps: Steps, tree: Tree, X: list[np.ndarray], number: int) -> np.ndarray:
+    """The Jacobian of a link in its own axes (runs, samples, 6, nv)."""
+    A: np.ndarray = np.eye(6)[None, None]
+    columns: dict[int, np.ndarray] = {}
+    k = tree.links[number]
+    while k.parent >= 0:
+        if k.moves:
+            columns[k.column] = product(A, subspace(steps, k) + 0 * A[..., 0])
+        other = {"in the other order": X[k.number] @ A}
+        A = steps.pick("the transform from a joint to the frame", A @ X[k.number], **other)
+        k = tree.links[k.parent]
+    if tree.floating:
+        columns |= {i: A[..., i] for i in range(6)}
+    lead = np.broadcast_shapes(A.shape[:-2], *(x.shape[:-1] for x in columns.values()))
+    return np.stack([np.broadcast_to(columns.get(i, np.zeros(6)), (*lead, 6)) for i in range(tree.nv)], -1)
+
+
+def _momentum(steps: Steps, tree: Tree, X: list[np.ndarray], whole: list[np.ndarray]) -> np.ndarray:
+    """About the centre of mass that these steps make, in world axes: sum X_0k^T I_k J_k, moved there."""
+    total: np.ndarray = np.zeros((1, 1, tree.nv, 6))
+    for i, k in enumerate(tree.carried):
+        h = transposed(inertia(steps, k) @ _in_link(steps, tree, X, k.number))
+        h = to_parent(steps, "the momentum of a body, X^T I J,", whole[k.number][..., None, :, :], h)
+        total = total + steps.part("the bodies whose momentum counts", h, i, len(tree.carried), alone=True)
+    n, p = total[..., :3], total[..., 3:]
+    G = _com(steps, tree, whole)[..., None, :] + 0 * p
+    n = steps.add(
+        "the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p + 0 * G)}
+    )
+    return transposed(np.concatenate(np.broadcast_arrays(n, p), -1))
+
+
+def _com(steps: Steps, tree: Tree, whole: list[np.ndarray]) -> np.ndarray:
+    total: np.ndarray = np.zeros((1, 1, 6, 6))
+    for i, k in enumerate(tree.carried):
+        I = steps.congruent("a body's inertia, X^T I X,", transposed(whole[k.number]), inertia(steps, k))
+        total = total + steps.part("the bodies whose mass counts", I, i, len(tree.carried), alone=True)
+    m = total[..., 3:, 3:][..., :1, 0]
+    divisor = steps.pick("the mass that divides the first moment", m, **{"1": 0 * m + 1})
+    return np.asarray(_vector(total[..., :3, 3:]) / divisor)
+
+
+def _stacked(parts: list[np.ndarray]) -> np.ndarray:
+    """Frame by frame, behind runs and samples."""
+    shape = np.broadcast_shapes(*(x.shape for x in parts))
+    return np.stack([np.broadcast_to(x, shape) for x in parts], axis=2)
