@@ -224,7 +224,8 @@ class Columns:
             parents = [self.parents[i] for i in group]
 
             def counted(to: np.ndarray) -> np.ndarray:
-                return p - self._moved(group, o[..., 0, :, :], to, 0.0)[..., None, :, :]
+                from_root = o[..., 0, :, :] - t.p[0][..., None, :]  # a joint without another one has the root before it
+                return p - (t.p[0][..., None, :] + self._moved(group, from_root, to, 0.0))[..., None, :, :]
 
             found |= {
                 "counted from the root link": lambda: p - t.p[0][..., None, None, :] + 0 * o,
@@ -287,9 +288,7 @@ class Columns:
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
         w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
-        arms, joints = {}, not self.axes[group[0]].base
-        if joints:
-            arms = self._arms(group, links, p, o)
+        arms = self._arms(group, links, p, o)
         r = steps.pick(f"the lever arm in the rate of a column: to {whose}, {which}", p - o, **arms)
         w = steps.pick(
             f"the angular velocity that turns an axis: {which}", w,
