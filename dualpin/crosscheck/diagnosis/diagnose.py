@@ -106,6 +106,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 tick(f"{term}: {what}")
                 of(search)
             found[:] = _united([*found, *search.stories[:EARLIER]])
+            _settle(catalogue.settled, searches)
 
     def unexplained(search: Search) -> bool:
         return search.open
@@ -121,19 +122,21 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def besides(search: Search) -> None:
         search.slips_besides(_causes(case, searches)[:2])
 
-    slips = "slips of textbook algorithms"
+    slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     for term in off:
         stage("single causes", Search.singles, unexplained, [term])
         if sum(s.tried and s.open for s in searches.values()) == 1:  # what it has may be behind all others
+            stage(beside, besides, unexplained, [term])
             stage(slips, Search.slips, unexplained, [term])
-            if not found:
+            if not catalogue.settled:
                 stage("two causes of the whole robot", Search.plain_pairs, unexplained, [term])
-    stage("a cause of other terms and one more", one_more, unexplained, off)
+                stage("slips beside a cause of the whole robot", Search.slips_near, unexplained, [term])
+    stage("a cause of other terms and one more", one_more, lambda s: not s.good, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
+    stage(beside, besides, unexplained, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
-    stage("slips beside a cause of other terms", besides, unexplained, off)
     stage(slips, Search.slips, doubtful, off)
     stage("two causes together", Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
@@ -142,6 +145,14 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         search.known([*causes, *_together(causes), *found])
         search.composed()
     return {t: s.explanation() for t, s in searches.items()}
+
+
+def _settle(settled: set[str], searches: Mapping[str, Search]) -> None:
+    """Add the terms that are explained now, and those that are made of them."""
+    before = -1
+    while len(settled) != before:
+        before = len(settled)
+        settled |= {t for t, s in searches.items() if not s.open}
 
 
 def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
@@ -198,22 +209,28 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 found.located[term] = where
 
 
-DEEP = ("word", "edit", "state", "formula")
-"""Places of mistakes in what many terms are made of: reading, states, algorithms."""
+READING = ("word", "edit", "state")
+"""Places of mistakes in what all terms are made of."""
+SHOWN_BY = ("fk", "jacobian", "com")
+"""Terms that are made of nothing but what was read: the first that was answered shows it."""
 NEARER = 0.7
 """The share of the root mean square that a cause leaves at most where something else is wrong as well."""
 
 
 def contradicted(case: Case, h: Hypothesis, told: Mapping[str, Explanation]) -> list[str]:
-    """Of terms without a cause: those that a mistake would have changed, and that it does not bring nearer."""
+    """Of terms without a cause: those that a mistake in reading would have changed, and that it does not bring nearer.
+
+    None, where what is made of positions and the file alone does not contradict it.
+    """
     out = []
     unknown = [t for t, e in told.items() if not e.named and t not in (*PUSHED, *DERIVED)]
-    for term in (t for t in unknown if t in h.terms and h.place in DEEP):
+    for term in (t for t in unknown if t in h.terms and h.place in READING):
         x, p = case.predict(term, (h,)), case.predict(term)
         changed = x is not None and p is not None and (x.shape != p.shape or scaled(x, p) > case.tolerance)
         if changed and not case.score(term, (h,)).rms < NEARER * told[term].before.rms:
             out.append(term)
-    return out
+    shown = next((t for t in SHOWN_BY if t in case.observed), "")
+    return out if shown in out else []
 
 
 def _doubtful(

@@ -8,32 +8,31 @@ entries that are right, and the root mean square: the worst entry hides what a p
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from ..subjects.questions import QUESTIONS
 from .case import Case
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 from .rules.composed import by_symbols
 from .scores import Score
-from .textbook.slipped import made_of
+from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
+from .textbook.slipped import made_of, share
 
-T = TypeVar("T")
-BEAM = 8
-BLOCK = 24  # stories that are scored before the time is looked at: at first
-STORIES, SLIPS = 64, 800  # and at most
-LONG = 0.25
-"""Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
+STORIES, SLIPS = 64, 800  # that are scored before the time is looked at, at most
+MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
+WHOLE = 1.2
+"""The cost up to which a cause holds for the whole robot, and nothing is estimated for it."""
 KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
@@ -77,6 +76,8 @@ class Catalogue:
 
     def __init__(self, case: Case) -> None:
         self.case, self._cases = case, dict[int, Case]()
+        self.settled: set[str] = set()
+        """Terms of which a cause is found, of their own or of the terms that they are made of."""
         self.all: list[Hypothesis] = [h for rule in RULES if not rule.late for h in rule.propose(case)]
         self._kin: dict[Any, list[Hypothesis]] = {}
 
@@ -101,33 +102,23 @@ class Catalogue:
         """
         few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
         groups: dict[Any, list[Hypothesis]] = {}
+        formulas = [h.act for h in base if h.place == "formula"]
         for h in (h for h in self.late if term in h.terms and not h.afterwards):
+            if h.place == "formula" and not all(share(h.act, act) for act in formulas):
+                continue  # one term is not made by two algorithms
             groups.setdefault(made_of(h.act, term), []).append(h)
         alike, scores = list(groups.values()), list[Score]()
-        for block in _in_time(alike, until, SLIPS):
+        for block in in_time(alike, until, SLIPS):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
-        near = [_near(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
-        return right or _kept(near)
+        near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
+        return right or kept(near)
 
     def _few(self, samples: int) -> Case:
         if samples not in self._cases:
             self._cases[samples] = self.case.few(samples)
         return self._cases[samples]
-
-
-@dataclass(order=True)
-class _Near:
-    """A story that does not explain all, by how near it comes."""
-
-    rank: tuple[float, float, float]
-    story: Story = field(compare=False)
-    score: Score = field(compare=False)
-
-
-def _near(story: Story, score: Score) -> _Near:
-    return _Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
 
 
 class Search:
@@ -143,7 +134,7 @@ class Search:
         self.case, self.term, self.catalogue, self.until = case, term, catalogue, until
         self.before = case.score(term)
         self.good: dict[frozenset[object], Story] = {}
-        self.near: list[_Near] = []
+        self.near: list[Near] = []
         self.seen: set[frozenset[object]] = {frozenset()}
         self._whole, self._single = (catalogue.of(term, one, self.before.error) for one in (False, True))
         self._near_slips: list[Hypothesis] = []
@@ -156,8 +147,13 @@ class Search:
         return time.process_time() > self.until
 
     @property
+    def held(self) -> list[Story]:
+        """What explains it, and rests on no term that has no cause itself."""
+        return [s for s in self.good.values() if all(set(h.made_of) <= self.catalogue.settled for h in s)]
+
+    @property
     def open(self) -> bool:
-        return not self.good
+        return not self.held
 
     def doubtful(self, explained: Collection[str], examined: Collection[object]) -> bool:
         """Whether nothing explains it but estimated numbers, what right terms contradict, or terms without a cause.
@@ -219,10 +215,19 @@ class Search:
         """Slips, beside a cause of other terms that does not explain all of this one."""
         here = {identity(s): s for c in causes for h in c for s in self._shown(h) if identity(s) not in self.good}
         stories = list(here.values())
-        near = zip(stories, self.case.scores(self.term, stories), strict=True)
-        for cause, score in sorted(near, key=lambda x: x[1].rms)[:2]:
-            if score.rms < self.before.rms and self.open and not self.late:
-                self.consider(self.catalogue.slips(self.term, self.until, cause))
+        scores = self.case.scores(self.term, stories)
+        self._slips_with([nearness(s, x) for s, x in zip(stories, scores, strict=True)])
+
+    def slips_near(self) -> None:
+        """Slips, beside the causes of the whole robot that come nearest."""
+        self._slips_with([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
+
+    def _slips_with(self, causes: Iterable[Near]) -> None:
+        nearest = [n for n in sorted(causes, key=lambda n: n.score.rms) if n.score.rms < self.before.rms]
+        made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
+        for cause in [*made[:MADE], *[n for n in nearest if n not in made][:2]]:
+            if self.open and not self.late:
+                self.consider(self.catalogue.slips(self.term, self.until, cause.story))
 
     def _shown(self, h: Hypothesis) -> list[Story]:
         """A cause of other terms as it shows in this one."""
@@ -234,28 +239,31 @@ class Search:
         stories = [here for s in found if (here := tuple(h for h in s if self.term in h.terms))]
         for story in stories[:FEW_CAUSES]:
             self.consider(self._with(story, [*self._fits(story), *self._whole, *self._single]))
+        for story in self._by_symbols(found).values():
+            more = [h for h in self._whole if h.place == "answer"]
+            self.consider(self._with(story, [*self._fits(story), *more]))
 
     def plain_pairs(self) -> None:
         """Two causes that hold for the whole robot."""
         if self.before.error >= SMALL:
-            beam = _kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= 1.2])
+            beam = kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
             self.consider([s for story in beam for s in self._with(story, self._whole)])
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
-        if self.before.error < SMALL or min(map(cost, self.good.values()), default=np.inf) <= PLAIN:
+        if self.before.error < SMALL or min(map(cost, self.held), default=np.inf) <= PLAIN:
             return
-        self._beam = [(), *(n.story for n in sorted(self.near)[:BEAM]), *_kept(self.near)]
+        self._beam = [(), *(n.story for n in sorted(self.near)[:BEAM]), *kept(self.near)]
         self._beam = list({identity(s): s for s in self._beam}.values())
-        if self.good:
-            more = [h for h in self._whole if _reads([h])]
-            self.consider([s for story in self._beam if _reads(story) for s in self._with(story, more)])
+        if self.held:
+            more = [h for h in self._whole if reads([h])]
+            self.consider([s for story in self._beam if reads(story) for s in self._with(story, more)])
             return
         level = pairs_of_forces(self.case, self.term)
         single = self._single if len(self.case.robot) <= LARGE else []
         for story in self._beam:
             level += self._with(story, [*self._fits(story), *self._whole, *self._near_slips, *single])
-        self._beam = _kept(self.consider(level))
+        self._beam = kept(self.consider(level))
 
     def triples(self) -> None:
         """And three."""
@@ -274,7 +282,7 @@ class Search:
     @property
     def stories(self) -> list[Story]:
         """The cheapest that explain it; what explains other terms too may cost more."""
-        found = _cheapest(self.good.values())
+        found = cheapest(self.good.values())
         told = {identity(s) for s in found}
         return found + [s for key, s in self.good.items() if key in self._others and key not in told]
 
@@ -284,9 +292,9 @@ class Search:
         return fits(self.case, self.term, story)
 
     def _with(self, story: Story, more: Iterable[Hypothesis]) -> list[Story]:
-        return [ordered((*story, h)) for h in more if _joins(h, story)]
+        return [ordered((*story, h)) for h in more if joins(h, story)]
 
-    def consider(self, stories: Iterable[Story]) -> list[_Near]:
+    def consider(self, stories: Iterable[Story]) -> list[Near]:
         """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
         fresh = {}
         for s in stories:
@@ -295,12 +303,12 @@ class Search:
                 self.seen.add(key)
                 fresh[key] = s
         found = []
-        for block in _in_time(list(fresh.values()), self.until, STORIES):
+        for block in in_time(list(fresh.values()), self.until, STORIES):
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right and not any(self.case.spared(h) for h in story if _doubtful(h, story)):
+                if score.right and not any(self.case.spared(h) for h in story if numbers_in(h, story)):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
-                    found.append(_near(story, score))
+                    found.append(nearness(story, score))
         self.near += found
         return found
 
@@ -313,7 +321,7 @@ class Search:
         out: list[Story] = []
         while growing and not self.late:  # all families in one run
             rest = [[h for h in family if h not in chosen] for family, chosen, _ in growing]
-            tried = [(_merged([*chosen, h]),) for (_, chosen, _), more in zip(growing, rest, strict=True) for h in more]
+            tried = [(merged([*chosen, h]),) for (_, chosen, _), more in zip(growing, rest, strict=True) for h in more]
             scores = iter(self.case.scores(self.term, tried))
             grown = []
             for (family, chosen, rms), more in zip(growing, rest, strict=True):
@@ -324,72 +332,6 @@ class Search:
                 if best is not None and better and not best[0].right:
                     grown.append((family, chosen, best[0].rms))
                 elif len(chosen) > 1:
-                    out.append((_merged(chosen),))
+                    out.append((merged(chosen),))
             growing = grown
         return out
-
-
-def _in_time(todo: Sequence[T], until: float, most: int) -> Iterator[Sequence[T]]:
-    """In blocks, until it is late; the first block in any case."""
-    start, size = 0, BLOCK
-    while start < len(todo) and not (start and time.process_time() > until):
-        begun = time.process_time()
-        yield todo[start : start + size]
-        start += size
-        took = time.process_time() - begun
-        size = min(most, max(1, int(size * min(4.0, LONG / max(took, 1e-3)))))
-
-
-# --- stories --------------------------------------------------------------------------------------
-
-
-def _reads(story: Iterable[Hypothesis]) -> bool:
-    """Whether it is about reading the file, and estimates nothing."""
-    return all(h.place == "edit" and h.key not in ESTIMATED for h in story)
-
-
-def _doubtful(h: Hypothesis, story: Story) -> bool:
-    """Whether other terms must not contradict it: numbers, and several readings of the file, imitate much."""
-    return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story) > 1)
-
-
-def _joins(h: Hypothesis, story: Story) -> bool:
-    """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
-    return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
-
-
-def _merged(chosen: Sequence[Hypothesis]) -> Hypothesis:
-    """One hypothesis about several links or joints."""
-    if len(chosen) == 1:
-        return chosen[0]
-    items = tuple(sorted(i for h in chosen for i in h.items))
-    first = chosen[0]
-    if first.place == "word":  # each names its columns itself
-        acts = [h.act for h in chosen]
-
-        def act(w: Wording) -> Wording:
-            turned: list[tuple[str, float]] = []
-            for f in acts:
-                w = f(w)
-                turned += w.turned
-            return replace(w, turned=tuple(turned))
-
-        return replace(first, items=items, act=act, cost=1.0 + 0.5 * len(chosen))
-    return replace(first, items=items, cost=1.0 + 0.5 * len(chosen))
-
-
-def _kept(near: Sequence[_Near]) -> list[Story]:
-    """The most promising, by share and by root mean square; one of those that predict the same."""
-    distinct: dict[tuple[float, float], _Near] = {}
-    for n in sorted(near):
-        distinct.setdefault((round(n.score.share, 9), float(f"{n.score.rms:.9g}")), n)
-    by_share = list(distinct.values())
-    by_rms = sorted(by_share, key=lambda n: n.score.rms)
-    chosen = {id(n): n for n in (*by_share[: BEAM // 2], *by_rms[: BEAM // 2])}
-    return [n.story for n in chosen.values()]
-
-
-def _cheapest(stories: Iterable[Story]) -> list[Story]:
-    """Those that claim little more than the cheapest."""
-    found = sorted(stories, key=lambda s: (cost(s), len(s)))
-    return [s for s in found if cost(s) <= cost(found[0]) + 1.01][:24]

@@ -49,6 +49,11 @@ def made_of(act: Formula, term: str) -> Any:
     return act.run if parts is None else parts(term), act.slips
 
 
+def share(one: Formula, other: Formula) -> bool:
+    """Whether both are of one algorithm, so that they can be made together."""
+    return isinstance(one, Slipped) and one.joined(other) is not None
+
+
 def in_one(acts: Sequence[Formula]) -> Formula | None:
     """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
     found: Formula | None = None

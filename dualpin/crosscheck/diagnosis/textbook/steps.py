@@ -272,18 +272,22 @@ class Steps:
         rows: dict[int, list[Slip]] = {}
         for k, slip in mine:
             rows.setdefault(k, []).append(slip)
-        others = {k: wrong(slips, _row(k, self.rows)) for k, slips in rows.items()}
-        shape = np.broadcast_shapes(np.shape(right)[1:], *(np.shape(x) for x in others.values()))
-        out = np.empty((self.rows, *shape), np.result_type(right, *others.values()))
+        alike: dict[tuple[Slip, ...], list[int]] = {}
+        for k, slips in rows.items():
+            alike.setdefault(tuple(slips), []).append(k)
+        others = [(ks, wrong(slips, _rows(ks, self.rows))) for slips, ks in alike.items()]
+        shape = np.broadcast_shapes(np.shape(right)[1:], *(np.shape(x)[1:] for _, x in others))
+        out = np.empty((self.rows, *shape), np.result_type(right, *(x for _, x in others)))
         out[:] = right
-        for k, x in others.items():
-            out[k] = x
+        for ks, x in others:
+            out[ks] = x
         return out
 
 
-def _row(k: int, count: int) -> _Row:
-    """Row k of arrays whose first axis is that of the runs, or has length 1."""
-    return lambda x: x if np.ndim(x) == 0 else x[k] if len(x) == count else x[0]
+def _rows(ks: list[int], count: int) -> _Row:
+    """These rows of arrays whose first axis is that of the runs, or has length 1."""
+    at = slice(ks[0], ks[0] + 1) if len(ks) == 1 else ks
+    return lambda x: x if np.ndim(x) == 0 or len(x) != count else x[at]
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

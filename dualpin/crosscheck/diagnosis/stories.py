@@ -1,0 +1,94 @@
+"""Stories on their way through a search: which come nearest, which fit together, which claim least."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost
+from .scores import Score
+
+T = TypeVar("T")
+BEAM = 8
+BLOCK = 24  # stories that are scored before the time is looked at: at first
+LONG = 0.25
+"""Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
+
+
+@dataclass(order=True)
+class Near:
+    """A story that does not explain all, by how near it comes."""
+
+    rank: tuple[float, float, float]
+    story: Story = field(compare=False)
+    score: Score = field(compare=False)
+
+
+def nearness(story: Story, score: Score) -> Near:
+    """By the share of right entries, then by the root mean square; dearer stories later."""
+    return Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
+
+
+def in_time(todo: Sequence[T], until: float, most: int) -> Iterator[Sequence[T]]:
+    """In blocks, until it is late; the first block in any case."""
+    start, size = 0, BLOCK
+    while start < len(todo) and not (start and time.process_time() > until):
+        begun = time.process_time()
+        yield todo[start : start + size]
+        start += size
+        took = time.process_time() - begun
+        size = min(most, max(1, int(size * min(4.0, LONG / max(took, 1e-3)))))
+
+
+def reads(story: Iterable[Hypothesis]) -> bool:
+    """Whether it is about reading the file, and estimates nothing."""
+    return all(h.place == "edit" and h.key not in ESTIMATED for h in story)
+
+
+def numbers_in(h: Hypothesis, story: Story) -> bool:
+    """Whether other terms must not contradict it: numbers, and several readings of the file, imitate much."""
+    return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story) > 1)
+
+
+def joins(h: Hypothesis, story: Story) -> bool:
+    """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
+    return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
+
+
+def merged(chosen: Sequence[Hypothesis]) -> Hypothesis:
+    """One hypothesis about several links or joints."""
+    if len(chosen) == 1:
+        return chosen[0]
+    items = tuple(sorted(i for h in chosen for i in h.items))
+    first = chosen[0]
+    if first.place == "word":  # each names its columns itself
+        acts = [h.act for h in chosen]
+
+        def act(w: Wording) -> Wording:
+            turned: list[tuple[str, float]] = []
+            for f in acts:
+                w = f(w)
+                turned += w.turned
+            return replace(w, turned=tuple(turned))
+
+        return replace(first, items=items, act=act, cost=1.0 + 0.5 * len(chosen))
+    return replace(first, items=items, cost=1.0 + 0.5 * len(chosen))
+
+
+def kept(near: Sequence[Near]) -> list[Story]:
+    """The most promising, by share and by root mean square; one of those that predict the same."""
+    distinct: dict[tuple[float, float], Near] = {}
+    for n in sorted(near):
+        distinct.setdefault((round(n.score.share, 9), float(f"{n.score.rms:.9g}")), n)
+    by_share = list(distinct.values())
+    by_rms = sorted(by_share, key=lambda n: n.score.rms)
+    chosen = {id(n): n for n in (*by_share[: BEAM // 2], *by_rms[: BEAM // 2])}
+    return [n.story for n in chosen.values()]
+
+
+def cheapest(stories: Iterable[Story]) -> list[Story]:
+    """Those that claim little more than the cheapest."""
+    found = sorted(stories, key=lambda s: (cost(s), len(s)))
+    return [s for s in found if cost(s) <= cost(found[0]) + 1.01][:24]
