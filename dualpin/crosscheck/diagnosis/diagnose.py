@@ -108,7 +108,10 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             found[:] = _united([*found, *search.stories[:EARLIER]])
             _settle(catalogue.settled, searches)
 
-    def unexplained(search: Search) -> bool:
+    def unknown(search: Search) -> bool:
+        return not search.good
+
+    def unexplained(search: Search) -> bool:  # also where it follows from terms that have no cause
         return search.open
 
     def doubtful(search: Search) -> bool:
@@ -123,15 +126,17 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         search.slips_besides(_causes(case, searches)[:2])
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
+    one_more_cause = "a cause of other terms and one more"
     for term in off:
-        stage("single causes", Search.singles, unexplained, [term])
-        if sum(s.tried and s.open for s in searches.values()) == 1:  # what it has may be behind all others
-            stage(beside, besides, unexplained, [term])
-            stage(slips, Search.slips, unexplained, [term])
+        stage("single causes", Search.singles, unknown, [term])
+        if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
+            stage(one_more_cause, one_more, unknown, [term])
+            stage(beside, besides, unknown, [term])
+            stage(slips, Search.slips, unknown, [term])
             if not catalogue.settled:
-                stage("two causes of the whole robot", Search.plain_pairs, unexplained, [term])
-                stage("slips beside a cause of the whole robot", Search.slips_near, unexplained, [term])
-    stage("a cause of other terms and one more", one_more, lambda s: not s.good, off)
+                stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
+                stage("slips beside a cause of the whole robot", Search.slips_near, unknown, [term])
+    stage(one_more_cause, one_more, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)

@@ -104,8 +104,8 @@ class Catalogue:
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
         for h in (h for h in self.late if term in h.terms and not h.afterwards):
-            if h.place == "formula" and not all(share(h.act, act) for act in formulas):
-                continue  # one term is not made by two algorithms
+            if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
+                continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
         alike, scores = list(groups.values()), list[Score]()
         for block in in_time(alike, until, SLIPS):
