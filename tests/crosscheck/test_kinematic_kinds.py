@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import dualpin as dp
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.diagnosis.diagnose import contradicted
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
@@ -162,6 +164,7 @@ def test_steps_of_placing_are_named(kind):
     assert words in said
 
 
+@pytest.mark.campaign
 def test_an_axis_that_is_kept_in_the_world_is_wrong_wherever_it_is_used():
     """Columns and the way of a slide by the axis of the link before."""
     code = rewritten("worldframe", ("z = R @ b.axis", "z = b.axis"))
@@ -266,9 +269,26 @@ def test_columns_rates_and_motions_are_named(kind):
     assert words in said
 
 
-@pytest.mark.parametrize("kind", ["rows_twice", "arm_of_list"])
+@pytest.mark.parametrize("kind", ["rows_twice"])
 def test_columns_are_named(kind):
     test_columns_rates_and_motions_are_named(kind)
+
+
+@pytest.mark.parametrize(
+    ("multiplier", "offset", "words"),
+    [
+        (1.0, 0.1, "the multiplier of <mimic> is ignored"), (-0.5, 0.1, "the multiplier of <mimic> has the other sign"),
+        (2.0, 0.1, "joints are divided by the multiplier"), (0.5, -0.1, "the offset of <mimic> has the other sign"),
+        (0.5, 0.05, "the offset of <mimic> is multiplied too"),
+    ],
+)  # fmt: skip
+def test_joints_that_follow_otherwise_are_named(multiplier, offset, words):
+    text = Path(PROBE).read_text()
+    mine = text.replace('multiplier="0.5" offset="0.1"', f'multiplier="{multiplier}" offset="{offset}"')
+    robot = dp.loads(mine, mimic=True)
+    report = dp.judge(dp.load(PROBE, mimic=True), {"fk": lambda q, frame: dp.fk(robot, q, frame=frame)}, 3)
+    (finding,) = report.findings
+    assert words in finding.says
 
 
 def test_columns_that_the_subject_counts_by_a_factor():

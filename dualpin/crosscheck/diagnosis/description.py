@@ -114,7 +114,8 @@ class Part:
         """Everything an edit can change of the joint."""
         unit = [0.0, self.rate] if self.slides else [self.rate, 0.0]
         axis = self.unit_axis if self.axial else np.zeros(3)
-        return np.concatenate([self.pose.ravel(), self.after.ravel(), axis, unit, self.armature, self.more])
+        follows = [] if self.mimic is None else [self.mimic.multiplier, self.mimic.offset]
+        return np.concatenate([self.pose.ravel(), self.after.ravel(), axis, unit, self.armature, self.more, follows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -295,7 +296,7 @@ def _add(b: Builder, parts: Sequence[Part]) -> None:
     # a link that stands apart from what its joint moves is fixed there
     b.joint(
         p.joint, _model(parts), p.parent, placement, None if moved else inertia,
-        link=f"{p.link} moved" if moved else p.link, mimic=p.mimic, armature=_armature(parts),
+        link=f"{p.link} moved" if moved else p.link, mimic=_following(parts), armature=_armature(parts),
     )  # fmt: skip
     if moved:
         b.fixed(f"{p.joint} to {p.link}", f"{p.link} moved", _pose(after), inertia, link=p.link)
@@ -303,6 +304,14 @@ def _add(b: Builder, parts: Sequence[Part]) -> None:
     if more.any():
         on = f"{p.link} moved" if moved else p.link
         b.fixed(f"{p.joint} more", on, inertia=_ten(more), link=f"{p.link} more")
+
+
+def _following(parts: Sequence[Part]) -> Mimic | None:
+    first = parts[0].mimic
+    if first is None or all(x.mimic is first for x in parts):
+        return first
+    of = np.array([(x.mimic.multiplier, x.mimic.offset) for x in parts if x.mimic is not None])
+    return Mimic(first.joint, _scalar(of[:, 0]), _scalar(of[:, 1]))
 
 
 def _armature(parts: Sequence[Part]) -> tuple[Scalar, ...]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....model.robot import Mimic
 from ..description import Description, Part, homogeneous, turn
 from .register import joint_rule
 
@@ -141,6 +142,30 @@ def motion_before_rpy(p: Part, d: Description) -> Part:
     if not p.axial or np.abs(p.rotation - np.eye(3)).max() < 1e-12:
         return p
     return replace(p.placed(_shifted(p.pose)), after=_turned(p.pose) @ p.after)
+
+
+COUPLED: dict[str, Callable[[Mimic], Mimic]] = {
+    "the multiplier of <mimic> is ignored": lambda m: replace(m, multiplier=1.0),
+    "the multiplier of <mimic> has the other sign": lambda m: replace(m, multiplier=-m.multiplier),
+    "joints are divided by the multiplier of <mimic>": lambda m: replace(m, multiplier=1.0 / (m.multiplier or 1.0)),
+    "the offset of <mimic> is ignored": lambda m: replace(m, offset=0.0),
+    "the offset of <mimic> has the other sign": lambda m: replace(m, offset=-m.offset),
+    "the offset of <mimic> is multiplied too": lambda m: replace(m, offset=m.multiplier * m.offset),
+    "multiplier and offset of <mimic> are ignored": lambda m: replace(m, multiplier=1.0, offset=0.0),
+}
+"""Of joints that follow others, where they are to do so."""
+
+
+def _coupled(says: str, change: Callable[[Mimic], Mimic]) -> None:
+    @joint_rule(
+        "mimic_part", says, "q of a joint that follows is multiplier times q of its leader, plus offset", cost=1.05
+    )
+    def coupled(p: Part, d: Description) -> Part:
+        return p if p.mimic is None else replace(p, mimic=change(p.mimic))
+
+
+for _words, _change in COUPLED.items():
+    _coupled(_words, _change)
 
 
 @joint_rule("prismatic_as_revolute", "prismatic joints turn", "a prismatic joint slides along its axis")

@@ -319,17 +319,27 @@ def _mimics(case: Case) -> bool:
     "mimic", "joints with <mimic> follow their leader", "pass the followers' coordinates as they are, or say mimic=True"
 )
 def mimic(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def one(multiplied: bool, shifted: bool) -> Callable[[View], States]:
+    def one(words: str) -> Hypothesis:
         def act(view: View) -> States:
             q = view.states["q"].copy()
-            for name, (leader, k, offset) in case.description.mimics.items():
-                a, b = case.robot.joint(name), case.robot.joint(leader)
-                q[:, a.q] = (k if multiplied else 1.0) * q[:, b.q] + (offset if shifted else 0.0)
+            for name, (leader, k, b) in case.description.mimics.items():
+                multiplier, offset = FOLLOWING[words](k, b)
+                q[:, case.robot.joint(name).q] = multiplier * q[:, case.robot.joint(leader).q] + offset
             return {**view.states, "q": q}
 
-        return act
+        return replace(h, terms=ALL, place="state", act=act, values=words)
 
-    if not _mimics(case):
-        return []
-    ways = {"": (True, True), "without the offset": (True, False), "without the multiplier": (False, True)}
-    return [replace(h, terms=ALL, place="state", act=one(*way), values=words) for words, way in ways.items()]
+    return [one(words) for words in FOLLOWING] if _mimics(case) else []
+
+
+FOLLOWING: dict[str, Callable[[float, float], tuple[float, float]]] = {
+    "": lambda k, b: (k, b),
+    "without the offset": lambda k, b: (k, 0.0),
+    "without the multiplier": lambda k, b: (1.0, b),
+    "without multiplier and offset": lambda k, b: (1.0, 0.0),
+    "divided by the multiplier": lambda k, b: (1 / (k or 1.0), b),
+    "with the other sign of the multiplier": lambda k, b: (-k, b),
+    "with the other sign of the offset": lambda k, b: (k, -b),
+    "with the offset multiplied too": lambda k, b: (k, k * b),
+}
+"""Multiplier and offset with which a joint follows another."""
