@@ -26,6 +26,8 @@ from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
+RESTING = "that of a base that rests"
+
 
 @dataclass
 class Motion:
@@ -91,7 +93,15 @@ def _base(steps: Steps, tree: Tree, pose: Pose, v: np.ndarray, a: np.ndarray, g:
     w, linear = v[..., :3], v[..., 3:6]
     up = -steps.turn("gravity, in world axes,", back, g + 0 * linear)
     terms = {"the given acceleration": a[..., 3:6], "w x v": cross(w, linear), "-g": up}
-    return Motion(w, a[..., :3], steps.add("the acceleration of the base", **terms))
+    right = Motion(w, a[..., :3], steps.add("the acceleration of the base", **terms))
+    others = {
+        RESTING: lambda: joined(Motion(0 * w, 0 * w, up)),
+        "that with the velocity's halves exchanged":
+            lambda: joined(Motion(linear, a[..., :3], a[..., 3:6] + cross(linear, w) + up)),
+        "that with the acceleration's halves exchanged":
+            lambda: joined(Motion(w, a[..., 3:6], a[..., :3] + cross(w, linear) + up)),
+    }  # fmt: skip
+    return Motion(*np.split(steps.pick("the base's motion, of a floating base,", joined(right), **others), 3, -1))
 
 
 def joined(m: Motion) -> np.ndarray:

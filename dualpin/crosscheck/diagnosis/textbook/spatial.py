@@ -18,7 +18,7 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .link_axes import axes, gathered, own_rates, rate_in_cross
+from .link_axes import RESTING, axes, gathered, own_rates, rate_in_cross
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
@@ -66,6 +66,14 @@ def _motions(
         speed = v[..., :6] + zero
         # the rate of the base's spatial velocity has no w x v: what is given is the rate of its columns
         acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
+        halves = {"that with its halves exchanged": speed[..., [3, 4, 5, 0, 1, 2]], RESTING: 0 * speed}
+        speed = steps.pick("the velocity of a floating base", speed, **halves)
+        turning = np.concatenate([0 * v[..., :3], cross(v[..., :3], v[..., 3:6])], -1)
+        halves = {
+            "that with its halves exchanged": a[..., [3, 4, 5, 0, 1, 2]] + up, RESTING: up,
+            "that of its origin, with w x v": acc + turning,
+        }  # fmt: skip
+        acc = steps.pick("the acceleration of a floating base", acc, **halves)
     else:
         speed, acc = zero, -down
     vs, accs = [speed], [acc]

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .link_axes import axes, centripetal, felt, gathered, own_rates, rate_in_cross
+from .link_axes import RESTING, axes, centripetal, felt, gathered, own_rates, rate_in_cross
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
@@ -135,7 +135,10 @@ def _base(steps: Steps, tree: Tree, R: np.ndarray, v: np.ndarray, a: np.ndarray)
         "the velocity with its halves exchanged": lambda: joined(product(R, linear), alpha, given + cross(u, w)),
         "the acceleration with its halves exchanged": lambda: joined(w, product(R, second), product(R, first) + w_u),
     }  # fmt: skip
-    w, alpha, acc = np.split(steps.mistaken("the base's motion", joined(w, alpha, acc), **exchanged), 3, -1)
+    moving = steps.mistaken("the base's motion", joined(w, alpha, acc), **exchanged)
+    w, alpha, acc = np.split(
+        steps.pick("the base's motion, of a floating base,", moving, **{RESTING: 0 * moving}), 3, -1
+    )
     return Motion(w, alpha, acc, 0 * w)
 
 
