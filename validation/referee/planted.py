@@ -40,7 +40,9 @@ def outcome(asked: Any, subject: Any, wrong: tuple[str, ...]) -> dict[str, Any]:
     shows = bool(case.answers.history) or any(not case.score(t).right for t in case.observed)
     found = diagnose(case)
     keys = sorted({f.key for f in found.findings})
-    right = all(set(keys) & (KEYS[w] - BESIDES) for w in wrong) and set(keys) <= {k for w in wrong for k in KEYS[w]}
+    right = all(set(keys) & (KEYS[w] - BESIDES) for w in wrong) and set(keys) <= {"follows"}.union(
+        *(KEYS[w] for w in wrong)
+    )
     verdict = "invisible" if not shows and not keys else "named" if right else "missed"
     return {"verdict": verdict, "keys": keys, "seconds": round(found.seconds, 2)}
 
