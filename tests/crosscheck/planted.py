@@ -44,7 +44,7 @@ FIXED = {
     "coriolis_half": ("velocity_scale",), "coriolis_twice": ("velocity_scale",),
     "bias_without_gravity": ("no_gravity_in_bias", "gravity"), "crba_upper": ("upper",), "crba_lower": ("lower",),
     "crba_diagonal": ("diagonal",), "aba_without_bias": ("bias_ignored",), "aba_bias_sign": ("bias_sign",),
-    "com_of_origins": ("inertial_xyz", "com_of_origins"), "com_not_divided": ("scale",),
+    "com_of_origins": ("inertial_xyz", "com_of_origins"), "com_not_divided": ("scale", "step_other"),
     "base_counts": ("base_counts",),
     "momentum_about_origin": ("about_origin",), "energy_without_half": ("scale",),
     "coriolis_rate": ("coriolis_rate",),
