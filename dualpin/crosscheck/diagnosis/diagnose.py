@@ -128,7 +128,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     one_more_cause = "a cause of other terms and one more"
     for term in off:
-        stage("single causes", Search.singles, unknown, [term])
+        stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
             stage(beside, besides, unknown, [term])

@@ -155,6 +155,11 @@ class Search:
     def open(self) -> bool:
         return not self.held
 
+    @property
+    def exact(self) -> bool:
+        """Whether something explains all of it, not what is the same with its velocities alone."""
+        return any(all(h.key not in SAME for h in s) for s in self.good.values())
+
     def doubtful(self, explained: Collection[str], examined: Collection[object]) -> bool:
         """Whether nothing explains it but estimated numbers, what right terms contradict, or terms without a cause.
 
