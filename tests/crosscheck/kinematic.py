@@ -193,7 +193,7 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "arm_from_parent": ({"arm": lambda s, p, o, i, poses: p - poses[s.joints[i - 1].parent][1]}, "parent link"),
     "slide_as_turning": ({"sliding_column": lambda s, z, r: np.r_[z, cross(z, r)]}, "as of a turning one"),
     "slide_with_moment": ({"sliding_column": lambda s, z, r: np.r_[z, z]}, "[z; z]"),
-    "all_joints": ({"chain": lambda s, k: list(range(1, s.n + 1))}, "all, also those that do not move it"),
+    "all_joints": ({"chain": lambda s, k: list(range(1, s.n + 1))}, "also of those that do not move it"),
     "no_own_joint": ({"chain": lambda s, k: Kinematic.chain(s, k)[1:]}, "all but"),
     "axis_rate_sign": ({"axis_rate": lambda s, w, z: cross(z, w)}, "w x z has the other sign"),
     "no_axis_rate": ({"axis_rate": lambda s, w, z: 0 * z}, "w x z is left out"),
@@ -209,6 +209,6 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "orbit_sign": ({"orbit": lambda s, c, G, poses: G - c}, "other sign"),
     "energy_without_turning": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2)}, "point masses"),
     "energy_twice": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v + w @ W @ I @ W.T @ w / 2)}, "twice"),
-    "energy_unturned": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2 + w @ I @ w / 2)}, "not brought"),
+    "energy_unturned": ({"energy": lambda s, m, v, w, I, W: float(m * v @ v / 2 + w @ I @ w / 2)}, "not transformed"),
 }  # fmt: skip
 """Slips, and what a finding that names them rightly says; anything at all where that is the word of an older rule."""

@@ -17,6 +17,7 @@ from ..textbook.answers import (
     MOVED,
     MOVING,
     OF_FRAMES,
+    POINTS,
     PROJECTED,
     RATED,
     SECOND,
@@ -221,6 +222,8 @@ _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
+for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
+    _register(_name, _run, RATES, how=POINTS)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):

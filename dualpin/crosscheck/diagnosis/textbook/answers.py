@@ -24,6 +24,7 @@ from .weighted import RIGHT, Sums
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
+POINTS = "with velocities of frames by Jacobians, those of joints from link to link"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 RATED = "Christoffel's symbols of derivatives by rates"
 SEEN = (
@@ -179,6 +180,8 @@ class Made:
         columns = self.columns(tree)
         R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (columns.w, 1), (columns.v, 1)))
         J = columns.reduced(columns.at(p, links))
+        if self.how == POINTS:
+            u = product(J, s["v"][:, None])[..., 3:]
         D = columns.reduced(columns.rates(p, u, links))
         return referred_rate(self.rest, D, J, (R, p, w, u), reference)
 
