@@ -184,7 +184,7 @@ MORE = {
     "joint_snapped": ("rpy_snapped",), "com_millimetres": ("inertial_xyz_units",),
     "com_mirrored": ("inertial_xyz_order",), "com_xy": ("inertial_xyz_order",), "mass_grams": ("mass_units",),
     "moments_cycled": ("moments_swapped",), "moments_yz": ("moments_swapped",), "xyz_millimetres": ("xyz_units",),
-    "one_axis_x": ("axis_other",), "inertials_shifted": ("inertial_shifted",), "base_tilted": ("base_offset",),
+    "one_axis_x": ("axis_other", "axis_always_x"), "inertials_shifted": ("inertial_shifted",), "base_tilted": ("base_offset",),
     "six_digits": ("few_digits",), "four_decimals": ("few_digits",), "parent_frame": ("parent_frame",),
     "quaternion_last": ("pose_quaternion",), "angular_local": ("mixed_axes",), "linear_local": ("mixed_axes",),
     "one_column_sign": ("column_scale",), "one_column_empty": ("column_scale",), "drag": ("drag_fit",),
