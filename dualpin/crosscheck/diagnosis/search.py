@@ -252,7 +252,8 @@ class Search:
         """Two causes that hold for the whole robot."""
         if self.before.error >= SMALL:
             beam = kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
-            self.consider([s for story in beam for s in self._with(story, self._whole)])
+            more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
+            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))])
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
