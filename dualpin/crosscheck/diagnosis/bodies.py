@@ -150,14 +150,20 @@ CHANGES: tuple[tuple[str, int, float, Callable[[Body, np.ndarray], Body]], ...] 
 """What may be another of one link: in words, how many numbers, the cost, and how they change it."""
 
 
+NOTHING = 1e-9
+"""The share of a mass that is left by rounding, where the body is left out."""
+
+
 def _links(case: Case, small: Small) -> Iterable[Hypothesis]:
     for link, (joint, X, body) in _standing(case).items():
         if joint not in small:
             continue
         for what, n, cost, change in CHANGES:
             x = _newton(small[joint], body, X, n, change)
-            if x is not None:
-                yield _link(link, body, change(body, x), what, cost)
+            new = None if x is None else change(body, x)
+            gone = new is not None and abs(new.mass) < NOTHING * body.mass
+            if new is not None and not (gone and what == "mass and inertia"):  # that has a rule: it is left out
+                yield _link(link, body, replace(new, mass=0.0) if gone else new, what, cost)
 
 
 def _newton(

@@ -76,15 +76,14 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
 
 
 def _history(case: Case) -> list[Finding]:
-    """Subjects whose answers depend on what was asked before are named first: nothing else can be said of them."""
-    return [
-        Finding(
-            "history", "the same state asked twice gives other numbers: the answer depends on what was asked before",
-            [term], apart, apart, fix="compute everything from the arguments of the call",
-            evidence={term: [apart, apart]},
-        )
-        for term, apart in case.answers.history.items()
-    ]  # fmt: skip
+    """Subjects whose answers depend on what was asked before are named first."""
+    apart = case.answers.history
+    if not apart:
+        return []
+    says = "the same state asked twice gives other numbers: the answer depends on what was asked before"
+    fix, worst = "compute everything from the arguments of the call", max(apart.values())
+    evidence = {t: [x, x] for t, x in apart.items()}
+    return [Finding("history", says, list(apart), worst, worst, fix=fix, evidence=evidence)]
 
 
 def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str], None]) -> dict[str, Explanation]:
@@ -206,8 +205,8 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
     for term, e in told.items():
         if not e.named:
             rounded = precision(case, term, e)
-            where = located(case, term, e)
-            finding = rounded or partly(case, term, e, where)
+            where = located(case, term, Explanation(term, e.before))
+            finding = rounded or partly(case, term, e, located(case, term, e))
             if finding:
                 _add(found.findings, finding)
             if not rounded:

@@ -100,28 +100,22 @@ def _single(case: Case, term: str) -> float:
 
 
 def located(case: Case, term: str, e: Explanation) -> str:
-    """The rows, entries or frames that are off, under the nearest story."""
-    x, p = case.observed[term], case.predict(term, e.nearest if e.left is not None else ())
-    if p is None or x.shape != p.shape:
-        p = case.predict(term)
+    """The rows, entries or frames that are off, and stay so under the nearest story where it has been scored."""
+    x, p, nearer = case.observed[term], case.predict(term), case.predict(term, e.nearest if e.left is not None else ())
     if p is None or x.shape != p.shape:
         return ""
-    d = x - p
-    names = list(case.how.v)
-    if term == "aba":
-        M = case.predict("crba")
-        d = d if M is None else product(M, d)
-    with np.errstate(all="ignore"):
-        d = np.abs(d) / max(1.0, float(np.nanmax(np.abs(p))))
-    form = QUESTIONS[term].form
-    limit = 10 * case.tolerance
-    if QUESTIONS[term].framed:
-        off = [
-            f
-            for f, y in zip(case.frames, np.nanmax(d.reshape(len(d), len(case.frames), -1), axis=(0, 2)), strict=True)
-            if y > limit
-        ]
+    d = np.abs(_apart(case, term, x, p))
+    if nearer is not None and nearer.shape == x.shape:  # what a story makes wrong is right without it
+        d = np.fmin(d, np.abs(_apart(case, term, x, nearer)))
+    names, form = list(case.how.v), QUESTIONS[term].form
+    if QUESTIONS[term].framed:  # each in its own scale, as its score is
+        d, size = (y.reshape(len(y), len(case.frames), -1) for y in (d, np.abs(p)))
+        bound = case.tolerance * np.fmax(1.0, size.max(axis=2, keepdims=True))
+        off = [f for f, wrong in zip(case.frames, (d > bound).any(axis=(0, 2)), strict=True) if wrong]
         return f"off for {len(off)} of {len(case.frames)} frames" + _some(off)
+    with np.errstate(all="ignore"):
+        d = d / max(1.0, float(np.nanmax(np.abs(p))))
+    limit = 10 * case.tolerance
     if form in ("matrix", "inverse", "coriolis"):
         bad = np.nanmax(d, axis=0) > limit
         where = ", on the diagonal only" if bad.any() and not (bad & ~np.eye(len(bad), dtype=bool)).any() else ""
@@ -134,6 +128,12 @@ def located(case: Case, term: str, e: Explanation) -> str:
         rows = [n for n, y in zip(names, np.nanmax(d, axis=0), strict=True) if y > limit]
         return f"off in {len(rows)} of {len(names)} rows" + _some(rows)
     return ""
+
+
+def _apart(case: Case, term: str, x: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """The difference of an answer and a prediction; of forward dynamics, in forces."""
+    M = case.predict("crba") if term == "aba" else None
+    return x - p if M is None else product(M, x - p)
 
 
 def _some(names: list[str], most: int = 6) -> str:

@@ -42,7 +42,7 @@ SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 LARGE = 40  # joints from which pairs of single links are not tried
-DOUBTFUL = ESTIMATED | {"tool_offset", "base_offset", "origin_fit", "saturated"}
+DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
 
 

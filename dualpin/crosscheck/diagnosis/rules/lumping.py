@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import permutations
+from itertools import permutations, product
 
 import numpy as np
 
@@ -22,6 +22,7 @@ WAYS: dict[str, Callable[[Steps, list[Piece]], Body]] = {
     "all at once": at_once, "one by one": one_by_one,
     "one by one, from nothing": from_nothing,
 }  # fmt: skip
+ALL_LINKS = ", of links without <inertial> too"
 FIX = "one body of several links: C = sum m c / sum m, I = sum R I R^T + m (d.d 1 - d d^T) with d = c - C"
 TRIANGLES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "the lower triangle is read": lambda I: np.tril(I) + np.tril(I, -1).T,
@@ -34,9 +35,11 @@ TRIANGLES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "step_left_out, ...", "a step of merging fixed links, or of reading a tensor, is wrong", FIX, rows(), late=True
 )
 def lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    groups = pieces(case.description)
     found = []
-    for way, make in WAYS.items():
+    bare = any(p.body is None for p in case.description.parts)
+    for (way, make), all_links in product(WAYS.items(), (False, True)[: 1 + bare]):
+        groups = pieces(case.description, bare=all_links)
+        fewer = pieces(case.description)
         steps = Steps()
         for group in groups.values():
             make(steps, group)
@@ -45,12 +48,15 @@ def lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
             made = {link: make(Steps(slip), group) for link, group in groups.items()}
             if not any(differ(right[link], made[link]) for link in groups):
                 continue
+            if all_links and not any(differ(make(Steps(slip), fewer[link]), made[link]) for link in fewer):
+                continue
             for words, read in _read(made.values()).items():
-                edit = _edit(make, slip, read)
+                edit = _edit(make, slip, read, all_links)
                 found.append(
                     replace(
                         h, key=slip.how, says=f"bodies of several links: {slip.says}", place="edit", act=edit, fix=FIX,
-                        terms=INERTIAL, values=words, variant=way, cost=1.1 + 0.05 * bool(words),
+                        terms=INERTIAL, values=words, variant=way + ALL_LINKS * all_links,
+                        cost=1.1 + 0.05 * bool(words) + 0.02 * all_links,
                     )
                 )  # fmt: skip
     return found
@@ -66,9 +72,11 @@ def _read(bodies: Iterable[Body]) -> dict[str, Reading]:
     return {"": lambda I: (I + I.T) / 2} if even else TRIANGLES
 
 
-def _edit(make: Callable[..., Body], slip: Slip, read: Reading) -> Callable[[Description, Sequence[str]], Description]:
+def _edit(
+    make: Callable[..., Body], slip: Slip, read: Reading, all_links: bool
+) -> Callable[[Description, Sequence[str]], Description]:
     def edit(d: Description, items: Sequence[str]) -> Description:
-        made = {link: make(Steps(slip), group) for link, group in pieces(d).items()}
+        made = {link: make(Steps(slip), group) for link, group in pieces(d, bare=all_links).items()}
         bodies = {link: replace(b, inertia=read(b.inertia)) for link, b in made.items()}
         parts = tuple(replace(p, body=bodies.get(p.link)) for p in d.parts)
         return replace(d, base=bodies.get(d.root), parts=parts)

@@ -255,6 +255,27 @@ def moments_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return _variants(h, MASSIVE, {" ".join(names[k] for k in p): edit(p) for p in orders}, case)
 
 
+@proposer("inertia_entry_copied", "an entry of every <inertia> is filled with another one",
+          "read ixx, ixy, ixz, iyy, iyz and izz each by its own name")  # fmt: skip
+def inertia_entry_copied(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def edit(to: tuple[int, int], of: tuple[int, int]) -> Edit:
+        def copied(b: Body) -> Body:
+            I = b.inertia.copy()
+            I[to] = I[to[::-1]] = b.inertia[of]
+            return replace(b, inertia=I)
+
+        return lambda d, items: d.with_bodies(copied, items)
+
+    moments, mixed = [(i, i) for i in range(3)], [(0, 1), (0, 2), (1, 2)]
+    pairs = [pair for entries in (moments, mixed) for pair in permutations(entries, 2)]
+    words = {f"{_entry(of)} stands for {_entry(to)}": edit(to, of) for to, of in pairs}
+    return _variants(h, MASSIVE, words, case, cost=1.1)
+
+
+def _entry(place: tuple[int, int]) -> str:
+    return "i" + "".join("xyz"[k] for k in place)
+
+
 def _shifted(step: int) -> Callable[[Description], Description]:
     """In the file's order, of those that have one."""
 

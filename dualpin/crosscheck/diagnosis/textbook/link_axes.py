@@ -27,6 +27,7 @@ from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
 RESTING = "that of a base that rests"
+FIRST = "gravity at the first link that moves"
 
 
 @dataclass
@@ -120,10 +121,10 @@ def _next(
     alpha_up = alpha = steps.turn(f"the parent's angular acceleration: {which}", R, up.alpha)
     if k.moves:
         qd, qdd = own_rates(steps, tree, k, q, v, a)
+        qd_here = rate_in_cross(steps, tree, k, q, v, a)
     if k.moves and not k.slides:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w_up, "z qd": k.z * qd})
         w_here = steps.turn("the parent's angular velocity: in w x z qd", R, up.w)
-        qd_here = rate_in_cross(steps, tree, k, q, v, a)
         alpha = steps.add(
             "the angular acceleration of a turning link",
             **{"the parent's": alpha_up, "w x z qd": cross(w_here, k.z * qd_here), "z qdd": k.z * qdd},
@@ -144,13 +145,28 @@ def _next(
     terms = {"the parent's": up.a, "alpha x r": cross(alpha_arm, arm), "w x (w x r)": w_w_r}
     carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     acc = steps.turn(f"the acceleration of a link's origin, found in the parent's axes: {which}", R, carried)
+    if k.number in tree.first:
+        acc = steps.pick(FIRST, acc, **unturned(k, pose, moving[0].a))
     if k.moves and k.slides:
         w_slide = steps.pick("the angular velocity in 2 w x z qd", w, **{"the parent's, in its axes": lambda: up.w})
-        acc = steps.add(
-            "the acceleration of a sliding link",
-            **{"that of the place where it is": acc, "2 w x z qd": 2 * cross(w_slide, k.z * qd), "z qdd": k.z * qdd},
-        )
+        turning = 2 * cross(w_slide, k.z * qd_here)
+        terms = {"that of the place where it is": acc, "2 w x z qd": turning, "z qdd": k.z * qdd}
+        acc = steps.add("the acceleration of a sliding link", **terms)
     return Motion(w, alpha, acc)
+
+
+def unturned(k: Link, pose: Pose, up: np.ndarray) -> dict[str, np.ndarray]:
+    """What may stand in the place of -g in a link's axes; `up` is -g in those of the world."""
+    R = transposed(pose.R)
+    joint = transposed(k.R) @ pose.R  # the turn of the joint alone
+    return {
+        "in the world's axes, not turned into the link's": up + 0 * pose.p,
+        "turned by the placement of the joint alone, not by its position":
+            product(joint @ transposed(pose.R0), up),
+        "turned by the position of the joint alone, not by its placement": product(transposed(joint), up),
+        "turned as if the link before it stood in the world's axes": product(R, up),
+        "turned the other way": product(pose.R0, up),
+    }  # fmt: skip
 
 
 def centripetal(
@@ -201,7 +217,8 @@ def rate_in_cross(steps: Steps, tree: Tree, k: Link, q: np.ndarray, v: np.ndarra
         "its coordinate": q[..., k.place, None],
         "1": 0 * q[..., :1] + 1,
     }
-    return np.asarray(steps.mistaken("a joint's velocity in w x z qd", qd, **others))
+    kind = "of sliding joints" if k.slides else "of turning joints"
+    return np.asarray(steps.mistaken(f"a joint's velocity in w x z qd: {kind}", qd, **others))
 
 
 def of_joint(steps: Steps, tree: Tree, k: Link, x: np.ndarray, what: str, where: str = "along its axis") -> np.ndarray:

@@ -9,16 +9,18 @@ appendix B.2.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from ..description import Body, Description, Part
+from ..description import Body, Description, Part, homogeneous
 from .steps import Steps
 
 ONE = np.eye(3)
 TURNED = "the tensor of <inertial>, in the axes of its rpy,"
 READ = "the tensor of <inertial>"
+OUTER = "d d^T in Steiner's term of merging"
 CARRIED = "a fixed link's tensor, in its own axes,"
 
 
@@ -51,10 +53,15 @@ def listed(d: Description) -> list[Part]:
     return found
 
 
-def pieces(d: Description, fused: bool = True) -> dict[str, list[Piece]]:
-    """Of every link that carries some: what is fixed to it, itself first; or of every link, itself alone."""
+def pieces(d: Description, fused: bool = True, bare: bool = False) -> dict[str, list[Piece]]:
+    """Of every link that carries some: what is fixed to it, itself first; or of every link, itself alone.
+
+    Links without <inertial> are pieces without mass, if `bare`.
+    """
     where, found = d.carried(), dict[str, list[Piece]]()
     for link, b in [(d.root, d.base), *((p.link, p.body) for p in listed(d))]:
+        if b is None and bare:
+            b = Body(0.0, np.zeros(3), np.zeros(3), ONE, np.zeros((3, 3)))
         if b is not None:
             carrier, H = where[link] if fused else (link, np.eye(4))
             found.setdefault(carrier, []).append(Piece(b.mass, b.com, b.rotation, b.inertia, H[:3, :3], H[:3, 3]))
@@ -69,6 +76,16 @@ def tensor(steps: Steps, piece: Piece) -> np.ndarray:
     return np.asarray(steps.congruent(CARRIED, piece.Q[None, None], I) if piece.fixed else I)
 
 
+def standing(steps: Steps, piece: Piece) -> Piece:
+    """A link where it stands on the body."""
+    if not piece.fixed:
+        return piece
+    H, back = homogeneous(piece.Q, piece.p), homogeneous(piece.Q.T, piece.p)
+    wrong = {"the inverse one": np.linalg.inv(H), "that with its rotation transposed": back}
+    H = steps.pick("the placement by which a fixed link is merged", H, **wrong)
+    return piece._replace(Q=H[:3, :3], p=H[:3, 3])
+
+
 def centre(steps: Steps, piece: Piece) -> np.ndarray:
     """Of a link, in the axes of the body."""
     if not piece.fixed:
@@ -79,6 +96,7 @@ def centre(steps: Steps, piece: Piece) -> np.ndarray:
 
 def at_once(steps: Steps, group: list[Piece]) -> Body:
     """Centre first, then all tensors about it."""
+    group = [standing(steps, p) for p in group]
     masses, centres = np.array([p.mass for p in group]), np.array([centre(steps, p) for p in group])
     mass, weighted, several = masses.sum(), masses @ centres, len(group) > 1
     C = steps.pick("the centre of merged links", weighted / (mass or 1.0), **_centres(masses, centres))
@@ -116,6 +134,7 @@ def _centres(masses: np.ndarray, centres: np.ndarray) -> dict[str, np.ndarray]:
     ends = {"the first link": 0, "the last link": -1}
     found = {
         "the mean of the links' centres": centres.mean(0), "the sum m c, not divided by the mass": weighted,
+        "the mean of the centres of links with mass": centres[masses > 0].mean(0) if mass else 0 * weighted,
         "the sum of m c, divided by the number of links": weighted / len(masses), "the sum of the links' centres":
         centres.sum(0), "the mean weighted by the squares of masses": masses**2 @ centres / ((masses**2).sum() or 1.0),
     }  # fmt: skip
@@ -137,13 +156,13 @@ def _centres(masses: np.ndarray, centres: np.ndarray) -> dict[str, np.ndarray]:
 
 def one_by_one(steps: Steps, group: list[Piece]) -> Body:
     """Link after link is added to the first one."""
-    first, *more = group
+    first, *more = (standing(steps, p) for p in group)
     return _added(steps, np.array(first.mass), centre(steps, first), tensor(steps, first)[0, 0], more)
 
 
 def from_nothing(steps: Steps, group: list[Piece]) -> Body:
     """Link after link is added to a body without mass."""
-    return _added(steps, np.zeros(()), np.zeros(3), np.zeros((3, 3)), group)
+    return _added(steps, np.zeros(()), np.zeros(3), np.zeros((3, 3)), [standing(steps, p) for p in group])
 
 
 def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list[Piece]) -> Body:
@@ -185,5 +204,26 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
 
 
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:
-    terms = {"m d.d 1": m * (d @ d) * ONE, "-m d d^T": -m * np.outer(d, d)}
+    outer = steps.pick(OUTER, np.outer(d, d), **by_elements(d))
+    terms = {"m d.d 1": m * (d @ d) * ONE, "-m d d^T": -m * outer}
     return np.asarray(steps.add(f"Steiner's term of merging{which}", **terms))
+
+
+def by_elements(d: np.ndarray) -> dict[str, np.ndarray]:
+    """What a product by elements makes in the place of d d^T."""
+    rows = np.ones((3, 1)) * d * d
+    return {
+        "the product d d by elements, in each row": rows, "the product d d by elements, in each column": rows.T,
+        "the product d d by elements, on the diagonal alone": np.diag(d * d),
+        "d.d, in each entry": d @ d * np.ones((3, 3)),
+    }  # fmt: skip
+
+
+def products(steps: Steps, group: Sequence[Piece], C: np.ndarray) -> np.ndarray:
+    """What slips in the products d d^T of merging add to the tensor about C, which may then be not symmetric."""
+    more = np.zeros((1, 1, 3, 3))
+    for p in group if len(group) > 1 else ():
+        d = p.Q @ p.com + p.p - C
+        right, wrong = np.outer(d, d)[None, None], {k: x[None, None] for k, x in by_elements(d).items()}
+        more = more - p.mass * (steps.pick(OUTER, right, **wrong) - right)
+    return more

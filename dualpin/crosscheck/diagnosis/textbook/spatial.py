@@ -18,7 +18,7 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .link_axes import RESTING, axes, gathered, own_rates, rate_in_cross
+from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
@@ -129,6 +129,9 @@ def _next(
     a_up = steps.pick("the acceleration that a link starts from", a_up, **others)
     v_k = next_velocity(steps, k, X, v_up, v)
     a_k = steps.turn("the parent's acceleration", X, a_up, **_inverses(X))
+    if k.number in tree.first:
+        wrong = unturned(k, tree.poses(q)[k.number], accs[0][..., 3:])
+        a_k = steps.pick(FIRST, a_k, **{what: np.concatenate([0 * x, x], -1) for what, x in wrong.items()})
     if not k.moves:
         return v_k, a_k
     S = subspace(steps, k)

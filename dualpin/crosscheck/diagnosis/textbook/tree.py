@@ -18,7 +18,7 @@ from ...subjects.convention import base_of
 from ...subjects.layout import product, rotations, transposed
 from ..case import View
 from ..description import Description, Part, merged
-from .lumps import Piece, listed, pieces, tensor
+from .lumps import Piece, listed, pieces, products, tensor
 from .steps import Steps
 
 
@@ -52,9 +52,9 @@ class Link:
         return self.column >= 0
 
     def tensor(self, steps: Steps) -> np.ndarray:
-        """`I`, from what <inertial> says."""
+        """`I`, from what <inertial> of one or several links says."""
         read = sum((tensor(steps, p) for p in self.pieces), np.zeros((1, 1, 3, 3)))
-        return np.asarray(self.I + (read - self._read))
+        return np.asarray(self.I + (read - self._read) + products(steps, self.pieces, self.c[0, 0]))
 
     @cached_property
     def _read(self) -> np.ndarray:
@@ -173,6 +173,11 @@ class Tree:
     def carried(self) -> list[Link]:
         """The bodies that joints move."""
         return [k for k in self.bodies if self.floating or self.joints_of(k)]
+
+    @cached_property
+    def first(self) -> frozenset[int]:
+        """The numbers of the links that the first joints move, counted from a base that rests."""
+        return frozenset(k.number for k in self.links if k.moves and not self.floating and len(self.joints_of(k)) == 1)
 
     def joints_of(self, link: Link) -> list[Link]:
         """The links whose joints move this one, from the root on."""

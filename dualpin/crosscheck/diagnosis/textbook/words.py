@@ -124,6 +124,7 @@ RIGHT = {
     "what a turning joint feels": "the moment along its axis",
     "what a sliding joint feels": "the force along its axis",
     "what a link hands on": "its force and its moment, to its parent",
+    "gravity at the first link that moves": "turned into the link's axes by all of its orientation",
     "gravity as a six-vector": "in the linear rows alone, [0; g]",
     "S of a turning joint": "[z; 0]",
     "S of a sliding joint": "[0; z]",
