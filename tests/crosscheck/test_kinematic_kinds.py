@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,13 @@ import pytest
 
 import dualpin as dp
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.case import evaluate
+from dualpin.crosscheck.diagnosis.description import describe
 from dualpin.crosscheck.diagnosis.diagnose import contradicted
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.search import Explanation
-from dualpin.crosscheck.subjects import asking
+from dualpin.crosscheck.diagnosis.textbook.lumps import listed
+from dualpin.crosscheck.subjects import QUESTIONS, asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.kinematic import Kinematic
 from tests.crosscheck.recursive import about
@@ -98,6 +102,45 @@ def test_all_readings_of_joints_are_named(kind):
     code, words = READ[kind]
     (said,) = told(code)
     assert words in said
+
+
+HUNG = {
+    "the one before in the list, depth first": (
+        "spatial", "[b.parent for b in self.bodies]", "[i - 1 for i, b in enumerate(self.bodies)]"
+    ),
+    "the root": (
+        "matlab", "self.parent.append(p)", "self.parent.append(p if p not in self.parent or p < 1 else 1)"
+    ),
+    "the one before in the list, breadth first": (
+        "simulator", "self.parent.append(body)", "self.parent.append(len(self.parent) - 1)"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("where", HUNG)
+def test_a_branch_on_another_link_is_named_once_for_all_terms(where):
+    name, old, new = HUNG[where]
+    assert told(rewritten(name, (old, new))) == [f"branch: a branch hangs on another link: {where}"]
+
+
+def test_a_tree_in_another_order_is_the_same_robot():
+    ask = asking(PROBE, 2, 0, ("fk",))
+    d, case = describe(ask.text, ask.robot), case_of(Kinematic, ("fk",))
+    other = d.with_tree(listed(d))
+    assert [p.joint for p in other.parts] != [p.joint for p in d.parts]
+    for term in FEW:
+        inputs = {k: ask.states[k][None] for k in QUESTIONS[term].inputs}
+        a, b = (
+            evaluate(case.robot_of(x), QUESTIONS[term], inputs, ask.frames, "local_world_aligned") for x in (d, other)
+        )
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13)  # rounding of sums in another order
+
+
+def test_a_circle_of_links_is_no_tree():
+    ask = asking(PROBE, 1, 0, ("fk",))
+    d = describe(ask.text, ask.robot)
+    with pytest.raises(ValueError, match="circle of links: a, "):
+        d.with_tree([replace(p, parent="e") if p.link == "a" else p for p in d.parts])
 
 
 def test_a_reading_that_other_terms_speak_against_is_no_cause():

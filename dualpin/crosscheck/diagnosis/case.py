@@ -234,11 +234,11 @@ class Case:
         return View(self, view.description, view.layout, {**view.states, "tau": view.states["tau"] - forces})
 
     def _batch(self, question: Question, views: Sequence[View]) -> list[np.ndarray]:
-        """The term for many views in one pass, for each reference that is meant."""
+        """The term for many views in one pass, for each reference that is meant, and each tree."""
         out: list[Any] = [None] * len(views)
-        references = dict.fromkeys(v.layout.how.reference for v in views)
-        for reference in references:
-            at = [k for k, v in enumerate(views) if v.layout.how.reference == reference]
+        kinds = [(v.layout.how.reference, v.description.tree) for v in views]
+        for kind in dict.fromkeys(kinds):
+            reference, at = kind[0], [k for k, x in enumerate(kinds) if x == kind]
             descriptions = [views[k].description for k in at]
             same = all(d is descriptions[0] for d in descriptions)
             robot = self.robot_of(descriptions[0]) if same else built(descriptions, self.robot)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ...dual import Dual
 from ...io.xml import parse
 from ...model.builder import Builder
 from ...model.joints import Axial, Floating, Planar
-from ...model.robot import Mimic, Robot
+from ...model.robot import Joint, Mimic, Robot
 from ...scalars import Scalar, exact
 from ...spatial.inertia import Inertia, steiner
 from ...spatial.pose import Pose
@@ -161,6 +162,22 @@ class Description:
         """f of every joint, or of those in `items`."""
         return replace(self, parts=tuple(f(p, self) if not items or p.joint in items else p for p in self.parts))
 
+    def with_tree(self, parts: Sequence[Part]) -> Description:
+        """With these parts, whose parents may be others, parents first.  Raises ValueError for a circle."""
+        order, known, left = list[Part](), {self.root}, list(parts)
+        while left:
+            if (ready := next((p for p in left if p.parent in known), None)) is None:
+                raise ValueError(f"a circle of links: {', '.join(p.link for p in left)}")
+            order.append(ready)
+            known.add(ready.link)
+            left.remove(ready)
+        return replace(self, parts=tuple(order))
+
+    @cached_property
+    def tree(self) -> tuple[tuple[str, str], ...]:
+        """Which links hang on which: descriptions are built together where it is the same."""
+        return tuple((p.link, p.parent) for p in self.parts)
+
 
 def merged(d: Description) -> Description:
     """The same robot with the inertia of fixed links carried over to the links that joints move."""
@@ -275,8 +292,22 @@ def built(descriptions: Sequence[Description], like: Robot) -> Robot:
         b.base(first.root, base)
     for same in zip(*(d.parts for d in descriptions), strict=True):
         _add(b, _few(same))
-    robot = b.robot()
-    return replace(robot, gravity=_vector(np.array([d.gravity for d in descriptions])))
+    robot = replace(b.robot(), gravity=_vector(np.array([d.gravity for d in descriptions])))
+    return robot if [j.name for j in robot] == [j.name for j in like] else _numbered(robot, like)
+
+
+def _numbered(robot: Robot, like: Robot) -> Robot:
+    """With the coordinates that the joints have in another robot, where they stand in another order."""
+    where, made = {j.name: j for j in like}, dict[str, Joint]()
+    for j in robot:
+        parent = None if j.parent is None else made[j.parent.name]
+        made[j.name] = replace(j, q=where[j.name].q, v=where[j.name].v, parent=parent)
+
+    frames, links = (
+        tuple(x if x.joint is None else replace(x, joint=made[x.joint.name]) for x in some)
+        for some in (robot.frames, robot.links)
+    )
+    return replace(robot, joints=tuple(made.values()), frames=frames, links=links)
 
 
 def _few(parts: Sequence[Part]) -> Sequence[Part]:

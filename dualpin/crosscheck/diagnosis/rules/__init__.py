@@ -3,6 +3,7 @@
 from . import (  # noqa: F401
     answers,
     base,
+    branches,
     composed,
     dynamics,
     exchanged,
