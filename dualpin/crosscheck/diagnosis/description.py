@@ -303,10 +303,10 @@ def _numbered(robot: Robot, like: Robot) -> Robot:
         parent = None if j.parent is None else made[j.parent.name]
         made[j.name] = replace(j, q=where[j.name].q, v=where[j.name].v, parent=parent)
 
-    frames, links = (
-        tuple(x if x.joint is None else replace(x, joint=made[x.joint.name]) for x in some)
-        for some in (robot.frames, robot.links)
-    )
+    def on_joints(some: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(x if x.joint is None else replace(x, joint=made[x.joint.name]) for x in some)
+
+    frames, links = on_joints(robot.frames), on_joints(robot.links)
     return replace(robot, joints=tuple(made.values()), frames=frames, links=links)
 
 
