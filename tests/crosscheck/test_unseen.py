@@ -8,8 +8,8 @@ from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.findings import Finding
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
-from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, written
-from validation.referee.unseen import PROBE, judged, kept, outcome
+from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, READ, written
+from validation.referee.unseen import GOES_WITH, PROBE, judged, kept, outcome
 
 
 @pytest.mark.parametrize("code", CODES)
@@ -32,6 +32,18 @@ def test_verdicts_are_those_of_what_was_said():
             said = [Finding(*one.split(": ", 1), terms=["explained"]) for one in x["said"]]
             wrong = [] if x["verdict"] == "invisible" else ["explained", *x["open"]]
             assert judged(name, wrong, said)["verdict"] == x["verdict"], name
+            if MISTAKES[name].code in READ:
+                assert x["read"] in GOES_WITH[x["verdict"]], name
+
+
+@pytest.mark.parametrize(
+    ("name", "term"),
+    [("n_inertial_rotation_back", "crba"), ("c_inertial_transposed", "crba"), ("x_inertial_rpy", "crba")],
+)
+def test_one_mistake_of_each_code_that_was_read_is_named(name, term):
+    ask = asking(PROBE, 4, 0, (term,))
+    found = diagnose(Case(ask_here(written(MISTAKES[name].code, name)(ask.text), ask, lambda what: None))).findings
+    assert judged(name, [term], found)["verdict"] == "named", found
 
 
 @pytest.mark.campaign

@@ -7,6 +7,8 @@ itself in words.  None of the hypotheses was known to their author, nor were the
 Those of the world-frame code, of another author, are switched on by their names; what would name them was fixed in
 sentences (`counts`), and the verdicts were read.  Half of them were asked before anything was told of them, the other
 half after the kinds that the first half missed had been told; `+` joins two that are made together.
+
+So were those of three more codes, of two more authors: `newton`, and `controller` with `sixvectors`.
 """
 
 from __future__ import annotations
@@ -59,10 +61,14 @@ def _read() -> dict[str, Mistake]:
 
 
 MISTAKES = _read()
-CODES = ("matlab", "spatial", "lagrange", "simulator", "quat", "legged", "worldframe")
+CODES = (
+    "matlab", "spatial", "lagrange", "simulator", "quat", "legged", "worldframe", "newton", "controller", "sixvectors",
+)  # fmt: skip
 SWITCHED = {"worldframe"}
 """Codes whose mistakes are switches."""
-FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe"}
+READ = {"newton", "controller", "sixvectors"}
+"""Codes whose verdicts were all read, by the authors of the mistakes."""
+FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe", "newton", "sixvectors"}
 """Codes whose base floats always, and those whose base can."""
 
 
