@@ -17,7 +17,7 @@ from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
 from .rules.register import DERIVED, PUSHED
 from .scores import scaled
-from .search import Catalogue, Explanation, Search
+from .search import DOUBTFUL, Catalogue, Explanation, Search
 
 BUDGETS = (8.0, 50.0)
 """Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share.
@@ -35,6 +35,8 @@ FOLLOWING = 0.9
 """How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
+FRESH = 2  # answers of a term with a history that are explained
+FRESH_SHARE = 0.5  # of the time that these have
 MOST = 16  # stories of a term that it looks at
 
 
@@ -63,14 +65,20 @@ class Diagnosis:
 def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None] = lambda what: None) -> Diagnosis:
     """Explain what deviates, within so many seconds of processor time (by default `BUDGETS`)."""
     budget = BUDGETS[case.robot.nv > ARM] if budget is None else budget
-    start = time.process_time()
+    start, kept_back = time.process_time(), FRESH_SHARE * budget * bool(case.answers.history)
     found = Diagnosis()
     found.findings += _history(case)
     errors = {t: case.score(t).error for t in case.observed}
     off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
     if off:
-        told = _explained(case, off, start + budget, tick)
+        told = _explained(case, off, start + budget - kept_back, tick)
         _report(case, told, errors, found)
+    said = {(f.key, f.says) for f in found.findings}
+    until = min(start + budget, time.process_time() + FRESH_SHARE * budget)
+    for finding in _besides_history(case, until, tick):
+        if (finding.key, finding.says) not in said:
+            finding.says += f", as the first {FRESH} answers show"
+        _add(found.findings, finding)
     found.predictions, found.seconds = case.tried, time.process_time() - start
     return found
 
@@ -84,6 +92,21 @@ def _history(case: Case) -> list[Finding]:
     fix, worst = "compute everything from the arguments of the call", max(apart.values())
     evidence = {t: [x, x] for t, x in apart.items()}
     return [Finding("history", says, list(apart), worst, worst, fix=fix, evidence=evidence)]
+
+
+def _besides_history(case: Case, until: float, tick: Callable[[str], None]) -> list[Finding]:
+    """Causes of the first answers to terms with a history, where little was asked before; no numbers are fitted."""
+    first = case.few(FRESH)
+    errors = {t: first.score(t).error for t in case.answers.history if t in case.observed}
+    off = [t for t, e in errors.items() if not first.score(t).right and math.isfinite(e)]
+    if not off:
+        return []
+    told = {t: e for t, e in _explained(first, off, until, tick).items() if e.named}
+    for e in told.values():
+        e.stories = [s for s in e.stories if not any(h.key in (*DOUBTFUL, "follows") for h in s)]
+    found = Diagnosis()
+    _report(first, {t: e for t, e in told.items() if e.named}, errors, found)
+    return found.findings
 
 
 def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str], None]) -> dict[str, Explanation]:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
+from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .pushes import Wrenches
@@ -326,7 +327,20 @@ def inertia(steps: Steps, k: Link) -> np.ndarray:
     last = steps.pick(
         "the block m 1 of the inertia", last, **{"1, without the mass": np.eye(3)[None, None], "left out": 0 * last}
     )
-    return spatial([[I, upper], [lower, last]])
+    return spatial([[I, upper], [lower, last]]) + _merging(steps, k)
+
+
+def _merging(steps: Steps, k: Link) -> np.ndarray:
+    """What slips in X^T I X of the links that are fixed to a body add to its inertia; X leads from it to them."""
+    more = np.zeros((1, 1, 6, 6))
+    for p in (p for p in k.pieces if p.fixed):
+        E, h = p.Q.T, p.mass * cross_matrix(p.com)
+        X = np.block([[E, 0 * E], [-E @ cross_matrix(p.p), E]])[None, None]
+        about = p.R @ p.J @ p.R.T + steiner(p.mass, p.com)
+        I = np.block([[about, h], [h.T, p.mass * np.eye(3)]])[None, None]
+        right = transposed(X) @ I @ X
+        more = more + (steps.congruent("a fixed link's spatial inertia, X^T I X,", transposed(X), I) - right)
+    return more
 
 
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
