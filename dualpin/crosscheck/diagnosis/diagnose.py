@@ -98,8 +98,8 @@ def _besides_history(case: Case, until: float, tick: Callable[[str], None]) -> l
     """Causes of the first answers to terms with a history, where little was asked before; no numbers are fitted."""
     first = case.few(FRESH)
     errors = {t: first.score(t).error for t in case.answers.history if t in case.observed}
-    off = [t for t, e in errors.items() if not first.score(t).right and math.isfinite(e)]
-    if not off:
+    off = [t for t, e in errors.items() if not case.few(1).score(t).right and math.isfinite(e)]
+    if not off:  # the very first answers are right: nothing but the history is wrong
         return []
     told = {t: e for t, e in _explained(first, off, until, tick).items() if e.named}
     for e in told.values():
