@@ -153,6 +153,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
+            if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
+                stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(beside, besides, unknown, [term])
             stage(slips, Search.slips, unknown, [term])
             if not catalogue.settled:

@@ -18,6 +18,7 @@ from ..textbook.answers import (
     MOVING,
     OF_FRAMES,
     POINTS,
+    PRODUCTS,
     PROJECTED,
     RATED,
     SECOND,
@@ -209,6 +210,7 @@ GROUPS = {
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
+    "products": (*RATES, "coriolis"),
 }  # fmt: skip
 _register(
     "forward kinematics", poses, _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"))
@@ -225,6 +227,7 @@ _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=D
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
+_register("geometric Jacobians", jacobians, _terms(products=fixed), how=PRODUCTS)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)

@@ -18,13 +18,14 @@ from .columns import Columns
 from .poses import Poses, stacked
 from .positions import position_rates
 from .references import referred, referred_rate
-from .second import SecondDerivatives
+from .second import Products, SecondDerivatives
 from .steps import Steps
 from .weighted import RIGHT, Sums
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 POINTS = "with velocities of frames by Jacobians, those of joints from link to link"
+PRODUCTS = "by products of columns"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 RATED = "Christoffel's symbols of derivatives by rates"
 SEEN = (
@@ -97,8 +98,8 @@ class Made:
     def columns(self, tree: Poses) -> Columns:
         how = self.view.layout.how
         world = how.angular == how.linear == "world"
-        columns = (SecondDerivatives if self.how == SECOND else Columns)(tree, self.rest, world)
-        return columns.by_jacobians() if self.how in (JACOBIANS, SECOND) and tree.qd is not None else columns
+        columns = KINDS.get(self.how, Columns)(tree, self.rest, world)
+        return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Sums:
         sums = Sums(tree, self.columns(tree), self.rest, self.reading)
@@ -186,6 +187,8 @@ class Made:
         return referred_rate(self.rest, D, J, (R, p, w, u), reference)
 
 
+KINDS = {SECOND: SecondDerivatives, PRODUCTS: Products}
+"""How rates of columns are made; by default by velocities."""
 OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
 TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()
 LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long

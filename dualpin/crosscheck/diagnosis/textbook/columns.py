@@ -25,6 +25,10 @@ from .poses import Poses, stacked
 from .references import joined, six
 from .steps import Steps, cross
 
+MOVING = "the axes that have a column"
+ALL = "those of all joints, also of those that do not move it"
+CHAIN = "those of all joints with a smaller number, as in one chain"
+
 
 class Columns:
     """The axes of a tree in the world, and the Jacobians of points that are on its links.
@@ -150,7 +154,7 @@ class Columns:
     def at(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> np.ndarray:
         """(runs, n, points, 6, axes): [w; v] of points (runs, n, points, 3) of links, by the rate of each axis."""
         J = self._whole([self._columns(points, links, g, which, whose) for g, which in self.groups], -1)
-        return J * self._moving(links)
+        return J * self.moving(links)
 
     def _columns(
         self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
@@ -249,7 +253,7 @@ class Columns:
         centres = np.stack([t.centre(k) for k in links])
         return (stacked(t.p, links, 1) + product(stacked(t.R, links, 2), centres))[..., None, :, :]
 
-    def _moving(self, links: Sequence[int]) -> np.ndarray:
+    def moving(self, links: Sequence[int]) -> np.ndarray:
         """(runs, 1, points, 1, axes): whether an axis moves a point."""
         right = self.poses.carries()[list(links)]
         base = np.array([a.base for a in self.axes], bool)
@@ -257,8 +261,8 @@ class Columns:
         numbers, own = np.arange(len(self.axes)), self.links == np.array(links)[:, None]
         first = (self.before < 0) | base[self.before]
         wrong = {
-            "those of all joints, also of those that do not move it": np.ones_like(right),
-            "those of all joints with a smaller number, as in one chain": (numbers <= last) | (right & base),
+            ALL: np.ones_like(right),
+            CHAIN: (numbers <= last) | (right & base),
             "all but that of the last joint": right & (numbers != last),
             "all but that of the first joint": right & (base | ~first),
             "all but that of its own link": right & (base | ~own),
@@ -272,14 +276,14 @@ class Columns:
                 before = (rank <= ends[:, None]) | (right & base)
                 wrong["those of all joints with a smaller number, breadth first"] = before
         shaped = {name: x[None, None, :, None] for name, x in wrong.items()}
-        return np.asarray(self.steps.pick("the axes that have a column", right[None, None, :, None], **shaped))
+        return np.asarray(self.steps.pick(MOVING, right[None, None, :, None], **shaped))
 
     def rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
     ) -> np.ndarray:  # fmt: skip
         """(runs, n, points, 6, axes): d/dt of `at`, for points that move with these velocities."""
         D = self._whole([self._rates(points, velocities, links, g, which, whose) for g, which in self.groups], -1)
-        return D * self._moving(links)
+        return D * self.moving(links)
 
     def _rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str

@@ -17,7 +17,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import transposed
 from .assembly import MOST_STEPS, of_symbols
-from .steps import cross
+from .second import by_products, same
 from .weighted import Sums
 
 
@@ -33,12 +33,12 @@ def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
     order = [int(i) for i in np.argsort([a.column for a in cols.axes])]
     J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]
-    moved = sums.poses.carries()[sums.links][:, order].astype(float)
-    dw, du = _by_rates(sums, order) if by_rates else _by_products(sums, w, u, moved, order)
+    moved = cols.moving(sums.links)[..., 0, :][..., order].astype(float)
+    dw, du = _by_rates(sums, order) if by_rates else by_products(cols, w, u, moved, order)
     I = sums.inertia
     parts = {
-        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(du, sums.m[..., None, None] * u)),
-        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *_same(dw, w @ transposed(I))),
+        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, sums.m[..., None, None] * u)),
+        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, w @ transposed(I))),
     }  # fmt: skip
     half = steps.add("the derivative of the first Jacobian in M", **parts)
     W = cross_matrix(moved[..., None] * w)  # of joints that carry the body
@@ -47,38 +47,13 @@ def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
     whole = {
         "the derivative of the first Jacobian": half, "that of the second": np.swapaxes(half, 2, 3),
         "w_i . dI/dq_k w_j, of the tensors that turn,":
-            np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *_same(w, rate, w), optimize=True),
+            np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *same(w, rate, w), optimize=True),
     }  # fmt: skip
     return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0])
-
-
-def _by_products(
-    sums: Sums, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """dw and dv (runs, n, bodies, i, k, 3), as products of columns."""
-    steps, carries = sums.steps, sums.poses.carries()
-    before = carries[[sums.columns.axes[i].link for i in order]][:, order][..., None]  # whether k carries i
-    both = (moved[:, :, None] * moved[:, None, :])[..., None]  # of every body
-    w_i, u_i, w_k, u_k = *_same(w[..., :, None, :], u[..., :, None, :]), *_same(w[..., None, :, :], u[..., None, :, :])
-    of_w = {"w_k x w_i": before * both * cross(w_k + 0 * w_i, w_i + 0 * w_k)}
-    dw = steps.add("the derivative of an angular column by q_k", **of_w)
-    by_axis = both * cross(w_k + 0 * u_i, u_i + 0 * w_k)
-    terms = {
-        "w_k x v_i, of joints before it,": before * by_axis,
-        "w_i x v_k, of joints behind it,": ~before * both * cross(w_i + 0 * u_k, u_k + 0 * w_i),
-    }  # fmt: skip
-    du = steps.add("the derivative of a linear column by q_k", **terms)
-    return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})
 
 
 def _by_rates(sums: Sums, order: list[int]) -> tuple[np.ndarray, np.ndarray]:
     """The same, as rates."""
     rates = sums.columns.by_velocity(sums.c, sums.links, "a centre of mass")
-    D = np.moveaxis(np.stack(_same(*(rates[k][..., order] for k in order)), -1), 3, -1)
+    D = np.moveaxis(np.stack(same(*(rates[k][..., order] for k in order)), -1), 3, -1)
     return D[..., :3], D[..., 3:]
-
-
-def _same(*arrays: np.ndarray) -> list[np.ndarray]:
-    """With as many runs and samples each."""
-    lead = np.broadcast_shapes(*(x.shape[:2] for x in arrays))
-    return [np.broadcast_to(x, (*lead, *x.shape[2:])) for x in arrays]

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .columns import Columns
+from .columns import ALL, CHAIN, MOVING, Columns
 from .steps import cross
 
 ORDER = "the order of joints along a path"
@@ -36,6 +36,8 @@ class SecondDerivatives(Columns):
         carries = self.poses.carries()[self.links]  # (k, m): m is k, or before it on its path
         turns, own = self.turns > 0, np.eye(count, dtype=bool)
         earlier = np.asarray(steps.pick(ORDER, (carries & ~own)[None], **{REVERSED: (carries.T & ~own)[None]}))
+        listed = np.tril(np.ones((count, count), bool), -1)[None]
+        earlier = np.asarray(steps.pick(MOVING, earlier, **{ALL: listed, CHAIN: listed}))
         later = np.swapaxes(earlier, -1, -2)
         z_k, z_m = z[..., :, None, :], z[..., None, :, :]
         axis_of_m, axis_of_k = cross(z_m, dp[..., :, None, :]), cross(z_k, dp[..., None, :, :])
@@ -81,6 +83,51 @@ class SecondDerivatives(Columns):
         assert qd is not None
         rate = np.concatenate(np.broadcast_arrays(dz, ddp), -1)  # (..., k, m, 6)
         by_axis = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
-        moving = self._moving(links)
+        moving = self.moving(links)
         felt = np.swapaxes(moving, -1, -2)[..., None, :, :]  # a joint off the path moves nothing
         return np.swapaxes((rate * by_axis * felt).sum(-2), -1, -2) * moving
+
+
+class Products(Columns):
+    """Columns whose rates are made of products of columns."""
+
+    def rates(
+        self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
+    ) -> np.ndarray:  # fmt: skip
+        """(runs, n, points, 6, axes): d/dt of `at`."""
+        if any(a.base for a in self.axes) or len(set(self.links)) < len(self.axes):
+            raise ValueError("a base that moves, or joints of several axes")
+        J, qd = np.swapaxes(self.at(points, links, whose), -1, -2), self.poses.qd
+        assert qd is not None
+        moved = self.moving(links)[..., 0, :].astype(float)
+        by_q = by_products(self, J[..., :3], J[..., 3:], moved, list(range(len(self.axes))))
+        rate = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
+        dw, du = ((x * rate).sum(-2) for x in same(*by_q))
+        return np.swapaxes(np.concatenate([dw, du], -1), -1, -2)
+
+
+def by_products(
+    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves."""
+    steps, count = cols.steps, len(order)
+    carries = cols.poses.carries()[[cols.axes[i].link for i in order]][:, order]
+    listed = np.tril(np.ones((count, count), bool))[None, None, None]
+    before = steps.pick(MOVING, carries[None, None, None], **{ALL: listed, CHAIN: listed})[..., None]  # k carries i
+    both = (moved[..., :, None] * moved[..., None, :])[..., None]  # of every body
+    w_i, u_i, w_k, u_k = *same(w[..., :, None, :], u[..., :, None, :]), *same(w[..., None, :, :], u[..., None, :, :])
+    of_w = {"w_k x w_i": before * both * cross(w_k + 0 * w_i, w_i + 0 * w_k)}
+    dw = steps.add("the derivative of an angular column by q_k", **of_w)
+    by_axis = both * cross(w_k + 0 * u_i, u_i + 0 * w_k)
+    terms = {
+        "w_k x v_i, of joints before it,": before * by_axis,
+        "w_i x v_k, of joints behind it,": ~before * both * cross(w_i + 0 * u_k, u_k + 0 * w_i),
+    }  # fmt: skip
+    du = steps.add("the derivative of a linear column by q_k", **terms)
+    return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})
+
+
+def same(*arrays: np.ndarray) -> list[np.ndarray]:
+    """With as many runs and samples each."""
+    lead = np.broadcast_shapes(*(x.shape[:2] for x in arrays))
+    return [np.broadcast_to(x, (*lead, *x.shape[2:])) for x in arrays]
