@@ -123,6 +123,25 @@ def test_a_branch_on_another_link_is_named_once_for_all_terms(where):
     assert told(rewritten(name, (old, new))) == [f"branch: a branch hangs on another link: {where}"]
 
 
+AXES = {
+    "the axis of a joint, kept in world axes for all its uses, is transformed by the parent's rotation": (
+        "z = R @ b.axis\n", "z = Rp @ b.axis\n"
+    ),
+    "the rotation of a link is that with the joint's turn before its rpy": (
+        "R = R @ turn(b.axis / length, angle * length)",
+        "R = Rp @ turn(b.axis / length, angle * length) @ place[:3, :3]",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("words", AXES)
+def test_that_poses_and_jacobians_disagree_about_an_axis_is_named_once(words):
+    terms = (*FEW, "jacobian_dot", "com_jacobian", "coriolis")
+    (said,) = (x for x in told(rewritten("worldframe", AXES[words]), terms) if "follows" not in x)
+    assert words in said
+
+
 def test_a_tree_in_another_order_is_the_same_robot():
     ask = asking(PROBE, 2, 0, ("fk",))
     d, case = describe(ask.text, ask.robot), case_of(Kinematic, ("fk",))

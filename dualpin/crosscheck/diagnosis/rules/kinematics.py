@@ -21,11 +21,13 @@ from ..textbook.answers import (
     PRODUCTS,
     PROJECTED,
     RATED,
+    RATED_POINTS,
     SECOND,
     SEEN,
     SYMBOLIC,
     Made,
 )  # fmt: skip
+from ..textbook.columns import ALL
 from ..textbook.lists import branched
 from ..textbook.poses import stacked
 from ..textbook.references import referred
@@ -129,13 +131,16 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
 
     `after` is a term in which its slips show first, if that is answered; they are looked for there.
     """
-    levels = how.get("by_level", False)
-    marks = (how.get("how", ""), "with axes kept early" * how.get("early", False), "level by level" * levels)
+    levels, rooted = how.get("by_level", False), how.get("rooted", False)
+    marks = (
+        how.get("how", ""), "with axes kept early" * how.get("early", False), "level by level" * levels,
+        "the root link counts" * rooted,
+    )  # fmt: skip
     variant = ", ".join(x for x in marks if x)
     cost, like = COST + 0.05 * bool(variant) + 0.02 * name.startswith("quaternions"), LIKE.get(run, _itself)
     slow = partial(_answers, after)
-    alike, when = name if run is rotations else "", _branches if levels else _always
-    listing = _in_a_list if levels else _any
+    alike, when = name if run is rotations else "", _branches if levels else _heavy_root if rooted else _always
+    listing = _in_a_list if levels else _for_all_joints if rooted else _any
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     formulation(
@@ -157,6 +162,18 @@ def _any(slip: Slip) -> bool:
 
 def _in_a_list(slip: Slip) -> bool:
     return "in the list" in slip.what or slip.how == "step_last"
+
+
+def _for_all_joints(slip: Slip) -> bool:
+    return slip.what == ALL
+
+
+def _heavy_root(case: Case) -> bool:
+    """Whether a link that nothing moves has a mass."""
+    d = case.description
+    grounded = {link for link, on in d.carriers().items() if on == d.root}
+    bodies = [(d.root, d.base), *((p.link, p.body) for p in d.parts)]
+    return not case.floating and any(b is not None and b.mass > 0 for link, b in bodies if link in grounded)
 
 
 def _answers(after: str, case: Case) -> bool:
@@ -210,7 +227,7 @@ GROUPS = {
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
-    "products": (*RATES, "coriolis"),
+    "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
 }  # fmt: skip
 _register(
     "forward kinematics", poses, _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"))
@@ -234,6 +251,11 @@ for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacob
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED_POINTS)
+_register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
+_register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
+for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_POINTS):
+    _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how, rooted=True)
 _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)

@@ -28,6 +28,7 @@ POINTS = "with velocities of frames by Jacobians, those of joints from link to l
 PRODUCTS = "by products of columns"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 RATED = "Christoffel's symbols of derivatives by rates"
+RATED_POINTS = "Christoffel's symbols of derivatives by rates, with right motions of links"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
@@ -55,6 +56,8 @@ class Made:
         rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
     early : bool
         Whether axes are turned into the world before their own joint turns.
+    rooted : bool
+        Whether the root link counts as a body, although nothing moves it.
     by_level : bool
         Whether links are listed level by level, not branch by branch.
     """
@@ -68,6 +71,7 @@ class Made:
     how: str = LINKS
     early: bool = False
     by_level: bool = False
+    rooted: bool = False
 
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
@@ -102,9 +106,9 @@ class Made:
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Sums:
-        sums = Sums(tree, self.columns(tree), self.rest, self.reading)
+        sums = Sums(tree, self.columns(tree), self.rest, self.reading, self.rooted)
         if self.how == PROJECTED:
-            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT)
+            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)
         return sums
 
     def term(self, term: str) -> np.ndarray:
@@ -118,8 +122,10 @@ class Made:
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
-            symbolic = self.how in (SYMBOLIC, RATED)
-            return gradient.coriolis(sums, self.how == RATED) if symbolic else sums.coriolis()
+            if self.how not in (SYMBOLIC, RATED, RATED_POINTS):
+                return sums.coriolis()
+            motion = Columns(self.whole, RIGHT) if self.how == RATED_POINTS else None
+            return gradient.coriolis(sums, self.how != SYMBOLIC, motion)
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":

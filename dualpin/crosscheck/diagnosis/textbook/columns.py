@@ -77,10 +77,15 @@ class Columns:
             self.steps.pick("the velocity of what a sliding joint carries, in rates of columns,", J, **still)
         )
 
-    def by_velocity(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> list[np.ndarray]:
-        """For every axis: the rates (runs, n, points, 6, axes) where it alone moves, with unit velocity."""
-        every = list(range(len(self.poses.p)))
-        J = self.carried(self.at(stacked(self.poses.p, every, 1), every))
+    def by_velocity(
+        self, points: np.ndarray, links: Sequence[int], whose: str = "a frame", motion: Columns | None = None
+    ) -> list[np.ndarray]:  # fmt: skip
+        """For every axis: the rates (runs, n, points, 6, axes) where it alone moves, with unit velocity.
+
+        `motion` are columns by which links move, if not these.
+        """
+        every, of = list(range(len(self.poses.p))), motion or self
+        J = of.carried(of.at(stacked(self.poses.p, every, 1), every))
         ends = self.carried(self.at(points, links, whose))[..., 3:, :]
         out = []
         for m in range(len(self.axes)):

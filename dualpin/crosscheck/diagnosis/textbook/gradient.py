@@ -17,14 +17,15 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import transposed
 from .assembly import MOST_STEPS, of_symbols
+from .columns import Columns
 from .second import by_products, same
 from .weighted import Sums
 
 
-def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
+def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None) -> np.ndarray:
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
-    `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
+    `by_rates`: derivatives of Jacobians are their rates where one joint moves alone; links move by `motion`.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -34,7 +35,7 @@ def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
     J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]
     moved = cols.moving(sums.links)[..., 0, :][..., order].astype(float)
-    dw, du = _by_rates(sums, order) if by_rates else by_products(cols, w, u, moved, order)
+    dw, du = _by_rates(sums, order, motion) if by_rates else by_products(cols, w, u, moved, order)
     I = sums.inertia
     parts = {
         "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, sums.m[..., None, None] * u)),
@@ -52,8 +53,8 @@ def coriolis(sums: Sums, by_rates: bool = False) -> np.ndarray:
     return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0])
 
 
-def _by_rates(sums: Sums, order: list[int]) -> tuple[np.ndarray, np.ndarray]:
+def _by_rates(sums: Sums, order: list[int], motion: Columns | None) -> tuple[np.ndarray, np.ndarray]:
     """The same, as rates."""
-    rates = sums.columns.by_velocity(sums.c, sums.links, "a centre of mass")
+    rates = sums.columns.by_velocity(sums.c, sums.links, "a centre of mass", motion)
     D = np.moveaxis(np.stack(same(*(rates[k][..., order] for k in order)), -1), 3, -1)
     return D[..., :3], D[..., 3:]

@@ -62,18 +62,20 @@ class Sums:
         (runs, n, bodies, ...): origins and orientations of the links, the centres of mass from there, and in the world.
     """
 
-    def __init__(self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None) -> None:
+    def __init__(
+        self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None, rooted: bool = False
+    ) -> None:  # fmt: skip
+        """`rooted` says that links which nothing moves count as bodies too."""
         self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
         self.motion: Sums | None = None
         carries, d = poses.carries(), poses.d
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
-        self.grounded = sum(b.mass for k, b in every if not carries[k].any())
-        self.total = sum(b.mass for k, b in every if carries[k].any())
+        counted = [(k, b) for k, b in every if rooted or carries[k].any()]
+        self.total = sum(b.mass for _, b in counted)
+        self.grounded = sum(b.mass for _, b in every) - self.total
         pieces: dict[int, list[Piece]] = {}
-        for k, b in every:
-            if carries[k].any():
-                on = poses.placed[k].body if poses.fused else k
-                pieces.setdefault(on, []).append(self._piece(k, b))
+        for k, b in counted:
+            pieces.setdefault(poses.placed[k].body if poses.fused else k, []).append(self._piece(k, b))
         self.links, count = list(pieces), len(pieces)
         made = [together(some) for some in pieces.values()]
         one = np.ones((1, 1))
