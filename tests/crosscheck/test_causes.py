@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +11,15 @@ import pytest
 import dualpin as dp
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.description import Body
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.locate import partly
 from dualpin.crosscheck.diagnosis.rules.links import possible
+from dualpin.crosscheck.diagnosis.scores import Score
+from dualpin.crosscheck.diagnosis.search import Explanation
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.kinematic import Kinematic
+from tests.crosscheck.test_blind import PROBE
 
 BODY = (
     '<inertial><origin xyz="{c} 0.02 0" rpy="0 0 0"/><mass value="{m}"/>'
@@ -129,3 +136,18 @@ def test_numbers_that_fit_nothing_are_no_partial_cause(tmp_path):
 
     found = diagnose(Case(ask_here({"rnea": rnea}, ask, lambda what: None)), budget=1.0)
     assert not found.findings and found.located == {"rnea": "off in 2 of 2 rows (j1, j2)"}
+
+
+def test_another_cause_than_those_of_other_terms_must_explain_nearly_all():
+    ask = asking(PROBE, 1, 0, ("fk",))
+    case = Case(ask_here(Kinematic(ask.text), ask, lambda what: None))
+    other = Hypothesis("other", "another cause", ("fk",), "edit", lambda d, items: d)
+    known = {replace(other, key="known").cause}
+    before = Score(1.0, 0.0, 1.0)
+
+    def told(share, causes, nearest=(other,)):
+        e = Explanation("fk", before, nearest=nearest, left=Score(0.5, share, 0.1))
+        return partly(case, "fk", e, "", causes) is not None
+
+    assert told(0.96, ()) and told(0.995, known) and told(0.96, {other.cause})
+    assert not told(0.96, known) and not told(0.96, known, (replace(other, key="known"), other))

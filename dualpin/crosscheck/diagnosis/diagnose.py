@@ -227,11 +227,12 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 list(h.items), others, apart, h.fix, {t: [errors[t], after[t]] for t in terms},
             )
         )  # fmt: skip
+    known = {h.cause for story in picked.values() for h in story if h.key != "follows"}
     for term, e in told.items():
         if not e.named:
             rounded = precision(case, term, e)
             where = located(case, term, Explanation(term, e.before))
-            finding = rounded or partly(case, term, e, located(case, term, e))
+            finding = rounded or partly(case, term, e, located(case, term, e), known)
             if finding:
                 _add(found.findings, finding)
             if not rounded:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from ..findings import Finding
@@ -15,6 +17,8 @@ NEARLY = 1e-2
 """A story that leaves less than this share of the error explains it nearly."""
 MOST = 0.5
 """A story that puts this share of the wrong entries right, and leaves at most this of the rest, explains part."""
+NEARLY_ALL = 0.99
+"""The share of entries that another cause than those of other terms must put right: a few come right by chance."""
 SINGLE = (1e-9, 1e-5)
 """Where errors of single precision lie."""
 
@@ -31,11 +35,16 @@ def _exact(case: Case, term: str) -> bool:
     return term in case.observed and case.score(term).error < EXACT
 
 
-def partly(case: Case, term: str, e: Explanation, where: str) -> Finding | None:
-    """The nearest story, where it explains a good part."""
+def partly(
+    case: Case, term: str, e: Explanation, where: str, known: Collection[object] = ()
+) -> Finding | None:  # fmt: skip
+    """The nearest story, where it explains a good part; beside causes that are `known`, nearly all if it is another."""
     if not e.nearest or e.left is None:
         return None
     nearly = e.left.error < NEARLY * e.before.error
+    others = [h for h in e.nearest if h.key != "follows" and h.cause not in known]
+    if known and others and not nearly and e.left.share < NEARLY_ALL:
+        return None
     righted = (e.left.share - e.before.share) / max(1e-300, 1 - e.before.share)
     mostly = righted >= MOST and e.left.rms <= MOST * e.before.rms and e.left.error <= e.before.error
     if not (nearly or mostly) or any(h.key in ESTIMATED for h in e.nearest):

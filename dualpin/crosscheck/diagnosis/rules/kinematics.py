@@ -10,6 +10,7 @@ import numpy as np
 
 from ..case import Case, View
 from ..textbook.answers import (
+    CARRIED,
     DIFFERENTIATED,
     JACOBIANS,
     LARGE,
@@ -251,7 +252,8 @@ for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacob
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED_POINTS)
+for _how in (CARRIED, RATED_POINTS):
+    _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_POINTS):

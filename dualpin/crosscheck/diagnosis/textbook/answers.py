@@ -27,6 +27,7 @@ SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 POINTS = "with velocities of frames by Jacobians, those of joints from link to link"
 PRODUCTS = "by products of columns"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
+CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_POINTS = "Christoffel's symbols of derivatives by rates, with right motions of links"
 SEEN = (
@@ -122,10 +123,10 @@ class Made:
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
-            if self.how not in (SYMBOLIC, RATED, RATED_POINTS):
+            if self.how not in (SYMBOLIC, CARRIED, RATED, RATED_POINTS):
                 return sums.coriolis()
             motion = Columns(self.whole, RIGHT) if self.how == RATED_POINTS else None
-            return gradient.coriolis(sums, self.how != SYMBOLIC, motion)
+            return gradient.coriolis(sums, self.how in (RATED, RATED_POINTS), motion, self.how == CARRIED)
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":

@@ -22,10 +22,11 @@ from .second import by_products, same
 from .weighted import Sums
 
 
-def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None) -> np.ndarray:
+def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None, carried: bool = False) -> np.ndarray:
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
     `by_rates`: derivatives of Jacobians are their rates where one joint moves alone; links move by `motion`.
+    `carried`: a body's columns are derived by, and of, the joints that carry it, whichever columns it has.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -34,7 +35,8 @@ def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None) 
     order = [int(i) for i in np.argsort([a.column for a in cols.axes])]
     J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]
-    moved = cols.moving(sums.links)[..., 0, :][..., order].astype(float)
+    which = sums.poses.carries()[sums.links] if carried else cols.moving(sums.links)[..., 0, :]
+    moved = which[..., order].astype(float)
     dw, du = _by_rates(sums, order, motion) if by_rates else by_products(cols, w, u, moved, order)
     I = sums.inertia
     parts = {

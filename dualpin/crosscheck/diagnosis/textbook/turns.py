@@ -102,6 +102,7 @@ def of_rpy(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
         turns.append(steps.pick(f"R{name} of roll, pitch and yaw: {whose}", R, **wrong))
     x, y, z = turns
     others = {
+        "1 + [rpy x], as for small angles": lambda: ONE + cross_matrix(rpy)[None, None],
         "Rx Ry Rz": lambda: x @ y @ z, "Rz Rx Ry": lambda: z @ x @ y, "Ry Rz Rx": lambda: y @ z @ x,
         "Ry Rx Rz": lambda: y @ x @ z, "Rx Rz Ry": lambda: x @ z @ y,
     }  # fmt: skip
