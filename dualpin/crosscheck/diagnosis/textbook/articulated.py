@@ -18,7 +18,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .link_axes import gathered, of_joint
-from .spatial import crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transform
+from .spatial import crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transforms
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
@@ -35,7 +35,7 @@ class Body:
 
 def forward(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray) -> np.ndarray:
     """The accelerations (runs, samples, nv) of the torques, under the gravity g."""
-    X = [transform(steps, p) for p in tree.poses(q)]
+    X = transforms(steps, tree, tree.poses(q))
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
     c, p, I = _first(steps, tree, X, v, zero)
     bodies: dict[int, Body] = {}

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .spatial import crf, crm, inertia, next_velocity, subspace, to_parent, transform
+from .spatial import crf, crm, inertia, next_velocity, subspace, to_parent, transforms
 from .steps import HAVE, Steps
 from .tree import Link, Tree
 
@@ -23,7 +23,7 @@ ONE = np.eye(6)
 
 def matrix(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """C (runs, samples, nv, nv)."""
-    X = [transform(steps, p) for p in tree.poses(q)]
+    X = transforms(steps, tree, tree.poses(q))
     zero = np.zeros((*q.shape[:-1], 6))
     vs = [v[..., :6] + zero if tree.floating else zero]
     for k in tree.links[1:]:

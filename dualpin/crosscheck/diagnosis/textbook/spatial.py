@@ -29,7 +29,7 @@ LINEAR = "the product of the linear velocity"
 
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
-    X = [transform(steps, p) for p in tree.poses(q)]
+    X = transforms(steps, tree, tree.poses(q))
     vs, accs = _motions(steps, tree, X, q, v, a, gravity(steps, g))
     f = [_needed(steps, tree, k, vs, accs) if k.mass > 0 else 0 * vs[0] for k in tree.links]
     return _inward(steps, tree, X, f, q)
@@ -40,7 +40,7 @@ def seen(
 ) -> np.ndarray:
     """Velocities or accelerations of frames (runs, samples, frames, 6), at their origins in world axes."""
     poses, out = tree.poses(q), []
-    vs, accs = _motions(steps, tree, [transform(steps, p) for p in poses], q, v, a, np.zeros((1, 1, 6)))
+    vs, accs = _motions(steps, tree, transforms(steps, tree, poses), q, v, a, np.zeros((1, 1, 6)))
     for number, r in (tree.frames[frame] for frame in frames):
         R, (w, u), (alpha, acc) = poses[number].R0, *((x[..., :3], x[..., 3:]) for x in (vs[number], accs[number]))
         speed = steps.add("the velocity of a frame", **{"that of the link's origin": u, "w x r": cross(w, r)})
@@ -94,7 +94,7 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.nd
         back = transposed(poses[k.number].R0)
         return np.concatenate(np.broadcast_arrays(product(back, moment), product(back, force)), -1)
 
-    return _inward(steps, tree, [transform(steps, p) for p in poses], [of(k) for k in tree.links], q)
+    return _inward(steps, tree, transforms(steps, tree, poses), [of(k) for k in tree.links], q)
 
 
 def _inward(steps: Steps, tree: Tree, X: list[np.ndarray], f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
@@ -193,7 +193,7 @@ def _along(steps: Steps, tree: Tree, k: Link, f: np.ndarray, own: np.ndarray | N
 
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     """H (runs, samples, nv, nv) by composite rigid bodies."""
-    X = [transform(steps, p) for p in tree.poses(q)]
+    X = transforms(steps, tree, tree.poses(q))
     own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
     I = list(own)
     for k in reversed(tree.links[1:]):
@@ -242,7 +242,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.ndarray:
     """The momentum about the centre of mass, in world axes, of unit velocities: (runs, samples, 6, nv)."""
     tiled, _, unit = tree.unit(q)
-    X = [transform(steps, p) for p in tree.poses(tiled)]
+    X = transforms(steps, tree, tree.poses(tiled))
     zero = np.zeros((*tiled.shape[:-1], 6))
     vs = [unit[..., :6] + zero if tree.floating else zero]
     for k in tree.links[1:]:
@@ -280,14 +280,29 @@ def gravity(steps: Steps, g: np.ndarray) -> np.ndarray:
 # --- what both need ------------------------------------------------------------------------------
 
 
-def transform(steps: Steps, pose: Pose) -> np.ndarray:
-    """X from the parent's axes into the link's."""
+def transforms(steps: Steps, tree: Tree, poses: Sequence[Pose]) -> list[np.ndarray]:
+    """X of every link, from the parent's axes into its own."""
+    return [_transform(steps, k, pose) for k, pose in zip(tree.links, poses, strict=True)]
+
+
+def _transform(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
     E, r = transposed(pose.R), cross_matrix(pose.p)
-    others = {"E [r x], with the other sign": E @ r, "-[r x] E, in the other order": -r @ E, "left out": 0 * (E @ r)}
+    others = {
+        "E [r x], with the other sign": E @ r, "-[r x] E, in the other order": -r @ E, "left out": 0 * (E @ r),
+        "-[r x] E, in the other order, of the joint's motion and of its placement": lambda: _exchanged(k, pose),
+    }  # fmt: skip
     lower = steps.pick("the block -E [r x] of X", -E @ r, **others)
     lead = np.broadcast_shapes(E.shape, lower.shape)
     E = np.broadcast_to(E, lead)
     return spatial([[E, 0 * E], [lower, E]])
+
+
+def _exchanged(k: Link, pose: Pose) -> np.ndarray:
+    """The lower block of X_J X_T where both have -[r x] E there."""
+    back = transposed(k.R)
+    E_J, E_T = transposed(back @ pose.R), back
+    r_J, r_T = cross_matrix(product(back, pose.p - k.p)), cross_matrix(k.p)
+    return np.asarray(-r_J @ E_J @ E_T - E_J @ r_T @ E_T)
 
 
 def to_parent(steps: Steps, site: str, X: np.ndarray, f: np.ndarray) -> np.ndarray:

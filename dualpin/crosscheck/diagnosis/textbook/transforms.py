@@ -14,7 +14,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
-from .spatial import inertia, subspace, to_parent, transform
+from .spatial import inertia, subspace, to_parent, transforms
 from .steps import Steps, cross
 from .tree import Tree, tree_of
 
@@ -27,7 +27,7 @@ def run(view: View, term: str, steps: Steps, fused: bool = False) -> np.ndarray 
     if view.layout.how.reference != "local_world_aligned" and term in ("jacobian", "frame_velocity"):
         return None
     tree, q = tree_of(view, fused and term in OF_BODIES), view.states["q"][None]
-    X = [transform(steps, p) for p in tree.poses(q)]
+    X = transforms(steps, tree, tree.poses(q))
     whole = [X[0]]
     for k in tree.links[1:]:
         up = whole[k.parent]
