@@ -13,7 +13,9 @@ import numpy as np
 from tests.crosscheck.recursive import Recursive, cross, far
 
 
-def _outward(turned_w=True, turned_alpha=True, own_w=False, parent_in_rate=False, arm="p", origin=True):
+def _outward(
+    turned_w=True, turned_alpha=True, own_w=False, parent_in_rate=False, arm="p", origin=True, over_slides=True
+):
     def outward(s: Any, q: Any, v: Any, a: Any, g: Any) -> Any:
         W, b = s.base(q)[0], s.nv - s.n
         out = [(np.zeros(3), np.zeros(3), -W.T @ g)]
@@ -27,7 +29,7 @@ def _outward(turned_w=True, turned_alpha=True, own_w=False, parent_in_rate=False
             r = R @ p if arm == "turned" else R.T @ p if arm == "back" else p
             carried = acc0 + cross(alpha0, r) + cross(w1 if own_w else w0, cross(w1 if own_w else w0, r))
             acc = R.T @ carried if origin else carried
-            alpha1 = alpha if j.slides else alpha + za + rate
+            alpha1 = alpha * over_slides if j.slides else alpha + za + rate
             out.append((w1, alpha1, acc + za + 2 * cross(w1, zv) if j.slides else acc))
         return out
 
@@ -108,6 +110,7 @@ PASSES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "w_in_rate_unturned": (("w x z qd", "not transformed"), _outward(parent_in_rate=True)),
     "arm_in_links_axes": (("arm", "axes"), _outward(arm="back")),
     "acceleration_unturned": (("acceleration", "not transformed"), _outward(origin=False)),
+    "alpha_ends_at_slides": (("angular acceleration of a sliding link", "zero"), _outward(over_slides=False)),
     "moment_unturned": (("moment that is handed on", "not transformed"), _inward(turned_n=False)),
     "force_unturned": (("force that is handed on", "not transformed"), _inward(turned_f=False)),
     "force_in_arm_unturned": (("force in r x f", "not transformed"), _inward(turned_in_arm=False)),

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ....spatial.adjoint import cross_matrix
 from ....spatial.inertia import steiner
 from ..case import Case
 from ..description import Body, Description, Part, fixed_axes, merged, turn
@@ -77,6 +78,7 @@ WRONG_STEINER = {
     "m c c^T in place of m (c.c 1 - c c^T)": lambda m, c: m * np.outer(c, c),
     "m (c.c 1 + c c^T), with the other sign": lambda m, c: m * (c @ c * np.eye(3) + np.outer(c, c)),
     "subtracted": lambda m, c: -steiner(m, c),
+    "m [c] [c]^T, multiplied entry by entry": lambda m, c: m * cross_matrix(c) * cross_matrix(c).T,
 }
 
 

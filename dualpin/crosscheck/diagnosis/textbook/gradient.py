@@ -44,11 +44,15 @@ def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None, 
         "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, w @ transposed(I))),
     }  # fmt: skip
     half = steps.add("the derivative of the first Jacobian in M", **parts)
+    other = np.swapaxes(half, 2, 3)
     W = cross_matrix(moved[..., None] * w)  # of joints that carry the body
     terms = {"[w_k] I": W @ I[..., None, :, :], "-I [w_k]": -I[..., None, :, :] @ W}
     rate = steps.add("dI/dq_k", **terms)
     whole = {
-        "the derivative of the first Jacobian": half, "that of the second": np.swapaxes(half, 2, 3),
+        "the derivative of the first Jacobian":
+            steps.pick("dJ_i . M J_j in dM/dq_k", half, **{"J_i . M dJ_j, which comes twice": other}),
+        "that of the second":
+            steps.pick("J_i . M dJ_j in dM/dq_k", other, **{"dJ_i . M J_j, which comes twice": half}),
         "w_i . dI/dq_k w_j, of the tensors that turn,":
             np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *same(w, rate, w), optimize=True),
     }  # fmt: skip

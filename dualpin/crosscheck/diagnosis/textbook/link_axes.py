@@ -152,6 +152,8 @@ def _next(
         turning = 2 * cross(w_slide, k.z * qd_here)
         terms = {"that of the place where it is": acc, "2 w x z qd": turning, "z qdd": k.z * qdd}
         acc = steps.add("the acceleration of a sliding link", **terms)
+        w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
+        alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
     return Motion(w, alpha, acc)
 
 

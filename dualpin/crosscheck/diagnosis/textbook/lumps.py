@@ -10,6 +10,7 @@ appendix B.2.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations, permutations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -70,8 +71,13 @@ def pieces(d: Description, fused: bool = True, bare: bool = False) -> dict[str, 
 
 def tensor(steps: Steps, piece: Piece) -> np.ndarray:
     """About the piece's centre, in the axes of the body."""
-    triangles = {"its upper triangle alone": np.triu(piece.J), "its lower triangle alone": np.tril(piece.J)}
-    J = steps.pick(READ, piece.J[None, None], **{k: x[None, None] for k, x in triangles.items()})
+    others = {"its upper triangle alone": np.triu(piece.J), "its lower triangle alone": np.tril(piece.J)}
+    for (i, j), (k, m) in product(permutations(range(3), 2), combinations(range(3), 2)):
+        if {i, j} != {k, m}:
+            x = piece.J.copy()
+            x[i, j] = x[k, m]
+            others[f"that with i{'xyz'[k]}{'xyz'[m]} in row {i + 1}, column {j + 1} alone"] = x
+    J = steps.pick(READ, piece.J[None, None], **{words: x[None, None] for words, x in others.items()})
     I = steps.congruent(TURNED, piece.R[None, None], J)
     return np.asarray(steps.congruent(CARRIED, piece.Q[None, None], I) if piece.fixed else I)
 

@@ -197,7 +197,8 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
     I = list(own)
     for k in reversed(tree.links[1:]):
-        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), I[k.number])
+        whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
+        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), whole)
         x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
         x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
         I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})

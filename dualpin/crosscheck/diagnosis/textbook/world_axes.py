@@ -189,6 +189,8 @@ def _next(
             r,
             **{"without its travel": product(on.R0, k.p), "its travel alone": r - product(on.R0, k.p)},
         )
+        w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
+        alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
     elif k.moves:
         w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
