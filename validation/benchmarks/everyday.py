@@ -114,9 +114,8 @@ def results(seconds: float) -> Rows:
             label = f"{name}{' + floating' if floating else ''} {term} ({out.nbytes // n} B) x {n}"
             rows |= {f"{label} | {k}": 1e6 * t / n for k, t in best(calls, seconds).items()}
             theirs, samples, _ = bench.Pair(robot, term, n, 1).theirs()
-            rows[f"{label} | Pinocchio, Python loop"] = (
-                1e6 * best({"": lambda f=theirs: f(1)}, seconds / 4)[""] / samples
-            )
+            took = best({"": lambda f=theirs: f(1)}, seconds / 4)[""]
+            rows[f"{label} | Pinocchio, Python loop"] = 1e6 * took / samples
     return rows
 
 
@@ -391,8 +390,7 @@ def main() -> None:
                 if [turn, version] not in section["done"]:
                     start = time.perf_counter()
                     found = measured(name, root, seconds)
-                    took = time.perf_counter() - start
-                    record.add(name, section, turn, version, found, took)
+                    record.add(name, section, turn, version, found, took := time.perf_counter() - start)
                     print(f"{name} {turn + 1}/{rounds}, {version}: {took:.0f} s", file=sys.stderr, flush=True)
         print(table(name, section), flush=True)
 
