@@ -47,7 +47,7 @@ def beside(parent: Sequence[int], links: Sequence[int], apart: Sequence[np.ndarr
     """The axes before and after each one in these lists, where that is none of `apart` for some."""
     before, after = Neighbours(), Neighbours()
     for words, order in orders(parent).items():
-        ranked = sorted(range(len(links)), key=lambda i, order=order: order.index(links[i]))  # type: ignore[misc]
+        ranked = sorted(range(len(links)), key=[order.index(k) for k in links].__getitem__)
         previous, following = np.full(len(links), -1), np.full(len(links), -1)
         previous[ranked[1:]], following[ranked[:-1]] = ranked[:-1], ranked[1:]
         if not any(np.array_equal(previous, x) for x in apart):
