@@ -61,7 +61,8 @@ def main() -> int:
     results = json.loads(path.read_text()) if path.exists() else {}
     if results.get("machine", {}).get("device") != machine["device"]:
         results = {}  # figures of another device are not mixed with these
-    results |= {"machine": machine, "command": command.strip(), "when": datetime.now(timezone.utc).strftime("%Y-%m-%d")}
+    results |= {"machine": machine, "command": command.strip()}
+    today = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     for section in SECTIONS:
         if section not in args.only:
             continue
@@ -74,6 +75,7 @@ def main() -> int:
             results[section] = peers.run(grid=args.grid, progress=shown)
         else:
             results[section] = correctness.run(args.states, progress=shown)
+        results["dates"] = results.get("dates", {}) | {section: today}
         print(f"{section}: {time.perf_counter() - start:.0f} s", file=sys.stderr)
         args.out.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(results, indent=1) + "\n")

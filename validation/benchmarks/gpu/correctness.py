@@ -103,18 +103,28 @@ DTYPES = ("float64", "float32")
 def _rows(
     work: list[tuple[str, bool, str, str]], states: int, count: int, progress: Callable[[dict[str, Any]], None] | None
 ) -> Iterator[dict[str, Any]]:
+    """Rows as they are done; those that find no memory beside the others are asked again by fewer processes.
+
+    A process keeps the local memory of its largest kernel for all threads that the device can hold: up to 11 GB here.
+    """
+    crowded = []
     with ProcessPoolExecutor(count, mp_context=get_context("spawn")) as pool:
         asked = {pool.submit(compared, *one, states): one for one in work}
         for done in as_completed(asked):
-            name, floating, term, dtype = asked[done]
+            name, floating, term, dtype = one = asked[done]
             row = {"robot": name, "floating": floating, "term": term, "dtype": dtype}
             try:
                 row = done.result()
             except Exception as e:  # a row that says so; the others go on
+                if count > 1 and "OUT_OF_MEMORY" in str(e):
+                    crowded.append(one)
+                    continue
                 row["error"] = f"{type(e).__name__}: {e}"
             if progress:
                 progress(row)
             yield row
+    if crowded:
+        yield from _rows(crowded, states, max(1, count // 4), progress)
 
 
 def passed(row: dict[str, Any]) -> bool:

@@ -18,9 +18,10 @@ def title(row: dict[str, Any]) -> str:
 
 def markdown(results: dict[str, Any]) -> str:
     m = results["machine"]
+    dates = ", ".join(f"{date} ({section})" for section, date in results["dates"].items())
     text = [
         "# GPU kernels\n",
-        f"Measured {results['when']} by `{results['command']}`: {m['device']}, {m['multiprocessors']} "
+        f"Measured {dates} by `{results['command']}`: {m['device']}, {m['multiprocessors']} "
         f"multiprocessors, CUDA driver {m['driver'] // 1000}.{m['driver'] % 1000 // 10}, memory "
         f"{m['bytes_per_second'] / 1e12:.2f} TB/s by a copy on the device (read and written counted); "
         f"{m['cores']} cores, {m['system']}, Python {m['python']}, dualpin {m['dualpin']}, numpy {m['numpy']}, "
