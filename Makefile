@@ -67,6 +67,10 @@ integrators: $(STAMP) ## the study of integrators: writes validation/integrators
 referee: $(STAMP)    ## libraries judged on twenty robots: writes validation/referee
 	$(BIN)/python -m validation.referee
 
+.PHONY: mutants
+mutants: $(STAMP)    ## mistakes by mutation, and whether a hypothesis predicts them: writes validation/referee
+	$(BIN)/python -m validation.referee.mutants
+
 dh: $(STAMP)         ## all chains of all robots to DH and screws: writes validation/dh
 	$(BIN)/python validation/dh/campaign.py
 

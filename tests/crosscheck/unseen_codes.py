@@ -73,7 +73,8 @@ FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe", "newton", 
 
 
 @cache
-def _source(code: str) -> str:
+def source(code: str) -> str:
+    """The text of a code with that of the modules that it shares."""
     text = (HERE / f"{code}.py").read_text()
     return re.sub(r"from tests.*\.(\w+) import.*\n", lambda m: (HERE / f"{m[1]}.py").read_text(), text)
 
@@ -88,7 +89,7 @@ def written(code: str, *names: str) -> Any:
 
 def rewritten(code: str, *changes: tuple[str, str]) -> Any:
     """The class of a code whose text has these changes."""
-    text = _source(code)
+    text = source(code)
     for old, new in changes:
         if text.count(old) != 1:
             raise ValueError(f"{code} holds {text.count(old)} times {old!r}")
