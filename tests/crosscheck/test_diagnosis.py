@@ -40,6 +40,18 @@ def diagnosed(ask: Asking, wrong: tuple[str, ...]):
     return off, diagnose(case)
 
 
+def test_a_slow_subject_is_judged_by_the_states_that_it_answered(probe):
+    """Rules that compare terms, or look at all of a matrix, look at the states at which all terms were answered."""
+    answers = ask_here(Student(probe.text, False, ()), probe, lambda what: None)
+    a, b = np.random.default_rng(0).normal(size=(2, *answers.sent["v"].shape))
+    u = answers.sent["v"] / np.linalg.norm(answers.sent["v"], axis=1, keepdims=True)
+    a, b = (x - (x * u).sum(1, keepdims=True) * u for x in (a, b))  # across v
+    answers.terms["coriolis"] += a[:, :, None] * b[:, None] - b[:, :, None] * a[:, None]
+    for term, x in answers.terms.items():
+        x[2 if term == "crba" else 3 :] = np.nan
+    assert [f.key for f in diagnose(Case(answers)).findings] == ["same_cv"]
+
+
 def rightly_named(ask: Asking, wrong: tuple[str, ...]) -> bool | None:
     """Whether every mistake is named and nothing else; None where nothing shows."""
     off, found = diagnosed(ask, wrong)

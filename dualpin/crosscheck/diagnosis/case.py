@@ -135,9 +135,18 @@ class Case:
 
     def few(self, samples: int) -> Case:
         """The same subject, by its first answers alone."""
+        return self._at(slice(samples))
+
+    def complete(self) -> Case:
+        """The same subject at the states for which every term has an answer, of the terms that have any."""
+        answered = [~np.isnan(x).reshape(len(x), -1).all(1) for x in self.observed.values()]
+        have = np.all([rows for rows in answered if rows.any()], axis=0)
+        return self if have.all() or not have.any() else self._at(have)
+
+    def _at(self, samples: Any) -> Case:
         a = self.answers
-        asking = a.asking.at({k: x[:samples] for k, x in a.asking.states.items()}, self.frames)
-        sent, terms = ({k: x[:samples] for k, x in kept.items()} for kept in (a.sent, a.terms))
+        asking = a.asking.at({k: x[samples] for k, x in a.asking.states.items()}, self.frames)
+        sent, terms = ({k: x[samples] for k, x in kept.items()} for kept in (a.sent, a.terms))
         return Case(replace(a, asking=asking, sent=sent, terms=terms), self.tolerance)
 
     # predictions

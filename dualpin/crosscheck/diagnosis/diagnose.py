@@ -70,6 +70,9 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
     found.findings += _history(case)
     errors = {t: case.score(t).error for t in case.observed}
     off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
+    complete = case.complete()
+    if not any(complete.score(t).right for t in off):  # rules that compare terms need them at the same states
+        case = complete
     if off:
         told = _explained(case, off, start + budget - kept_back, tick)
         _report(case, told, errors, found)
