@@ -10,7 +10,10 @@ OTHERS = {
     "history": (
         "the same state asked twice gives other numbers", "compute everything from the arguments of the call"
     ),
-    "partly": ("what is named explains part of the difference, or nearly all", "repair it, and judge again"),
+    "partly": (
+        "what is named explains part of the difference, nearly all, or all of it and contradicts terms that are right",
+        "repair it, and judge again",
+    ),
     "refusal": (SAYS, FIX),
 }  # fmt: skip
 

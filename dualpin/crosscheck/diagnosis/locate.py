@@ -50,12 +50,14 @@ def partly(
     if not (nearly or mostly) or any(h.key in ESTIMATED for h in e.nearest):
         return None
     story = " and ".join(map(str, e.nearest))
-    left = (
-        f"leaves {e.left.error:.0e}"
-        if nearly
-        else f"puts {e.left.share:.0%} of the entries right ({e.before.share:.0%} before)"
-    )
-    says = f"{'nearly' if nearly else 'partly'}: {story} {left}" + (f"; {where}" if where else "")
+    if e.left.right:
+        spared = dict.fromkeys(t for h in e.nearest for t in case.spared(h))
+        says = f"perhaps: {story}; this gives the answers, but would change {', '.join(spared)} too, where nothing differs"
+    elif nearly:
+        says = f"nearly: {story} leaves {e.left.error:.0e}" + (f"; {where}" if where else "")
+    else:
+        share = f"{e.left.share:.0%} of the entries right ({e.before.share:.0%} before)"
+        says = f"partly: {story} puts {share}" + (f"; {where}" if where else "")
     items = list(dict.fromkeys(i for h in e.nearest for i in h.items))
     fix = "; ".join(dict.fromkeys(h.fix for h in e.nearest if h.fix))
     return Finding(
