@@ -51,8 +51,8 @@ def partly(
         return None
     story = " and ".join(map(str, e.nearest))
     if e.left.right:
-        spared = dict.fromkeys(t for h in e.nearest for t in case.spared(h))
-        says = f"perhaps: {story}; this gives the answers, but would change {', '.join(spared)} too, where nothing differs"
+        spared = ", ".join(dict.fromkeys(t for h in e.nearest for t in case.spared(h)))
+        says = f"perhaps: {story}; this gives the answers, but would change {spared} too, where nothing differs"
     elif nearly:
         says = f"nearly: {story} leaves {e.left.error:.0e}" + (f"; {where}" if where else "")
     else:
