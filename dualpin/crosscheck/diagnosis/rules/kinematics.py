@@ -12,6 +12,7 @@ from ..case import Case, View
 from ..textbook.answers import (
     CARRIED,
     DIFFERENTIATED,
+    GRADIENTS,
     JACOBIANS,
     LARGE,
     LINKS,
@@ -22,7 +23,7 @@ from ..textbook.answers import (
     PRODUCTS,
     PROJECTED,
     RATED,
-    RATED_POINTS,
+    RATED_APART,
     SECOND,
     SEEN,
     SYMBOLIC,
@@ -162,7 +163,7 @@ def _any(slip: Slip) -> bool:
 
 
 def _in_a_list(slip: Slip) -> bool:
-    return "in the list" in slip.what or slip.how == "step_last"
+    return "in the list" in slip.what or slip.how in ("step_last", "step_last_alone")
 
 
 def _for_all_joints(slip: Slip) -> bool:
@@ -245,18 +246,19 @@ _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=D
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
-_register("geometric Jacobians", jacobians, _terms(products=fixed), how=PRODUCTS)
+for _how in (PRODUCTS, GRADIENTS):
+    _register("geometric Jacobians", jacobians, _terms(products=fixed), how=_how)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
-for _how in (CARRIED, RATED_POINTS):
+for _how in (CARRIED, RATED_APART):
     _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
-for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_POINTS):
+for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):
     _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how, rooted=True)
 _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))

@@ -18,18 +18,18 @@ from .columns import Columns
 from .poses import Poses, stacked
 from .positions import position_rates
 from .references import referred, referred_rate
-from .second import Products, SecondDerivatives
+from .second import Gradients, Products, SecondDerivatives
 from .steps import Steps
 from .weighted import RIGHT, Sums
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 POINTS = "with velocities of frames by Jacobians, those of joints from link to link"
-PRODUCTS = "by products of columns"
+PRODUCTS, GRADIENTS = "by products of columns", "by derivatives of columns by each joint"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
-RATED_POINTS = "Christoffel's symbols of derivatives by rates, with right motions of links"
+RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
@@ -123,10 +123,10 @@ class Made:
             raise ValueError("a robot without rotors only")
         sums = self.sums(self.whole)
         if term == "coriolis":
-            if self.how not in (SYMBOLIC, CARRIED, RATED, RATED_POINTS):
+            if self.how not in (SYMBOLIC, CARRIED, RATED, RATED_APART):
                 return sums.coriolis()
-            motion = Columns(self.whole, RIGHT) if self.how == RATED_POINTS else None
-            return gradient.coriolis(sums, self.how in (RATED, RATED_POINTS), motion, self.how == CARRIED)
+            apart = self.how == RATED_APART
+            return gradient.coriolis(sums, self.how == RATED or apart, apart, self.how == CARRIED)
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":
@@ -190,11 +190,11 @@ class Made:
         J = columns.reduced(columns.at(p, links))
         if self.how == POINTS:
             u = product(J, s["v"][:, None])[..., 3:]
-        D = columns.reduced(columns.rates(p, u, links))
+        D = columns.reduced(columns.rates(p, u, links)) + J @ columns.turning[:, :, None]
         return referred_rate(self.rest, D, J, (R, p, w, u), reference)
 
 
-KINDS = {SECOND: SecondDerivatives, PRODUCTS: Products}
+KINDS = {SECOND: SecondDerivatives, PRODUCTS: Products, GRADIENTS: Gradients}
 """How rates of columns are made; by default by velocities."""
 OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
 TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()

@@ -5,8 +5,9 @@ Both may slip; what is made of them is right.  All arrays have the axes (runs, s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -248,19 +249,39 @@ def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.n
     return of_symbols(Steps(), by_coordinates(mass, q), v[0])
 
 
-def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """C of dM_ij/dq_k (runs, samples, i, j, k) and v (samples, k).
+SYMBOLS = {"dM_ij/dq_k": "ijk", "dM_ik/dq_j": "ikj", "-dM_jk/dq_i": "jki"}
+"""The terms of Christoffel's sum: the indices of dM."""
+
+
+def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[int] = ()) -> np.ndarray:
+    """C of dM_ij/dq_k (runs, samples, i, j, k) and v (samples, k); `columns` says in which order they are summed.
 
     References: Siciliano et al., Robotics (2009), equation 7.45.
     """
-    rate, by_q = np.einsum("rnijk,nk->rnij", dM, v), np.einsum("rnijk,nj->rnik", dM, v)
-    right = {"dM_ij/dq_k": rate, "dM_ik/dq_j": by_q, "-dM_jk/dq_i": -transposed(by_q)}
-    sums = {"ijk": dM.sum(-1), "ikj": dM.sum(-2), "jki": transposed(dM.sum(-2))}  # over k, (runs, samples, i, j)
+    at = dict(zip("ijk", np.indices(dM.shape[-3:]), strict=True))
+
+    def part(indices: str, sign: float) -> np.ndarray:
+        i, j, k = (at[x] for x in indices)
+        return np.asarray(sign * dM[:, :, i, j, k])
+
+    v_k, v_j, v_i = v[:, None, None, :], v[:, None, :, None], v[:, :, None, None]
     terms = {}
-    for name, x, y in zip(right, right.values(), (sums["ijk"], sums["ikj"], -sums["jki"]), strict=True):
-        wrong = {"v_j": y * v[:, None, :], "v_i": y * v[:, :, None]}
-        terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x, **wrong)
-    total = steps.add("Christoffel's symbols", **terms)
+    for name, indices in SYMBOLS.items():
+        minus = "-" * name.startswith("-")
+        sign = -1.0 if minus else 1.0
+        slips = {
+            f"{minus}dM_{x[:2]}/dq_{x[2]}": partial(part, x, sign)
+            for n, own in enumerate(indices) for x in (indices[:n] + y + indices[n + 1 :] for y in "ijk" if y != own)
+        }  # fmt: skip
+        x = steps.pick(f"{name} in Christoffel's sum", part(indices, sign), **slips)
+        wrong = {"v_j": x * v_j, "v_i": x * v_i, "left out": x + 0 * v_k}
+        terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x * v_k, **wrong)
+    c = steps.add("Christoffel's symbols", **terms)
+    count = v.shape[-1]
+    listed = columns or range(count)
+    parts = [steps.part("k in Christoffel's sum", c[..., k], i, count, alone=True) for i, k in enumerate(listed)]
+    total = np.asarray(sum(parts[1:], parts[0]))
+    rate, by_q = terms["dM_ij/dq_k"].sum(-1), terms["dM_ik/dq_j"].sum(-1)
     others = {
         "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
     }  # fmt: skip

@@ -13,8 +13,7 @@ for Robot Manipulators, IJRR 3 (1984).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -59,13 +58,14 @@ class Columns:
         self.w, self.v, self.by_product = poses.w, poses.v, False
 
     def by_jacobians(self) -> Columns:
-        """With the motions of links as the product of their Jacobians and the velocity."""
+        """With the motions of links as the product of their Jacobians and the velocity; the root's is given."""
         t, qd = self.poses, self.poses.qd
         assert qd is not None
         links = list(range(len(t.p)))
         J = self.reduced(self.carried(self.at(stacked(t.p, links, 1), links)))
         motion = np.moveaxis(product(J, qd[..., None, :]), -2, 0)
-        self.w, self.v, self.by_product = list(motion[..., :3]), list(motion[..., 3:]), True
+        self.w, self.v = [t.w[0], *motion[1:, ..., :3]], [t.v[0], *motion[1:, ..., 3:]]
+        self.by_product = True
         return self
 
     def carried(self, J: np.ndarray) -> np.ndarray:
@@ -76,23 +76,6 @@ class Columns:
         return np.asarray(
             self.steps.pick("the velocity of what a sliding joint carries, in rates of columns,", J, **still)
         )
-
-    def by_velocity(
-        self, points: np.ndarray, links: Sequence[int], whose: str = "a frame", motion: Columns | None = None
-    ) -> list[np.ndarray]:  # fmt: skip
-        """For every axis: the rates (runs, n, points, 6, axes) where it alone moves, with unit velocity.
-
-        `motion` are columns by which links move, if not these.
-        """
-        every, of = list(range(len(self.poses.p))), motion or self
-        J = of.carried(of.at(stacked(self.poses.p, every, 1), every))
-        ends = self.carried(self.at(points, links, whose))[..., 3:, :]
-        out = []
-        for m in range(len(self.axes)):
-            here = copy(self)
-            here.w, here.v = (list(np.moveaxis(J[..., rows, m], 2, 0)) for rows in (slice(0, 3), slice(3, 6)))
-            out.append(here.rates(points, ends[..., m], links, whose))
-        return out
 
     def _whole(self, parts: list[np.ndarray], axis: int) -> np.ndarray:
         """Base and joints, in the order of the axes."""
@@ -173,7 +156,7 @@ class Columns:
                 "that of the link that carries the point": lambda: self._seen(carriers, group) + 0 * z,
             }
             z = steps.pick("the matrix that turns an axis in a column", z, **wrong)
-        r = steps.pick(f"the lever arm of a column: to {whose}, {which}", p - o, **self._arms(group, links, p, o))
+        r = steps.pick(f"the lever arm of a column: {which}: to {whose}", p - o, **self._arms(group, links, p, o))
         lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         zero = np.zeros_like(lever)
@@ -228,7 +211,10 @@ class Columns:
     def _arms(self, group: list[int], links: Sequence[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
         """Other lever arms."""
         t = self.poses
-        found: dict[str, object] = {"counted from the world's origin": lambda: p + 0 * o}
+        found: dict[str, object] = {
+            "counted from the world's origin": lambda: p + 0 * o,
+            "counted from the joint to the world's origin": lambda: -o + 0 * p,
+        }  # fmt: skip
         if not self.axes[group[0]].base:
             parents = [self.parents[i] for i in group]
 
@@ -286,9 +272,22 @@ class Columns:
     def rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
     ) -> np.ndarray:  # fmt: skip
-        """(runs, n, points, 6, axes): d/dt of `at`, for points that move with these velocities."""
+        """(runs, n, points, 6, axes): d/dt of `at`, for points that move with these velocities.
+
+        Of a base whose columns are in world axes without the turning of these columns, J T as in `turning`.
+        """
         D = self._whole([self._rates(points, velocities, links, g, which, whose) for g, which in self.groups], -1)
         return D * self.moving(links)
+
+    @cached_property
+    def turning(self) -> np.ndarray:
+        """T (1, n, nv, nv) of J_w dR/dt = J T: what a base's own axes have besides those of the world, J_w = J R^T."""
+        qd = self.poses.qd
+        assert qd is not None
+        T = np.zeros((*qd.shape, qd.shape[-1]))
+        if self.world and self.axes[0].base:
+            T[..., :3, :3] = T[..., 3:6, 3:6] = cross_matrix(qd[..., :3])
+        return T
 
     def _rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
@@ -298,7 +297,7 @@ class Columns:
         w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
         arms = self._arms(group, links, p, o)
-        r = steps.pick(f"the lever arm in the rate of a column: to {whose}, {which}", p - o, **arms)
+        r = steps.pick(f"the lever arm in the rate of a column: {which}: to {whose}", p - o, **arms)
         w = steps.pick(
             f"the angular velocity that turns an axis: {which}", w,
             **{"that of the frame's link": frames + 0 * w, "that of the axis against the frame": w - frames,
@@ -319,22 +318,24 @@ class Columns:
         still = self.world and self.axes[group[0]].base  # axes of the world, for now
         turned = 0 * cross(w, z) if still else steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
         terms = {"the velocity of its end": ends, "the velocity of the joint": -u}
-        moving = steps.add(f"the rate of the lever arm: to {whose}, {which}", **terms)
+        moving = steps.add(f"the rate of the lever arm: {which}: to {whose}", **terms)
         zero = np.zeros_like(turned + moving)
         lever = {"z x dr/dt": cross(z + zero, moving)}
         if not still:
             lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, r + zero), **lever}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
         column = six(turned + zero, rate)
-        linear = {"[0; its linear part], without the turning of the axis": six(zero, rate)}
+        linear = {
+            "[0; its linear part], without the turning of the axis": six(zero, rate),
+            "that of a sliding one": six(zero, turned + zero),
+        }  # fmt: skip
         column = steps.pick(f"the rate of a turning column: {which}", column, **linear)
         slide = six(zero, turned + zero)
         if not self.turns[group].all():
             wrong = {"zero": 0 * slide, "that of a turning one": column}
             slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
         turns = self.turns[group, None]
-        rates = np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
-        return rates + self._carried(self._columns(points, links, group, which, whose)) if still else rates
+        return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
 
     def _others(self, group: list[int], of: Sequence[np.ndarray], like: np.ndarray) -> dict[str, object]:
         """What other links have than those that the joints of a group move."""
@@ -348,13 +349,6 @@ class Columns:
             others = own[..., [to[i] for i in group], :] * (to[group] >= 0)[:, None]
             found[f"that of {words}"] = others[..., None, :, :] + 0 * like
         return found
-
-    def _carried(self, J: np.ndarray) -> np.ndarray:
-        """J_w dR/dt, of the base's columns in world axes, J_w = J R^T: what its own axes have besides."""
-        qd = self.poses.qd
-        assert qd is not None
-        turning = cross_matrix(qd[..., None, :3])
-        return np.concatenate([J[..., :3] @ turning, J[..., 3:] @ turning], -1)
 
     def reduced(self, J: np.ndarray) -> np.ndarray:
         """The columns of v, of those of the axes; a joint that follows moves with its leader."""

@@ -16,16 +16,17 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import transposed
+from . import one_joint
 from .assembly import MOST_STEPS, of_symbols
-from .columns import Columns
 from .second import by_products, same
-from .weighted import Sums
+from .weighted import Sums, other_products
 
 
-def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None, carried: bool = False) -> np.ndarray:
+def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: bool = False) -> np.ndarray:
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
-    `by_rates`: derivatives of Jacobians are their rates where one joint moves alone; links move by `motion`.
+    `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
+    `apart`: what joints do to axes and origins of others is not found by Jacobians.
     `carried`: a body's columns are derived by, and of, the joints that carry it, whichever columns it has.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
@@ -37,30 +38,52 @@ def coriolis(sums: Sums, by_rates: bool = False, motion: Columns | None = None, 
     w, u = J[..., :3], J[..., 3:]
     which = sums.poses.carries()[sums.links] if carried else cols.moving(sums.links)[..., 0, :]
     moved = which[..., order].astype(float)
-    dw, du = _by_rates(sums, order, motion) if by_rates else by_products(cols, w, u, moved, order)
-    I = sums.inertia
+    dw, du = _by_rates(sums, order, apart) if by_rates else by_products(cols, w, u, moved, order)
+    last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
+    counted = steps.pick(
+        "the bodies in dM/dq_k", np.ones_like(moved), **{"the last one that joint k moves alone": last}
+    )
+    dw, du = (x * counted[..., None, :, None] for x in same(dw, du))
+    I, m = sums.inertia, sums.masses("the mass in dM/dq_k")
+    site = "the bodies of dM/dq_k"
+    m = m * sums.every(f"{site}: m Jv^T Jv")
+    spin, turning = (sums.every(f"{site}: {of}")[..., None, None] for of in ("Jw^T I Jw", "dI/dq_k"))
+    I_w = w @ transposed(spin * I)
     parts = {
-        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, sums.m[..., None, None] * u)),
-        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, w @ transposed(I))),
+        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, m[..., None, None] * u)),
+        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, I_w)),
     }  # fmt: skip
     half = steps.add("the derivative of the first Jacobian in M", **parts)
     other = np.swapaxes(half, 2, 3)
-    W = cross_matrix(moved[..., None] * w)  # of joints that carry the body
-    terms = {"[w_k] I": W @ I[..., None, :, :], "-I [w_k]": -I[..., None, :, :] @ W}
-    rate = steps.add("dI/dq_k", **terms)
-    whole = {
+    axes = w
+    if apart:
+        z = cols.z[..., None, order, :]
+        axes = steps.pick(
+            "the axes that turn tensors", cols.turns[order, None] * z, **{"those of sliding joints too": z}
+        )
+    W, T = cross_matrix(moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
+    terms = {
+        "[w_k] I": steps.pick("[w_k] I in dI/dq_k", W @ T, **other_products(W, T)),
+        "-I [w_k]": -steps.pick("I [w_k] in dI/dq_k", T @ W, **other_products(T, W)),
+    }  # fmt: skip
+    rate = (turning * counted[..., None])[..., None] * steps.add("dI/dq_k", **terms)
+    both = {
         "the derivative of the first Jacobian":
             steps.pick("dJ_i . M J_j in dM/dq_k", half, **{"J_i . M dJ_j, which comes twice": other}),
         "that of the second":
             steps.pick("J_i . M dJ_j in dM/dq_k", other, **{"dJ_i . M J_j, which comes twice": half}),
+    }  # fmt: skip
+    whole = {
+        "dJ_i . M J_j + J_i . M dJ_j": steps.add("dJ_i . M J_j + J_i . M dJ_j in dM/dq_k", **both),
         "w_i . dI/dq_k w_j, of the tensors that turn,":
             np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *same(w, rate, w), optimize=True),
     }  # fmt: skip
-    return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0])
+    columns = sorted(range(count), key=order.__getitem__)
+    return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0], columns)
 
 
-def _by_rates(sums: Sums, order: list[int], motion: Columns | None) -> tuple[np.ndarray, np.ndarray]:
+def _by_rates(sums: Sums, order: list[int], apart: bool) -> tuple[np.ndarray, np.ndarray]:
     """The same, as rates."""
-    rates = sums.columns.by_velocity(sums.c, sums.links, "a centre of mass", motion)
+    rates = one_joint.rates(sums.columns, sums.c, sums.links, "a centre of mass", apart)
     D = np.moveaxis(np.stack(same(*(rates[k][..., order] for k in order)), -1), 3, -1)
     return D[..., :3], D[..., 3:]

@@ -110,7 +110,8 @@ def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndar
 
 def coriolis(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """C from Christoffel's symbols of the mass matrix that the same steps make."""
-    return of_symbols(steps, by_coordinates(lambda x: mass(steps, tree, x), q), v[0])
+    columns = [k.column for k in tree.links if k.moves]
+    return of_symbols(steps, by_coordinates(lambda x: mass(steps, tree, x), q), v[0], columns)
 
 
 AS_NEWTON_EULER = {

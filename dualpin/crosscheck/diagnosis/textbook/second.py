@@ -14,6 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from . import one_joint
 from .columns import ALL, CHAIN, MOVING, Columns
 from .steps import cross
 
@@ -104,6 +105,22 @@ class Products(Columns):
         rate = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
         dw, du = ((x * rate).sum(-2) for x in same(*by_q))
         return np.swapaxes(np.concatenate([dw, du], -1), -1, -2)
+
+
+class Gradients(Columns):
+    """Columns whose rates are sums of their derivatives by each joint."""
+
+    def rates(
+        self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"
+    ) -> np.ndarray:  # fmt: skip
+        """(runs, n, points, 6, axes): d/dt of `at`."""
+        if any(a.base for a in self.axes):
+            raise ValueError("a base that moves")
+        qd = self.poses.qd
+        assert qd is not None
+        by_q = one_joint.rates(self, points, links, whose, apart=True)
+        parts = [D * (a.ratio * qd[..., a.column])[..., None, None, None] for a, D in zip(self.axes, by_q, strict=True)]
+        return np.asarray(sum(parts[1:], parts[0]))
 
 
 def by_products(

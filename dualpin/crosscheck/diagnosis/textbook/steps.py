@@ -16,6 +16,8 @@ Words: a site is what the step makes, as a noun with its article ("the moment ab
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -84,7 +86,7 @@ class Steps:
         Of those that a run without a slip has `found`, made together.
 
     A site may name one of a group of steps, after a colon ("the arm: of turning links"): slips are made in
-    each of them, and in all of the group.
+    each of them, and in all of the group.  Groups may have groups ("the arm: of turning links: to a frame").
     """
 
     def __init__(self, *slips: Slip) -> None:
@@ -127,19 +129,20 @@ class Steps:
     @property
     def found(self) -> dict[Slip, None]:
         """Slips at one step; those of a group of steps, and those of one term wherever it stands."""
-        groups: dict[str, set[str]] = {}
+        members: dict[str, set[str]] = {}
         standing: dict[tuple[str, str], set[str]] = {}
         for slip in self._found:
-            head = slip.site.partition(": ")[0]
-            groups.setdefault(head, set()).add(slip.site)
+            for group in _groups(slip.site):
+                members.setdefault(group, set()).add(slip.site)
             if slip.how in _WEIGHTS:
-                standing.setdefault((slip.what, slip.how), set()).add(head)
+                standing.setdefault((slip.what, slip.how), set()).add(_groups(slip.site)[0])
         out: dict[Slip, None] = {}
         for slip in self._found:
-            head = slip.site.partition(": ")[0]
-            out[slip._replace(site=head)] = None
-            if len(groups[head]) > 1:
-                out[slip] = None
+            groups = _groups(slip.site)
+            out[slip._replace(site=groups[0])] = None
+            for whole, group in pairwise(groups):
+                if members[group] != members[whole]:
+                    out[slip._replace(site=group)] = None
         out |= {Slip(EVERYWHERE, *which): None for which, where in standing.items() if len(where) > 1}
         return out
 
@@ -259,9 +262,7 @@ class Steps:
         if self._right and (site, of) not in self._seen:
             self._seen.add((site, of))
             self._found |= {Slip(site, what, how): None for what, how in possible()}
-        head, _, one = site.partition(": ")
-        mine = self._at.get(head, ())
-        return [*mine, *self._at.get(site, ())] if one else mine
+        return [mine for group in _groups(site) for mine in self._at.get(group, ())]
 
     def _done(self, right: Any, mine: Sequence[_Mine], wrong: Callable[[Sequence[Slip], _Row], Any]) -> Any:
         """The right result, with a wrong one in the rows that make a slip here."""
@@ -282,6 +283,12 @@ class Steps:
         for ks, x in others:
             out[ks] = x
         return out
+
+
+@cache
+def _groups(site: str) -> list[str]:
+    """The groups of which a step is one, the largest first, and the step itself."""
+    return list(accumulate(site.split(": "), lambda group, one: f"{group}: {one}"))
 
 
 def _rows(ks: list[int], count: int) -> _Row:

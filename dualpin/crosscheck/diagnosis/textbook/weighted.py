@@ -129,7 +129,7 @@ class Sums:
     @cached_property
     def com(self) -> np.ndarray:
         """(runs, n, 3)."""
-        m = self._masses("the weight of a body's centre") * self._every("the bodies whose m c is added up")
+        m = self.masses("the weight of a body's centre") * self.every("the bodies whose m c is added up")
         return np.asarray((m[..., None] * self.c).sum(-2) / self.mass)
 
     @cached_property
@@ -145,7 +145,7 @@ class Sums:
         return self.columns.reduced(self.by_axes)
 
     def com_jacobian(self) -> np.ndarray:
-        m = self._masses("the weight of a body's Jacobian") * self._every("the bodies whose m Jv is added up")
+        m = self.masses("the weight of a body's Jacobian") * self.every("the bodies whose m Jv is added up")
         return np.asarray((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) / self.mass[..., None])
 
     def com_jacobian_by_subtrees(self) -> np.ndarray:
@@ -172,7 +172,7 @@ class Sums:
         J = m * (turns * lever + (1 - turns) * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
-    def _masses(self, site: str) -> np.ndarray:
+    def masses(self, site: str) -> np.ndarray:
         """(runs, 1, bodies), with what else is taken for them."""
         m = self.m
         wrong = {"1": self.counts}
@@ -183,7 +183,7 @@ class Sums:
             }  # fmt: skip
         return np.asarray(self.steps.pick(site, m, **wrong))
 
-    def _every(self, site: str) -> np.ndarray:
+    def every(self, site: str) -> np.ndarray:
         """One for each body (runs, 1, bodies): slips lose some of them."""
         count, one = len(self.links), np.ones((1, 1))
         ones = [self.steps.part(site, one, k, count, alone=True) for k in range(count)]
@@ -216,7 +216,7 @@ class Sums:
         }
         arm = steps.pick("the whole arm of a body's momentum", arm, **wrong)
         spin, mv, orbit = (
-            (self._masses(f"the mass in a momentum: in {of}") if "m" in of else 1.0) * self._every(f"the momenta: {of}")
+            (self.masses(f"the mass in a momentum: in {of}") if "m" in of else 1.0) * self.every(f"the momenta: {of}")
             for of in ("I w", "m v", "r x m v")
         )
         arm, mv, orbit = arm[..., None, :] + 0 * v, mv[..., None, None] * v, orbit[..., None, None] * v
@@ -224,9 +224,11 @@ class Sums:
             "I w": spin[..., None, None] * (w @ transposed(self.inertia)),
             "r x m v": cross(arm + 0 * orbit, orbit + 0 * arm),
         }
-        angular = steps.add("the angular momentum of a body", **parts)
-        linear = steps.add("the linear momentum of a body", **{"m v": mv})
-        return transposed(np.concatenate(np.broadcast_arrays(angular.sum(-3), linear.sum(-3)), -1))
+        both = self.every("the angular momenta")[..., None, None]
+        angular = (both * steps.add("the angular momentum of a body", **parts)).sum(-3)
+        linear = steps.add("the linear momentum of a body", **{"m v": mv}).sum(-3)
+        angular = steps.add("the angular rows of the momentum", **{"sum I w + r x m v": angular})
+        return transposed(np.concatenate(np.broadcast_arrays(angular, linear), -1))
 
     # energies, by the velocities of links
 
@@ -238,7 +240,10 @@ class Sums:
             motion = product(J, self.poses.qd[..., None, :])
             return motion[..., :3], motion[..., 3:]
         w, v = (stacked(x, self.links, 1) for x in (self.columns.w, self.columns.v))
-        arms = {"c, not turned": self.local + 0 * self.r, "that from the world's origin": self.c}
+        arms = {
+            "c, not turned": self.local + 0 * self.r, "that from the world's origin": self.c,
+            "the sum of the positions of centre and origin, not their difference": self.c + self.p,
+        }  # fmt: skip
         r = self.steps.pick("the arm in w x R c", self.r, **arms)
         terms = {"that of the link's origin": v, "w x R c": cross(w + 0 * r, r + 0 * w)}
         return w, self.steps.add("the velocity of a body's centre", **terms)
@@ -246,8 +251,8 @@ class Sums:
     def kinetic_energy(self) -> np.ndarray:
         w, v = self.centre_velocities()
         turning = (w * product(self.inertia, w)).sum(-1)
-        m = self._masses("the mass in the kinetic energy") * self._every("the kinetic energies: m v.v / 2")
-        turning = turning * self._every("the kinetic energies: w.I w / 2")
+        m = self.masses("the mass in the kinetic energy") * self.every("the kinetic energies: m v.v / 2")
+        turning = turning * self.every("the kinetic energies: w.I w / 2")
         parts = {"m v.v / 2": m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
         return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1))
 
@@ -255,29 +260,29 @@ class Sums:
         root = self.poses.p[0][..., None, :]
         wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
-        m = self._masses("the mass in the potential energy") * self._every("the potential energies")
+        m = self.masses("the mass in the potential energy") * self.every("the potential energies")
         return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
 
     # the equations of motion
 
     @cached_property
     def mass_matrix(self) -> np.ndarray:
-        J, m = self.jacobians, self._masses("the mass in m Jv^T Jv") * self._every("the mass matrices: m Jv^T Jv")
+        J, m = self.jacobians, self.masses("the mass in m Jv^T Jv") * self.every("the mass matrices: m Jv^T Jv")
         Jw, Jv = J[..., :3, :], J[..., 3:, :]
-        spin = self._every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
+        spin = self.every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
         terms = {
             "m Jv^T Jv": _summed(Jv, m[..., None, None] * Jv), "Jw^T I Jw": _summed(Jw, spin @ Jw),
         }  # fmt: skip
         return np.asarray(self.steps.add("the mass matrix", **terms))
 
     def gravity(self, g: np.ndarray) -> np.ndarray:
-        m = self._masses("the mass in gravity's torques") * self._every("the torques of gravity")
+        m = self.masses("the mass in gravity's torques") * self.every("the torques of gravity")
         torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
     @cached_property
     def rates(self) -> np.ndarray:
-        """(runs, n, bodies, 6, nv): d/dt of `jacobians`."""
+        """(runs, n, bodies, 6, nv): d/dt of `jacobians`, without the turning of the base's columns."""
         _, v = self.centre_velocities()
         return self.columns.reduced(self.columns.rates(self.c, v, self.links, "a centre of mass"))
 
@@ -286,15 +291,24 @@ class Sums:
         steps, J, D, I = self.steps, self.jacobians, self.rates, self.inertia
         w, _ = self.centre_velocities()
         W, H = cross_matrix(w), cross_matrix(product(I, w))
-        B = 0.5 * (W @ I - I @ W - H)
-        others = {"[w] I": W @ I, "-[I w]": -H + 0 * B, "not halved": 2 * B, "without -[I w]": B + 0.5 * H}
-        B = steps.pick("B, ([w] I - I [w] - [I w]) / 2,", B, **others)
-        Jw, Jv, m = J[..., :3, :], J[..., 3:, :], self.m[..., None, None]
         terms = {
-            "m Jv^T Jv'": _summed(Jv, m * D[..., 3:, :]), "Jw^T I Jw'": _summed(Jw, I @ D[..., :3, :]),
-            "Jw^T B Jw": _summed(Jw, B @ Jw),
+            "[w] I": steps.pick("[w] I in B", W @ I, **other_products(W, I)) / 2,
+            "-I [w]": -steps.pick("I [w] in B", I @ W, **other_products(I, W)) / 2, "-[I w]": -H / 2,
         }  # fmt: skip
-        return np.asarray(steps.add("the Coriolis matrix", **terms))
+        B = steps.add("B, ([w] I - I [w] - [I w]) / 2,", **terms)
+        others = {"[w] I": W @ I, "-[I w]": -H + 0 * B, "not halved": 2 * B}
+        B = steps.pick("B, ([w] I - I [w] - [I w]) / 2,", B, **others)
+        site = "the Coriolis matrices"
+        m = self.masses("the mass in m Jv^T Jv'") * self.every(f"{site}: m Jv^T Jv'")
+        spin, own = (self.every(f"{site}: {of}")[..., None, None] for of in ("Jw^T I Jw'", "Jw^T B Jw"))
+        Jw, Jv = J[..., :3, :], J[..., 3:, :]
+        terms = {
+            "m Jv^T Jv'": _summed(Jv, m[..., None, None] * D[..., 3:, :]),
+            "Jw^T I Jw'": _summed(Jw, spin * I @ D[..., :3, :]), "Jw^T B Jw": _summed(Jw, own * B @ Jw),
+        }  # fmt: skip
+        terms = {k: steps.pick(f"the matrix {k}", x, transposed=transposed(x)) for k, x in terms.items()}
+        C = steps.add("the Coriolis matrix", **terms)
+        return np.asarray(C + self.mass_matrix @ self.columns.turning if self.columns.world else C)
 
     def velocity_forces(self) -> np.ndarray:
         """C v: what velocities need."""
@@ -307,11 +321,13 @@ class Sums:
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
         n, f = (
             steps.add("the moment of a body", **parts),
-            self._masses("the mass in m Jv' v")[..., None] * rest[..., 3:],
+            self.masses("the mass in m Jv' v")[..., None] * rest[..., 3:],
         )
         linear, angular = (product(A, x).sum(-2) for A, x in ((J[..., 3:], f), (J[..., :3], n)))
         forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
-        return np.asarray(steps.add("the forces that velocities need", **forces))
+        h = steps.add("the forces that velocities need", **forces)
+        turned = product(self.columns.turning, qd)
+        return np.asarray(h + product(self.mass_matrix, turned) if self.columns.world else h)
 
 
 def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:
@@ -321,6 +337,14 @@ def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:
 def steiners(m: np.ndarray, c: np.ndarray) -> np.ndarray:
     """m (c.c 1 - c c^T), (..., 3, 3)."""
     return np.asarray(m[..., None, None] * ((c * c).sum(-1)[..., None, None] * ONE - c[..., :, None] * c[..., None, :]))
+
+
+def other_products(A: np.ndarray, B: np.ndarray) -> dict[str, np.ndarray]:
+    """What may stand in the place of A B."""
+    return {
+        "multiplied entry by entry": A * B, "that with the factors in the other order": B @ A,
+        "that with the first factor transposed": transposed(A) @ B,
+    }  # fmt: skip
 
 
 def _summed(A: np.ndarray, B: np.ndarray) -> np.ndarray:

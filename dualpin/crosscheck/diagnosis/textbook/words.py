@@ -194,8 +194,7 @@ def plural(noun: str) -> bool:
 
 
 def _forms(site: str, what: str) -> dict[str, str]:
-    head, _, which = site.partition(": ")
-    site = head.rstrip(",") + (f", {which.rstrip(',')}" if which else "")
+    site = ", ".join(part.rstrip(",") for part in site.split(": "))
     what = what.rstrip(",")
     many, several = plural(site), plural(what)
     return {
