@@ -158,8 +158,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(one_more_cause, one_more, unknown, [term])
             if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
-            stage(beside, besides, unknown, [term])
             stage(slips, Search.slips, unknown, [term])
+            stage(beside, besides, unknown, [term])
             if not catalogue.settled:
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
                 stage("slips beside a cause of the whole robot", Search.slips_near, unknown, [term])
