@@ -47,7 +47,7 @@ RUNS = {
     "pushed in six-vectors": Dynamics(spatial.forces, spatial.mass, pushed=spatial.pushed),
     "pushed in world axes": Dynamics(world_axes.forces, spatial.mass, pushed=world_axes.pushed, fused=True),
     "pushed in link axes": Dynamics(link_axes.forces, spatial.mass, pushed=link_axes.pushed),
-    "transforms": transforms.run,
+    "transforms": transforms.Transforms(),
     "articulated": articulated.Articulated(),
     "lagrange": lagrange.Lagrange(spatial.forces, lagrange.mass),
     "habits": Dynamics(world_axes.forces, lagrange.mass_of_habits),
@@ -60,7 +60,7 @@ RUNS = {
 }
 
 PREDICTS = {
-    "transforms": transforms.TERMS,
+    "transforms": ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES),
     "sums": sums.TERMS, "energy": ("kinetic_energy",), "seen in six-vectors": ("frame_velocity", "frame_acceleration"),
     "seen": ("frame_acceleration",), "pushed": ("rnea_f_ext", "aba_f_ext"), "jacobians, symbolic": ("coriolis",),
     "jacobians": (*kinematics.SEEN, *kinematics.MOVED),

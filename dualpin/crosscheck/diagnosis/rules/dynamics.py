@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 
-import numpy as np
-
-from ..case import Case, View
+from ..case import Case
 from ..textbook import body_coriolis, composite, lagrange, link_axes, spatial, sums, transforms, world_axes
 from ..textbook.articulated import Articulated
-from ..textbook.assembly import Dynamics, by_columns, right, symbols
+from ..textbook.assembly import Dynamics, Seen, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
-from ..textbook.steps import EVERYWHERE, Steps
-from ..textbook.tree import tree_of
+from ..textbook.steps import EVERYWHERE
 from .formulation import COST, FUSING, formulation
 
 SAYS = {
@@ -119,24 +115,6 @@ def merges(case: Case) -> bool:
     return any(not p.moves for p in case.description.parts)
 
 
-@dataclass(frozen=True)
-class Seen:
-    """Motions of frames in world axes; `fused` as of `Tree`."""
-
-    by: Callable[..., np.ndarray]
-    fused: bool = False
-    both: bool = False
-    """Whether it knows velocities as well as accelerations."""
-
-    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
-        tree, s = tree_of(view, self.fused), {k: x[None] for k, x in view.states.items()}
-        if view.layout.how.reference != "local_world_aligned":
-            return None
-        return self.by(
-            steps, tree, s["q"], s["v"], s.get("a", 0 * s["v"]), view.frames, *((term,) if self.both else ())
-        )
-
-
 def later(case: Case) -> bool:
     """Whether slips of a recursion with wrenches in it are looked for without wrenches first."""
     return "rnea" in case.observed
@@ -187,8 +165,12 @@ _spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, s
 register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix", "potential_energy"))
 for _fused in (False, True):
     _values = f"poses by transforms, {FUSED}" if _fused else "poses by transforms"
-    formulation(SPATIAL, transforms.OF_BODIES if _fused else transforms.TERMS, KNOWN, _values, batched=True)(
-        partial(transforms.run, fused=_fused)
+    formulation(SPATIAL, ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES), KNOWN, _values, batched=True)(
+        transforms.Transforms(_fused)
+    )
+    _values = f"poses by chains, {FUSED}" if _fused else "poses by chains"
+    formulation(SPATIAL, (*transforms.OF_FRAMES, *transforms.OF_BODIES), KNOWN, _values, batched=True)(
+        transforms.Transforms(_fused, chained=True)
     )
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))

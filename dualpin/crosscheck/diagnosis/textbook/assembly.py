@@ -83,7 +83,10 @@ class Dynamics:
     """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
-        tree = tree_of(view, self.fused)
+        return self.answer(view, term, steps, tree_of(view, self.fused))
+
+    def answer(self, view: View, term: str, steps: Steps, tree: Tree) -> np.ndarray | None:
+        """The term, of this tree."""
         s = {k: x[None] for k, x in view.states.items()}
         answer = getattr(self, f"_{term}", None)
         return None if answer is None else answer(steps, tree, s, view)
@@ -207,6 +210,28 @@ class Dynamics:
             return self._forward(steps, tree, q, v, tau)
 
         return None if tree.floating or tree.nv > MOST_STEPS else derivatives(f, s["q"], s["v"], s["tau"])
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Motions of frames in world axes; `fused` as of `Tree`."""
+
+    by: Callable[..., np.ndarray]
+    fused: bool = False
+    both: bool = False
+    """Whether it knows velocities as well as accelerations."""
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        return self.answer(view, term, steps, tree_of(view, self.fused))
+
+    def answer(self, view: View, term: str, steps: Steps, tree: Tree) -> np.ndarray | None:
+        """The term, of this tree."""
+        s = {k: x[None] for k, x in view.states.items()}
+        if view.layout.how.reference != "local_world_aligned":
+            return None
+        return self.by(
+            steps, tree, s["q"], s["v"], s.get("a", 0 * s["v"]), view.frames, *((term,) if self.both else ())
+        )
 
 
 def torques(view: View) -> np.ndarray:

@@ -14,7 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .spatial import crf, crm, inertia, next_velocity, subspace, to_parent, transforms
+from .products import crf, crm
+from .spatial import inertia, next_velocity, subspace, to_parent, transforms
 from .steps import HAVE, Steps
 from .tree import Link, Tree
 

@@ -13,7 +13,7 @@ section 5.6.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -23,37 +23,11 @@ from ...subjects.convention import base_of
 from ...subjects.layout import product, transposed
 from ..description import Body, Description, Part, merged
 from .attitudes import PLAIN, Ways
+from .axes import Axis, Placed
 from .lists import branched, by_levels
 from .lumps import listed
 from .steps import Steps, cross
 from .turns import ONE
-
-
-@dataclass
-class Placed:
-    """Where a link is fixed on a body: its number, and the orientation and position there."""
-
-    body: int
-    A: np.ndarray
-    p: np.ndarray
-
-
-@dataclass
-class Axis:
-    """One direction in which a joint moves: about it, or along it."""
-
-    link: int
-    parent: int
-    turns: bool
-    direction: np.ndarray
-    """In the axes of the link."""
-    column: int
-    """In v."""
-    ratio: float = 1.0
-    follows: bool = False
-    base: bool = False
-    world: np.ndarray | None = None
-    """The direction in the world, where it was kept when the link was placed."""
 
 
 class Poses:
@@ -98,6 +72,8 @@ class Poses:
         self.before: list[np.ndarray] = [ONE[None, None]]
         self.placed = [Placed(0, ways.placing.start(), np.zeros((1, 1, 3)))]
         self.travel: dict[int, np.ndarray] = {}
+        self._sides = [self.placed[0]]
+        self._motions: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self.p, self.w, self.v = [zero], [zero], [zero]
         base = base_of(robot)
         if base is not None:
@@ -136,6 +112,7 @@ class Poses:
         steps, ways, up, link = self.steps, self.ways, self.number[part.parent], len(self.R)
         Ao = ways.of_rpy(steps, part.rpy, part.rotation)
         A, p, on = self._on_body(part, up) if self.fused else self._on_link(part, up, Ao)
+        self._sides.append(Placed(on.body, ways.placed(on.A), on.p) if self.fused else Placed(up, Ao, part.position))
         before = A
         if self.fused:
             up = self.parent[link] = self.placed[up].body
@@ -151,6 +128,8 @@ class Poses:
             A, p = self._planar(joint, link, up, A, p)
         elif part.moves:
             raise ValueError(f"a joint of type {part.type}")
+        if joint is None or part.axial:
+            A, p = self._from_parent(link, up, A, p)
         self.attitudes.append(A)
         moves = bool(self.of_link[link])
         self.before.append(ways.matrix(before))
@@ -240,8 +219,13 @@ class Poses:
         if part.slides:
             along = z
             if along is None:
+                others["by its own rpy transposed"] = lambda: self.R[up] @ transposed(ways.matrix(self._sides[link].A))
                 along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
             self.travel[link] = along * x[..., None]
+            self._motions[link] = ways.start(), axis * x[..., None]
+            p = steps.pick(
+                "the origin of a sliding joint", p, **{"that of the link on which it is": self.p[up] + 0 * p}
+            )
             p = steps.add("the position of a sliding joint", **{"its origin": p, "a q": self.travel[link]})
             before, turned = A, {"that of its origin turned by q about the axis": lambda: ways.then(
                 before, ways.of_axis(Steps(), axis, x)
@@ -249,6 +233,7 @@ class Poses:
             A = steps.pick("the rotation of a sliding link", A, **turned)
         else:
             T, before = ways.of_axis(steps, about, x), A
+            self._motions[link] = T, 0 * axis
             moved = {"that of its origin moved along the axis by q": lambda: (
                 p + product(ways.matrix(before), axis + 0 * p) * x[..., None]
             )}  # fmt: skip
@@ -264,6 +249,40 @@ class Poses:
             )  # fmt: skip
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, part.rate * ratio, follows, world=z))
         return A, p
+
+    def on_parent(self, link: int) -> tuple[np.ndarray, np.ndarray]:
+        """Attitude and position of a link on its parent (or on the body that carries that), by one axis at most."""
+        side, ways = self._sides[link], self.ways
+        T, shift = self._motions.get(link, (ways.start(), np.zeros((1, 1, 3))))
+        R = ways.matrix(side.A)
+        return ways.then(side.A, T), side.p + product(R, shift + 0 * R[..., 0])
+
+    def _from_parent(self, link: int, up: int, A: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pose of a link, where it is made of its pose on the parent, and that of the parent."""
+        ways, Ap, pp, R = self.ways, self.attitudes[up], self.p[up], self.R[up]
+
+        def local(turn: np.ndarray) -> np.ndarray:
+            return product(turn, self.on_parent(link)[1] + 0 * p)
+
+        positions = {
+            "the parent's plus its place there, not turned": lambda: pp + local(ONE),
+            "the parent's plus its place there, turned by the transposed matrix": lambda: pp + local(transposed(R)),
+            "the parent's minus its place there": lambda: 2 * pp - p, "that of the parent alone": pp + 0 * p,
+            "its place on the parent alone": lambda: p - pp,
+        }  # fmt: skip
+        attitudes = {
+            "its own multiplied by the parent's from the right": lambda: ways.then(self.on_parent(link)[0], Ap),
+            "its own on the parent alone": lambda: self.on_parent(link)[0] + 0 * A, "that of the parent alone": Ap,
+            "that of the parent, transposed, times its own": lambda: ways.then(
+                ways.inverse(Ap), self.on_parent(link)[0]
+            ),
+            "that of the parent and its own, multiplied entry by entry": lambda: Ap * self.on_parent(link)[0],
+        }  # fmt: skip
+        which = "a link: of the first links" if up == 0 else "a link: of further links"
+        if self.fused and not self.of_link[link]:
+            which = "what is fixed on a body, as a whole,"
+        A = self.steps.pick(f"the orientation of {which}", A, **attitudes)
+        return A, np.asarray(self.steps.pick(f"the position of {which}", p, **positions))
 
     def _planar(
         self, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray

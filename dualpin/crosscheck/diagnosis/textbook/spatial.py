@@ -12,7 +12,6 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -20,11 +19,10 @@ from ....spatial.adjoint import cross_matrix
 from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
+from .products import crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree, spatial
-
-LINEAR = "the product of the linear velocity"
 
 
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -194,14 +192,7 @@ def _along(steps: Steps, tree: Tree, k: Link, f: np.ndarray, own: np.ndarray | N
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     """H (runs, samples, nv, nv) by composite rigid bodies."""
     X = transforms(steps, tree, tree.poses(q))
-    own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
-    I = list(own)
-    for k in reversed(tree.links[1:]):
-        whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
-        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), whole)
-        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
-        x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
-        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+    own, I = composites(steps, tree, X, q)
     entries: dict[tuple[int, int], np.ndarray] = {}
     base = I[0]
     for k in (k for k in tree.links if k.moves):
@@ -238,6 +229,21 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     for (i, j), x in entries.items():
         H[..., i, j] = x
     return H
+
+
+def composites(
+    steps: Steps, tree: Tree, X: list[np.ndarray], q: np.ndarray
+) -> tuple[list[np.ndarray], list[np.ndarray]]:  # fmt: skip
+    """Inertias of links, and of each with all that it carries."""
+    own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
+    I = list(own)
+    for k in reversed(tree.links[1:]):
+        whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
+        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), whole)
+        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
+        x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
+        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+    return own, I
 
 
 def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.ndarray:
@@ -287,14 +293,23 @@ def transforms(steps: Steps, tree: Tree, poses: Sequence[Pose]) -> list[np.ndarr
 
 
 def _transform(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
-    E, r = transposed(pose.R), cross_matrix(pose.p)
-    others = {
+    exchanged = "-[r x] E, in the other order, of the joint's motion and of its placement"
+    return transform(steps, pose.R, pose.p, "of joints", **{exchanged: lambda: _exchanged(k, pose)})
+
+
+def transform(
+    steps: Steps, R: np.ndarray, p: np.ndarray, which: str = "of frames", **others: Callable[[], np.ndarray]
+) -> np.ndarray:  # fmt: skip
+    """X to what stands at R, p; `others` are other blocks below."""
+    E, r = steps.pick(f"E of X: {which}", transposed(R), **{"R itself, not transposed": R}), cross_matrix(p)
+    wrong = {
         "E [r x], with the other sign": E @ r, "-[r x] E, in the other order": -r @ E, "left out": 0 * (E @ r),
-        "-[r x] E, in the other order, of the joint's motion and of its placement": lambda: _exchanged(k, pose),
+        "-[r x], without E": -r + 0 * E, "[r x], without -E": r + 0 * E, "-E^T [r x]": -transposed(E) @ r,
+        "-E [r x] with the two multiplied entry by entry": -E * r, **others,
     }  # fmt: skip
-    lower = steps.pick("the block -E [r x] of X", -E @ r, **others)
+    lower = steps.pick(f"the block -E [r x] of X: {which}", -E @ r, **wrong)
     lead = np.broadcast_shapes(E.shape, lower.shape)
-    E = np.broadcast_to(E, lead)
+    E, lower = np.broadcast_to(E, lead), np.broadcast_to(lower, lead)
     return spatial([[E, 0 * E], [lower, E]])
 
 
@@ -350,38 +365,11 @@ def _merging(steps: Steps, k: Link) -> np.ndarray:
     """What slips in X^T I X of the links that are fixed to a body add to its inertia; X leads from it to them."""
     more = np.zeros((1, 1, 6, 6))
     for p in (p for p in k.pieces if p.fixed):
-        E, h = p.Q.T, p.mass * cross_matrix(p.com)
-        X = np.block([[E, 0 * E], [-E @ cross_matrix(p.p), E]])[None, None]
+        h, place = p.mass * cross_matrix(p.com), (p.Q[None, None], p.p[None, None])
+        X = transform(steps, *place, "in merging")
         about = p.R @ p.J @ p.R.T + steiner(p.mass, p.com)
         I = np.block([[about, h], [h.T, p.mass * np.eye(3)]])[None, None]
-        right = transposed(X) @ I @ X
+        right = transform(Steps(), *place)
+        right = transposed(right) @ I @ right
         more = more + (steps.congruent("a fixed link's spatial inertia, X^T I X,", transposed(X), I) - right)
     return more
-
-
-def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
-    """v x m of motions."""
-    w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
-    parts = {"w x the linear part": cross(w, b), LINEAR: cross(u, a)}
-    linear = steps.add(f"the linear part of v x: in {site}", **parts)
-    angular = steps.add(f"the angular part of v x: in {site}", **{"w x the angular part": cross(w, a)})
-    x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
-    others: dict[str, Any] = {
-        "with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m),
-        "its transpose, v x^T": lambda: -crf(Steps(), "", v, m),
-    }  # fmt: skip
-    return np.asarray(steps.pick(f"the cross product of motions, v x: in {site}", x, **others))
-
-
-def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """v x* f of forces."""
-    w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
-    parts = {"w x the moment": cross(w, n), LINEAR: cross(u, b)}
-    angular = steps.add(f"the angular part of v x*: in {site}", **parts)
-    linear = steps.add(f"the linear part of v x*: in {site}", **{"w x the force": cross(w, b)})
-    x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
-    others: dict[str, Any] = {
-        "with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f),
-        "its transpose, v x*^T": lambda: -crm(Steps(), "", v, f),
-    }  # fmt: skip
-    return np.asarray(steps.pick(f"the cross product of forces, v x*: in {site}", x, **others))

@@ -1,7 +1,8 @@
-"""Poses and Jacobians of frames, and the centre of mass, by Plücker transforms.
+"""Poses and Jacobians of frames, momentum and the centre of mass, by Plücker transforms.
 
-    X_0k = X_k X_0p = [E 0; -E [r x]  E]        R = E^T,  [r x] = -E^T times the block below
+    X_0k = X_k X_0p = [E 0; -E [r x]  E]        R = E^T,  [r x] = -E^T times the block below; or from R and p
     J_j = X_kj S_j, of all joints j on the path, in the frame's axes; both halves times R in those of the world
+    A_j = X^T I^c_j S_j, of composite bodies, X to the link from the centre of mass, in world axes
     A = sum X_0k^T I_k J_k,  about the centre of mass:  n - c x p
     m [c x] is the upper right block of sum X_0k^T I_k X_0k, and m the last one
 
@@ -10,24 +11,60 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), sections 2.8, 4
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
-from .spatial import inertia, subspace, to_parent, transforms
+from .spatial import composites, inertia, subspace, to_parent, transform, transforms
 from .steps import Steps, cross
-from .tree import Tree, tree_of
+from .tree import Pose, Tree, tree_of
 
-TERMS = ("fk", "jacobian", "frame_velocity", "com", "centroidal_momentum_matrix")
-OF_BODIES = TERMS[3:]
+OF_FRAMES = ("jacobian", "frame_velocity")
+OF_BODIES = ("com", "com_jacobian", "centroidal_momentum_matrix")
 
 
-def run(view: View, term: str, steps: Steps, fused: bool = False) -> np.ndarray | None:
-    """The term (runs, samples, ...); `fused` as of `Tree`, where bodies count."""
-    if view.layout.how.reference != "local_world_aligned" and term in ("jacobian", "frame_velocity"):
-        return None
-    tree, q = tree_of(view, fused and term in OF_BODIES), view.states["q"][None]
-    X = transforms(steps, tree, tree.poses(q))
+@dataclass(frozen=True)
+class Transforms:
+    """Makes these terms.
+
+    Attributes
+    ----------
+    fused : bool
+        As of `Tree`.
+    chained : bool
+        Whether poses in the world are a chain of R and p, from which sums of bodies are made too, not of transforms.
+    """
+
+    fused: bool = False
+    chained: bool = False
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        return self.answer(view, term, steps, tree_of(view, self.fused))
+
+    def answer(self, view: View, term: str, steps: Steps, tree: Tree) -> np.ndarray | None:
+        """The term (runs, samples, ...), of this tree."""
+        if view.layout.how.reference != "local_world_aligned" and term in OF_FRAMES:
+            return None
+        poses = tree.poses(view.states["q"][None])
+        X = transforms(steps, tree, poses)
+        whole = [] if self.chained else _from_the_world(steps, tree, X)
+        if term in OF_BODIES:
+            com = _centre(steps, tree, poses) if self.chained else _com(steps, tree, whole)
+            if term == "com":
+                return com
+            A = _by_composites(steps, tree, X, poses, com) if self.chained else _momentum(steps, tree, X, whole, com)
+            return A if term == "centroidal_momentum_matrix" else A[..., 3:, :] / sum(k.mass for k in tree.carried)
+        stands = [tree.stands[frame] for frame in view.frames]
+        if term == "fk":
+            return None if self.fused else _stacked([_pose(steps, whole[k]) for k, _ in stands])
+        R = [x.R0 for x in poses] if self.chained else [transposed(x[..., :3, :3]) for x in whole]
+        J = _stacked([_jacobian(steps, tree, X, R[k], k, H) for k, H in stands])
+        return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
+
+
+def _from_the_world(steps: Steps, tree: Tree, X: list[np.ndarray]) -> list[np.ndarray]:
     whole = [X[0]]
     for k in tree.links[1:]:
         up = whole[k.parent]
@@ -35,15 +72,7 @@ def run(view: View, term: str, steps: Steps, fused: bool = False) -> np.ndarray 
         whole.append(
             steps.pick("the transform of a link from the world, its own times the parent's,", X[k.number] @ up, **other)
         )
-    if term == "com":
-        return _com(steps, tree, whole)
-    if term == "centroidal_momentum_matrix":
-        return _momentum(steps, tree, X, whole)
-    numbers = [tree.frames[frame][0] for frame in view.frames]
-    if term == "fk":
-        return _stacked([_pose(steps, whole[k]) for k in numbers])
-    J = _stacked([_jacobian(steps, tree, X, whole[k], k) for k in numbers])
-    return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
+    return whole
 
 
 def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
@@ -67,9 +96,14 @@ def _vector(K: np.ndarray) -> np.ndarray:
     return np.stack([K[..., 2, 1], K[..., 0, 2], K[..., 1, 0]], -1)
 
 
-def _jacobian(steps: Steps, tree: Tree, X: list[np.ndarray], whole: np.ndarray, number: int) -> np.ndarray:
-    R = transposed(whole[..., :3, :3])[..., None, :, :]
-    rows = transposed(_in_link(steps, tree, X, number))
+def _jacobian(steps: Steps, tree: Tree, X: list[np.ndarray], R: np.ndarray, number: int, H: np.ndarray) -> np.ndarray:
+    """Of a frame that stands at H on a link whose axes in the world are R."""
+    J = _in_link(steps, tree, X, number)
+    if not np.array_equal(H, np.eye(4)):
+        Q = H[None, None, :3, :3]
+        to_frame = transform(steps, Q, H[None, None, :3, 3])
+        J, R = to_frame @ J, R @ Q
+    R, rows = R[..., None, :, :], transposed(J)
     site = "a column, in the frame's axes"
     w = steps.turn(f"{site}: its angular part", R, rows[..., :3])
     v = steps.turn(f"{site}: its linear part", R, rows[..., 3:])
@@ -93,7 +127,37 @@ def _in_link(steps: Steps, tree: Tree, X: list[np.ndarray], number: int) -> np.n
     return np.stack([np.broadcast_to(columns.get(i, np.zeros(6)), (*lead, 6)) for i in range(tree.nv)], -1)
 
 
-def _momentum(steps: Steps, tree: Tree, X: list[np.ndarray], whole: list[np.ndarray]) -> np.ndarray:
+def _by_composites(
+    steps: Steps, tree: Tree, X: list[np.ndarray], poses: list[Pose], com: np.ndarray
+) -> np.ndarray:  # fmt: skip
+    """The same, column by column, of what each joint carries."""
+    _, I = composites(steps, tree, X, poses[0].p0)
+    site, columns = "the momentum of what a joint carries, X^T I^c S,", dict[int, np.ndarray]()
+    for k in (k for k in tree.links if k.moves or (tree.floating and k.parent < 0)):
+        at = poses[k.number]
+        to_link = transform(steps, at.R0, at.p0 - com)
+        if k.moves:
+            columns[k.column] = to_parent(steps, site, to_link, product(I[k.number], subspace(steps, k)))
+        else:
+            h = to_parent(steps, site, to_link[..., None, :, :], transposed(I[k.number]))
+            columns |= {i: h[..., i, :] for i in range(6)}
+    lead = np.broadcast_shapes(*(x.shape for x in columns.values()))
+    return np.stack([np.broadcast_to(columns[i], lead) for i in range(tree.nv)], -1)
+
+
+def _centre(steps: Steps, tree: Tree, poses: list[Pose]) -> np.ndarray:
+    """sum (m p + R m c) / sum m, with m c from the bodies' inertias."""
+    total: np.ndarray = np.zeros(3)
+    for k in tree.carried:
+        I, at = inertia(steps, k), poses[k.number]
+        c = steps.turn("the first moment of a body", at.R0, _vector(I[..., :3, 3:]) + 0 * at.p0)
+        total = total + steps.add("the moment of a body's mass", **{"m p": k.mass * at.p0, "R m c": c})
+    return np.asarray(total / sum(k.mass for k in tree.carried))
+
+
+def _momentum(
+    steps: Steps, tree: Tree, X: list[np.ndarray], whole: list[np.ndarray], com: np.ndarray
+) -> np.ndarray:  # fmt: skip
     """About the centre of mass that these steps make, in world axes: sum X_0k^T I_k J_k, moved there."""
     total: np.ndarray = np.zeros((1, 1, tree.nv, 6))
     for i, k in enumerate(tree.carried):
@@ -101,7 +165,7 @@ def _momentum(steps: Steps, tree: Tree, X: list[np.ndarray], whole: list[np.ndar
         h = to_parent(steps, "the momentum of a body, X^T I J,", whole[k.number][..., None, :, :], h)
         total = total + steps.part("the bodies whose momentum counts", h, i, len(tree.carried), alone=True)
     n, p = total[..., :3], total[..., 3:]
-    G = _com(steps, tree, whole)[..., None, :] + 0 * p
+    G = com[..., None, :] + 0 * p
     n = steps.add(
         "the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p + 0 * G)}
     )

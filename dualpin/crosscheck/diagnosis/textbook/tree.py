@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -121,14 +122,14 @@ class Tree:
             if joint is not None and part.armature:
                 self.rotors[joint.v] = part.armature
         nowhere = {link: (link, np.eye(4)) for link in standing}
-        self.frames = {
-            link: (number[on], H[:3, 3][None, None]) for link, (on, H) in (standing if fused else nowhere).items()
-        }
-        """Of every link: the number of the one that carries it, and where it stands there."""
+        self.stands = {link: (number[on], H) for link, (on, H) in (standing if fused else nowhere).items()}
+        """Of every link: the number of the one that carries it, and its pose there."""
+        self.frames = {link: (k, H[:3, 3][None, None]) for link, (k, H) in self.stands.items()}
         self._children: list[list[int]] = [[] for _ in self.links]
         for k in self.links[1:]:
             self._children[k.parent].append(k.number)
         self._poses: tuple[np.ndarray, list[Pose]] | None = None
+        self._made: Callable[[np.ndarray], list[Pose]] = self._posed
 
     @cached_property
     def _lists(self) -> dict[str, list[int]]:
@@ -190,8 +191,14 @@ class Tree:
     def poses(self, q: np.ndarray) -> list[Pose]:
         """Of all links; the last ones are kept, since many runs ask for the same."""
         if self._poses is None or self._poses[0] is not q:
-            self._poses = q, self._posed(q)
+            self._poses = q, self._made(q)
         return self._poses[1]
+
+    def posed(self, made: Callable[[np.ndarray], list[Pose]]) -> Tree:
+        """The same, with other poses of its links."""
+        tree = copy(self)
+        tree._poses, tree._made = None, made
+        return tree
 
     def _posed(self, q: np.ndarray) -> list[Pose]:
         zero = np.zeros((*q.shape[:-1], 3), q.dtype)

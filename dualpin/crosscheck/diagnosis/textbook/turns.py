@@ -55,6 +55,30 @@ def by_outer_product(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarra
     return np.asarray(steps.add("the rotation of a joint, by axis and angle", **terms))
 
 
+def by_axis_entries(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The same, entry by entry: t x x + c, t x y - s z, ..., with t = 1 - cos q."""
+    s, c = (f[..., 0, 0] for f in _sin_cos(steps, q))
+    x, y, z = np.moveaxis(axis, -1, 0)
+    t = steps.pick(
+        "t = 1 - c, in a rotation by axis and angle", 1 - c, **{"1 + c": 1 + c, "1 - s": 1 - s, "c": c, "1": 0 * c + 1}
+    )
+    a = {"x": x, "y": y, "z": z}
+
+    def off(i: str, j: str, k: str, sign: float) -> dict[str, np.ndarray]:
+        entry = f"entry {'xyz'.index(i) + 1}{'xyz'.index(j) + 1} of the rotation by axis and angle"
+        sine = steps.pick(f"the component beside s in {entry}", a[k], **{n: v for n, v in a.items() if n != k})
+        wrong = {f"{m} {n}": a[m] * a[n] for m, n in ("xy", "xz", "yz", "xx", "yy", "zz") if {m, n} != {i, j}}
+        both = steps.pick(f"the components beside t in {entry}", a[i] * a[j], **wrong)
+        return {f"t {min(i, j)} {max(i, j)}": t * both, f"s {k}": sign * s * sine}
+
+    table = [
+        [{"t x x": t * x * x, "c": c}, off("x", "y", "z", -1), off("x", "z", "y", 1)],
+        [off("y", "x", "z", 1), {"t y y": t * y * y, "c": c}, off("y", "z", "x", -1)],
+        [off("z", "x", "y", -1), off("z", "y", "x", 1), {"t z z": t * z * z, "c": c}],
+    ]
+    return _matrix(steps, table, "of the rotation by axis and angle")
+
+
 def by_quaternion(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
     """The unit quaternion (cos q/2, sin q/2 a), and its rotation."""
     half = steps.pick("the angle in a joint's quaternion", q / 2, **{"q": q, "2 q": 2 * q, "q / 4": q / 4})

@@ -18,6 +18,9 @@ def _with(made: Callable[..., np.ndarray], steps: Steps) -> Callable[..., np.nda
 
 WAYS: dict[str, Callable[[Steps], Ways]] = {
     "rotations by axis and angle": lambda steps: Ways(turn=_with(turns.by_outer_product, steps), own=steps),
+    "rotations by axis and angle, entry by entry": lambda steps: Ways(
+        turn=_with(turns.by_axis_entries, steps), own=steps
+    ),
     "rotations by quaternions": lambda steps: Ways(turn=_with(turns.by_quaternion, steps), own=steps),
     "rotations by Rodrigues' formula, of origins too": lambda steps: Ways(
         turn=_with(turns.rodrigues, steps), rpy=_with(turns.rpy_by(turns.rodrigues), steps), own=steps
@@ -36,3 +39,9 @@ WAYS: dict[str, Callable[[Steps], Ways]] = {
     "roll, pitch and yaw, entry by entry": lambda steps: Ways(rpy=_with(turns.rpy_entries, steps), own=steps),
 }
 """Other ways to make rotations, with slips there alone."""
+PLAIN: dict[str, Callable[[Steps], Ways]] = {
+    "forward kinematics": lambda steps: Ways(
+        turn=_with(turns.rodrigues, steps), quaternion=_with(turns.of_quaternion, steps), own=steps
+    )
+}
+"""The way of poses, alone."""

@@ -1,0 +1,60 @@
+"""Slips in rotations and poses, as six-vectors and recursions in link axes show them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from ..case import Case
+from ..textbook import body_coriolis, link_axes, spatial, transforms
+from ..textbook.assembly import Dynamics, Seen, by_columns
+from ..textbook.posed import Posed
+from ..textbook.ways import PLAIN, WAYS
+from .dynamics import FUSED, MASSES, merges
+from .formulation import COST, FUSING, formulation
+from .kinematics import KNOWN, LIKE, off, rotations
+
+FORCES = ("gravity", "bias", "rnea", "aba")
+LINKS: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "six-vectors": (
+        Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix),
+        (*FORCES, *MASSES, "potential_energy"),
+    ),
+    "link axes": (Dynamics(link_axes.forces, by_columns(link_axes.forces)), (*FORCES, *MASSES)),
+    "transforms": (transforms.Transforms(), ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES)),
+}
+"""Algorithms from link to link, and what they make of slips in rotations."""
+WORLD: dict[str, tuple[Any, tuple[str, ...]]] = {
+    "transforms, poses by chains": (
+        transforms.Transforms(chained=True),
+        (*transforms.OF_FRAMES, *transforms.OF_BODIES),
+    ),
+    "motions in link axes": (Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration")),
+}
+"""Algorithms that take both poses in the world and those from link to link."""
+
+
+def _known(terms: tuple[str, ...], case: Case) -> tuple[str, ...]:
+    return terms if off("fk")(case) else ()
+
+
+def _asked(case: Case) -> bool:
+    """Whether slips in poses are looked for in poses first."""
+    return "fk" in case.observed
+
+
+def _register(name: str, of: Any, terms: tuple[str, ...], variant: str, way: str, alike: str = "") -> None:
+    wanted, like = partial(_known, terms), LIKE[rotations] if alike else (lambda term: terms[0])
+    for fused in (False, True):
+        values, when = (f"{variant}, {FUSED}", merges) if fused else (variant, lambda case: True)
+        formulation(name, wanted, KNOWN, values, when, COST + 0.05 + FUSING * fused, None, True, like, _asked, alike)(
+            Posed(replace(of, fused=fused), way)
+        )
+
+
+for _variant, (_of, _terms) in WORLD.items():
+    _register("forward kinematics", _of, _terms, _variant, "")
+for _way in (*PLAIN, *WAYS):
+    for _variant, (_of, _terms) in {**LINKS, **WORLD}.items():
+        _register(_way, _of, _terms, _variant, _way, _way if _way in WAYS else "")
