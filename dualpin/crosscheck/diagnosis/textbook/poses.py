@@ -278,11 +278,12 @@ class Poses:
             ),
             "that of the parent and its own, multiplied entry by entry": lambda: Ap * self.on_parent(link)[0],
         }  # fmt: skip
-        which = "a link: of the first links" if up == 0 else "a link: of further links"
+        which = ": of the first links" if up == 0 else ": of further links"
+        made = ("the orientation of a link", "the position of a link")
         if self.fused and not self.of_link[link]:
-            which = "what is fixed on a body, as a whole,"
-        A = self.steps.pick(f"the orientation of {which}", A, **attitudes)
-        return A, np.asarray(self.steps.pick(f"the position of {which}", p, **positions))
+            which, made = ", as a whole,", ("the orientation of a fixed link", "the position of a fixed link")
+        A = self.steps.pick(made[0] + which, A, **attitudes)
+        return A, np.asarray(self.steps.pick(made[1] + which, p, **positions))
 
     def _planar(
         self, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray
