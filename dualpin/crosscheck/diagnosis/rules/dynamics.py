@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from ..case import Case
-from ..textbook import body_coriolis, composite, lagrange, link_axes, spatial, sums, transforms, world_axes
+from ..textbook import (
+    body_coriolis,
+    body_jacobians,
+    composite,
+    lagrange,
+    link_axes,
+    spatial,
+    sums,
+    transforms,
+    world_axes,
+)
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
@@ -188,3 +199,18 @@ register(
     "M in itself and in forward dynamics",
 )  # fmt: skip
 formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)
+
+
+def _small(fused: bool, case: Case) -> bool:
+    return case.robot.nv <= MOST_JOINTS and (not fused or merges(case))
+
+
+MOST_JOINTS = 20
+"""Degrees of freedom up to which Jacobians of all links are made of all their columns."""
+for _fused in (False, True):
+    for _by_world in (False, True):
+        _values = ", ".join([FUSED] * _fused + ["of the world's columns"] * _by_world)
+        formulation(
+            "body Jacobians", body_jacobians.TERMS, KNOWN, _values, partial(_small, _fused),
+            COST + FUSING * _fused + 0.05 * _by_world, batched=True,
+        )(partial(body_jacobians.run, fused=_fused, by_world=_by_world))  # fmt: skip
