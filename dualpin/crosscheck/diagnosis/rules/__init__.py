@@ -20,6 +20,7 @@ from . import (  # noqa: F401
     momentum,
     moving,
     numerics,
+    origins,
     posed,
     pushes,
     rates,

@@ -8,56 +8,150 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...subjects.convention import BASE_V
+from ...subjects.convention import BASE_V, Convention
 from ...subjects.layout import product, rotations, transposed
+from ...subjects.questions import QUESTIONS
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, reordered
 from .register import ALL, WEIGHED, proposer, rule
+from .writing import orders
 
-MOTION = ("frame_velocity", "jacobian_dot", "frame_acceleration")
-SWAPS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "v and a": ("v", "a", ("rnea", "frame_acceleration", "rnea_f_ext", "joint_torque_regressor", "rnea_derivatives")),
-    "v and tau": ("v", "tau", ("aba", "aba_f_ext", "aba_derivatives")),
-    "q and v": ("q", "v", (*MOTION, "kinetic_energy", "bias", "rnea", "aba", "coriolis")),
-    "q and a": ("q", "a", ("frame_acceleration", "rnea")),
-    "q and tau": ("q", "tau", ("aba",)),
-}  # fmt: skip
+Change = Callable[[View, States], States]
+"""Of the subject's own columns: those that are replaced."""
 
 
-def _with(others: Callable[[States], States]) -> Callable[[View, str], np.ndarray]:
-    """The term of other inputs; its answer is still compared where the given ones lead."""
-    return lambda view, term: view.compute(term, view.layout.how.reference, **others(view.states))
+def passed(view: View, change: Change) -> States:
+    """The states, where the subject takes other numbers in its own columns for those that it was given."""
+    theirs = view.layout.states(view.states)
+    return {**view.states, **view.layout.back({**theirs, **change(view, theirs)})}
+
+
+def _taking(*inputs: str) -> tuple[str, ...]:
+    """The terms of which these are inputs."""
+    return tuple(t for t in ALL if set(inputs) <= set(QUESTIONS[t].inputs))
+
+
+def _columns(how: Convention) -> tuple[np.ndarray, np.ndarray]:
+    """The places of joints of one coordinate in the subject's q and v, in the order of v."""
+    alike = [n for n in how.v if n in how.q]
+    return np.array([how.q.index(n) for n in alike], int), np.array([how.v.index(n) for n in alike], int)
+
+
+def _taken(of: str, what: str, how: Convention, theirs: States) -> np.ndarray:
+    """What stands in the place of an input if another one is taken for it: positions of joints alone."""
+    if "q" not in (of, what):
+        return theirs[of]
+    q, v = _columns(how)
+    x = theirs[what].copy()
+    x[:, q if what == "q" else v] = theirs[of][:, q if of == "q" else v]
+    return x
+
+
+SWAPS = (("v", "a"), ("v", "tau"), ("q", "v"), ("q", "a"), ("q", "tau"), ("a", "tau"))
 
 
 @proposer("inputs_swapped", "two inputs are in each other's place", "pass q, v, a (or tau) in the order of the call")
 def inputs_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def one(words: str) -> Hypothesis:
-        a, b, terms = SWAPS[words]
-        act = _with(lambda s: {a: s[b], b: s[a]})
-        return replace(h, terms=terms, place="formula", act=act, values=words, cost=1.1)
+    def one(a: str, b: str) -> Hypothesis:
+        def change(view: View, s: States) -> States:
+            return {a: _taken(b, a, view.layout.how, s), b: _taken(a, b, view.layout.how, s)}
 
-    alike = case.robot.nq == case.robot.nv
-    return [one(words) for words in SWAPS if alike or "q" not in words]
+        return replace(
+            h, terms=_taking(a, b), place="state", act=lambda view: passed(view, change), values=f"{a} and {b}",
+            cost=1.1,
+        )  # fmt: skip
 
-
-INSTEAD: dict[str, tuple[str, Callable[[States], np.ndarray], tuple[str, ...]]] = {
-    "v in the place of a": ("a", lambda s: s["v"], ("rnea", "frame_acceleration")),
-    "a in the place of v": ("v", lambda s: s["a"], ("rnea", "frame_acceleration")),
-    "a with the other sign": ("a", lambda s: -s["a"], ("rnea", "frame_acceleration")),
-    "v with the other sign": ("v", lambda s: -s["v"], ("frame_velocity", "jacobian_dot", "coriolis")),
-    "tau with the other sign": ("tau", lambda s: -s["tau"], ("aba",)),
-}
+    return [one(*pair) for pair in SWAPS]
 
 
 @proposer("input_instead", "an input is another, or has the other sign", "pass the input that it is a function of")
 def input_instead(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def one(words: str) -> Hypothesis:
-        what, made, terms = INSTEAD[words]
-        act = _with(lambda s: {what: made(s)})
-        return replace(h, terms=terms, place="formula", act=act, values=words, cost=1.15)
+    def one(words: str, change: Change, terms: tuple[str, ...]) -> Hypothesis:
+        act = lambda view: passed(view, change)  # noqa: E731
+        return replace(h, terms=terms, place="state", act=act, values=words, cost=1.15)
 
-    return [one(words) for words in INSTEAD]
+    def another(of: str, what: str) -> Change:
+        return lambda view, s: {what: _taken(of, what, view.layout.how, s)}
+
+    def opposite(*what: str) -> Change:
+        def change(view: View, s: States) -> States:
+            at = _columns(view.layout.how)[0]
+            return {k: _negative(s[k], at) if k == "q" else -s[k] for k in what}
+
+        return change
+
+    found = [
+        one(f"{of} in the place of {what}", another(of, what), _taking(of, what))
+        for pair in SWAPS for of, what in (pair, pair[::-1])
+    ]  # fmt: skip
+    found.append(one("zero in the place of tau", lambda view, s: {"tau": 0 * s["tau"]}, _taking("tau")))
+    found += [one(f"{what} with the other sign", opposite(what), _taking(what)) for what in ("q", "v", "a", "tau")]
+    return [*found, one("q, v, a and tau with the other sign", opposite("q", "v", "a", "tau"), ALL)]
+
+
+def _negative(q: np.ndarray, at: np.ndarray) -> np.ndarray:
+    q = q.copy()
+    q[:, at] *= -1
+    return q
+
+
+ONE_EARLY, ONE_LATE = "one column too early, the first one twice", "one column too late, the last one twice"
+
+
+@proposer(
+    "input_order", "an input is read in another order than the others and the answers",
+    "count the columns of q, v, a and tau alike", late=True,
+)  # fmt: skip
+def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """Of joints of one coordinate, as the subject has its columns."""
+    names = [case.how.v[k] for k in _columns(case.how)[1]]
+    places: dict[tuple[int, ...], str] = {}
+    count = len(names)
+    early, late = ([min(max(k + step, 0), count - 1) for k in range(count)] for step in (-1, 1))
+    known = {words: [names.index(n) for n in some] for words, some in orders(case.description, names).items()}
+    for words, order in {**known, ONE_EARLY: early, ONE_LATE: late, "the first one for all": [0] * count}.items():
+        if order != list(range(count)) and len(order) == count:
+            places.setdefault(tuple(order), words)
+
+    def one(order: tuple[int, ...], words: str, inputs: tuple[str, ...]) -> Hypothesis:
+        def change(view: View, s: States) -> States:
+            q, v = _columns(view.layout.how)
+            found = {k: s[k].copy() for k in inputs}
+            for k, x in found.items():
+                at = q if k == "q" else v
+                x[:, at] = s[k][:, at[list(order)]]
+            return found
+
+        return replace(
+            h, terms=_taking(*inputs) if len(inputs) == 1 else ALL, place="state", cost=1.15,
+            act=lambda view: passed(view, change), values=f"{', '.join(inputs)}: {words}",
+        )  # fmt: skip
+
+    each = (("q",), ("v",), ("a",), ("tau",), ("q", "v", "a", "tau"))
+    return [one(order, words, inputs) for order, words in places.items() for inputs in each]
+
+
+ZEROS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
+    "the lower limit": lambda low, high: low, "the upper limit": lambda low, high: high,
+    "the middle between the limits": lambda low, high: (low + high) / 2,
+}  # fmt: skip
+
+
+@proposer("zero_position", "positions of joints are counted from their limits", "take positions as they are", late=True)
+def zero_position(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    low, high = case.robot.lower, case.robot.upper
+    finite = np.isfinite(low) & np.isfinite(high)
+
+    def one(words: str, sign: float) -> Hypothesis:
+        def act(view: View) -> States:
+            zero = np.where(finite, ZEROS[words](np.where(finite, low, 0.0), np.where(finite, high, 0.0)), 0.0)
+            return {**view.states, "q": view.states["q"] + sign * zero}
+
+        values = f"{words}{'' if sign < 0 else ', added'}"
+        return replace(h, terms=ALL, place="state", act=act, values=values, cost=1.15)
+
+    return [one(words, sign) for words in ZEROS for sign in (-1.0, 1.0)] if finite.any() else []
 
 
 @rule(

@@ -206,3 +206,8 @@ def changed(a: Part, b: Part) -> bool:
     if a is b:
         return False
     return bool(np.abs(a.numbers - b.numbers).max() > CHANGED) or a.type != b.type or differ(a.body, b.body)
+
+
+def changes(a: Description, b: Description) -> bool:
+    """Whether an edit of the same joints changed a number."""
+    return differ(a.base, b.base) or any(changed(x, y) for x, y in zip(a.parts, b.parts, strict=True))

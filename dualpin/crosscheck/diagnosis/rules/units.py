@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import permutations
 
 import numpy as np
 
-from ....spatial.adjoint import cross_matrix
 from ..case import Case
-from ..description import Body, Description, Part, turn
+from ..description import Body, Description, Part, fixed_axes
 from ..hypothesis import Hypothesis
-from .register import ALL, INERTIAL, MASSIVE, changed, joint_rule, link_rule, proposer, robot_rule
+from .origins import CYCLED, PLACES
+from .register import ALL, INERTIAL, MASSIVE, changes, joint_rule, proposer, robot_rule
 
-ANGLES = "read rpy as Rz(yaw) Ry(pitch) Rx(roll), in radians"
 Edit = Callable[[Description, Sequence[str]], Description]
 
 
@@ -25,95 +24,8 @@ def _variants(
     """One hypothesis for each edit, in words, that changes anything."""
     return [
         replace(h, place="edit", act=edit, terms=terms, values=words, cost=cost)
-        for words, edit in edits.items() if _changes(case.description, edit(case.description, ()))
+        for words, edit in edits.items() if changes(case.description, edit(case.description, ()))
     ]  # fmt: skip
-
-
-def _changes(a: Description, b: Description) -> bool:
-    return any(changed(x, y) for x, y in zip(a.parts, b.parts, strict=True))
-
-
-# --- angles --------------------------------------------------------------------------------------
-
-
-def _product(order: Iterable[int], rpy: np.ndarray) -> np.ndarray:
-    R = np.eye(3)
-    for axis in order:
-        R = R @ turn(axis, rpy[axis])
-    return R
-
-
-def _orders() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-    """Products of the three turns, but for the right one and its reverse, which have rules of their own."""
-    found: dict[str, Callable[[np.ndarray], np.ndarray]] = {}
-    for order in permutations(range(3)):
-        if order not in ((2, 1, 0), (0, 1, 2)):
-            words = " ".join(f"R{'xyz'[k]}" for k in order)
-            found[words] = partial(_product, order)
-    found["yaw pitch roll in the place of roll pitch yaw"] = lambda rpy: _product((2, 1, 0), rpy[::-1])
-    found["as a rotation vector"] = _vector
-    found["pitch and yaw exchanged"] = lambda rpy: _product((2, 1, 0), rpy[[0, 2, 1]])
-    found["roll and pitch exchanged"] = lambda rpy: _product((2, 1, 0), rpy[[1, 0, 2]])
-    found["Rz Ry Rz, as Euler's angles"] = lambda rpy: turn(2, rpy[0]) @ turn(1, rpy[1]) @ turn(2, rpy[2])
-    return found
-
-
-def _vector(rpy: np.ndarray) -> np.ndarray:
-    """Rodrigues' formula."""
-    angle = float(np.linalg.norm(rpy))
-    K = cross_matrix(rpy / (angle or 1.0))
-    return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
-
-
-@proposer("rpy_order", "rpy of joints is multiplied in another order, or taken for other angles", ANGLES)
-def rpy_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
-        return lambda d, items: d.with_parts(lambda p, _: replace(p, rotation=R(p.rpy)) if p.rpy.any() else p)
-
-    return _variants(h, ALL, {words: edit(R) for words, R in _orders().items()}, case)
-
-
-@proposer("inertial_rpy_order", "rpy of <inertial> is multiplied in another order, or taken for other angles", ANGLES)
-def inertial_orders(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
-        return lambda d, items: d.with_bodies(lambda b: replace(b, rotation=R(b.rpy)) if b.rpy.any() else b)
-
-    return _variants(h, MASSIVE, {words: edit(R) for words, R in _orders().items()}, case)
-
-
-def _parts() -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-    """Angles of rpy left out, or with the other sign."""
-    found: dict[str, np.ndarray] = {}
-    for k, name in enumerate(("roll", "pitch", "yaw")):
-        e = np.eye(3)[k]
-        found |= {f"without {name}": 1 - e, f"{name} alone": e, f"-{name}": 1 - 2 * e}
-    return {words: lambda rpy, s=s: _product((2, 1, 0), s * rpy) for words, s in found.items()}  # type: ignore[misc]
-
-
-@proposer("rpy_part", "of rpy of joints an angle is left out, or has the other sign", ANGLES)
-def rpy_parts(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
-        return lambda d, items: d.with_parts(lambda p, _: replace(p, rotation=R(p.rpy)) if p.rpy.any() else p)
-
-    return _variants(h, ALL, {words: edit(R) for words, R in _parts().items()}, case, cost=1.15)
-
-
-@proposer("inertial_rpy_part", "of rpy of <inertial> an angle is left out, or has the other sign", ANGLES)
-def inertial_parts(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(R: Callable[[np.ndarray], np.ndarray]) -> Edit:
-        return lambda d, items: d.with_bodies(lambda b: replace(b, rotation=R(b.rpy)) if b.rpy.any() else b)
-
-    return _variants(h, MASSIVE, {words: edit(R) for words, R in _parts().items()}, case, cost=1.15)
-
-
-@joint_rule("rpy_degrees", "rpy of joints is read as degrees", ANGLES)
-def rpy_degrees(p: Part, d: Description) -> Part:
-    return replace(p, rotation=_product((2, 1, 0), np.radians(p.rpy)))
-
-
-@link_rule("inertial_rpy_degrees", "rpy of <inertial> is read as degrees", ANGLES, MASSIVE)
-def inertial_degrees(b: Body) -> Body:
-    return replace(b, rotation=_product((2, 1, 0), np.radians(b.rpy)))
 
 
 def _snapped(rpy: np.ndarray) -> np.ndarray:
@@ -125,29 +37,12 @@ def _snapped(rpy: np.ndarray) -> np.ndarray:
     "rpy_snapped", "rpy of joints is rounded to the nearest multiple of pi/4", "take the file's numbers as they are"
 )
 def rpy_snapped(p: Part, d: Description) -> Part:
-    return replace(p, rotation=_product((2, 1, 0), _snapped(p.rpy)))
+    return replace(p, rotation=fixed_axes(_snapped(p.rpy)))
 
 
 # --- lengths and masses --------------------------------------------------------------------------
 
-LENGTHS = {"1000": 1e3, "1/1000": 1e-3, "100": 1e2, "1/100": 1e-2, "0.0254, inches": 0.0254, "0.3048, feet": 0.3048}
 MASSES = {"1000": 1e3, "1/1000": 1e-3, "0.45359237, pounds": 0.45359237, "1/0.45359237, to pounds": 1 / 0.45359237}
-
-
-@proposer("xyz_units", "xyz of joints is multiplied by a number (other units)", "give <origin xyz> in metres")
-def xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(k: float) -> Edit:
-        return lambda d, items: d.with_parts(lambda p, _: replace(p, position=k * p.position))
-
-    return _variants(h, ALL, {words: edit(k) for words, k in LENGTHS.items()}, case)
-
-
-@proposer("inertial_xyz_units", "xyz of <inertial> is multiplied by a number (other units)", "give it in metres")
-def inertial_xyz_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(k: float) -> Edit:
-        return lambda d, items: d.with_bodies(lambda b: replace(b, com=k * b.com))
-
-    return _variants(h, INERTIAL, {words: edit(k) for words, k in LENGTHS.items()}, case)
 
 
 @proposer("mass_units", "masses are multiplied by a number (other units)", "give <mass> in kg")
@@ -158,38 +53,6 @@ def mass_units(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return _variants(h, INERTIAL, {words: edit(k) for words, k in MASSES.items()}, case)
 
 
-# --- places --------------------------------------------------------------------------------------
-
-
-@proposer(
-    "inertial_xyz_order",
-    "components of xyz of <inertial> are swapped, left out, or have the other sign",
-    "read x y z in order",
-)
-def inertial_xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(P: np.ndarray) -> Edit:
-        return lambda d, items: d.with_bodies(lambda b: replace(b, com=P @ b.com))
-
-    return _variants(h, INERTIAL, {w: edit(P) for w, P in PLACES.items()}, case, cost=1.15)  # less than "all" says
-
-
-SWAPPED = {("x", "y"): (1, 0, 2), ("y", "z"): (0, 2, 1), ("x", "z"): (2, 1, 0)}
-PLACES = {f"{a} and {b} swapped": np.eye(3)[list(p)] for (a, b), p in SWAPPED.items()}
-PLACES |= {f"-{'xyz'[k]}": np.eye(3) - 2 * np.diag(np.eye(3)[k]) for k in range(3)}
-PLACES |= {f"{'xyz'[k]} ignored": np.eye(3) - np.diag(np.eye(3)[k]) for k in range(3)}
-"""What may happen to three components."""
-
-
-@proposer(
-    "xyz_order", "components of xyz of joints are swapped, left out, or have the other sign", "read x y z in order"
-)
-def xyz_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(P: np.ndarray) -> Edit:
-        return lambda d, items: d.with_parts(lambda p, _: replace(p, position=P @ p.position))
-
-    return _variants(h, ALL, {w: edit(P) for w, P in PLACES.items()}, case, cost=1.15)
-
-
 @proposer(
     "axis_order", "components of <axis> are swapped, or have the other sign", "read x y z in order, with their signs"
 )
@@ -197,7 +60,7 @@ def axis_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(P: np.ndarray) -> Edit:
         return lambda d, items: d.with_parts(lambda p, _: replace(p, axis=P @ p.unit_axis) if p.axial else p)
 
-    turns = {w: P for w, P in PLACES.items() if abs(np.linalg.det(P)) > 0.5}
+    turns = {w: P for w, P in (PLACES | CYCLED).items() if abs(np.linalg.det(P)) > 0.5}
     return _variants(h, ALL, {w: edit(P) for w, P in turns.items()}, case, cost=1.15)
 
 
@@ -217,11 +80,11 @@ def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def edit(f: Callable[[np.ndarray], np.ndarray]) -> Edit:
         def body(b: Body) -> Body:
             rpy = f(b.rpy)
-            return Body(float(f(np.array(b.mass))), f(b.com), rpy, _product((2, 1, 0), rpy), f(b.inertia))
+            return Body(float(f(np.array(b.mass))), f(b.com), rpy, fixed_axes(rpy), f(b.inertia))
 
         def part(p: Part, _: Description) -> Part:
             rpy, axis = f(p.rpy), None if p.axis is None else f(p.axis)
-            return replace(p, position=f(p.position), rpy=rpy, rotation=_product((2, 1, 0), rpy), axis=axis)
+            return replace(p, position=f(p.position), rpy=rpy, rotation=fixed_axes(rpy), axis=axis)
 
         return lambda d, items: d.with_bodies(body).with_parts(part)
 

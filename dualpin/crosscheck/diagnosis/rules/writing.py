@@ -10,6 +10,7 @@ import numpy as np
 
 from ....model.joints import JointModel
 from ...subjects.convention import BASE_V
+from ...subjects.questions import QUESTIONS
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, Wording, reordered
@@ -273,7 +274,7 @@ def millimetres(view: View) -> States:
     "v_ignored",
     "velocities are ignored",
     "pass v, and use it",
-    ("frame_velocity", "frame_acceleration", "jacobian_dot", "kinetic_energy", "bias", "rnea", "aba", "coriolis"),
+    tuple(t for t in ALL if "v" in QUESTIONS[t].inputs),
     "state",
     cost=0.95,  # plainer than a step without velocities, where other terms do use them
 )
@@ -281,7 +282,8 @@ def v_ignored(view: View) -> States:
     return {**view.states, "v": 0 * view.states["v"]}
 
 
-@rule("a_ignored", "accelerations are ignored", "pass a, and use it", ("frame_acceleration", "rnea"), "state")
+@rule("a_ignored", "accelerations are ignored", "pass a, and use it",
+      tuple(t for t in ALL if "a" in QUESTIONS[t].inputs), "state")  # fmt: skip
 def a_ignored(view: View) -> States:
     return {**view.states, "a": 0 * view.states["a"]}
 
@@ -298,6 +300,16 @@ def clipped(view: View) -> States:
 def q_ignored(view: View) -> States:
     n = len(view.states["q"])
     return {**view.states, "q": np.broadcast_to(view.robot.neutral, (n, view.robot.nq)).copy()}
+
+
+@rule(
+    "q_ignored", "positions of joints are ignored", "pass q, and use it", ALL, "state", cost=1.1,
+    when=lambda case: case.floating,
+)  # fmt: skip
+def q_of_joints_ignored(view: View) -> States:
+    q = view.states["q"].copy()
+    q[:, 7:] = view.robot.neutral[7:]
+    return {**view.states, "q": q}
 
 
 @proposer("single_precision", "the states are rounded to single precision", "pass arrays of doubles")
