@@ -13,9 +13,10 @@ import pytest
 import dualpin as dp
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.diagnosis.apart import told_apart
-from dualpin.crosscheck.diagnosis.description import built, describe
+from dualpin.crosscheck.diagnosis.description import built
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.keys import keys, table
+from dualpin.crosscheck.diagnosis.reading import describe
 from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, asking
 from dualpin.crosscheck.subjects.asking import expected
 from dualpin.crosscheck.subjects.layout import Layout

@@ -12,9 +12,9 @@ import pytest
 import dualpin as dp
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.diagnosis.case import evaluate
-from dualpin.crosscheck.diagnosis.description import describe
 from dualpin.crosscheck.diagnosis.diagnose import contradicted
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.reading import describe
 from dualpin.crosscheck.diagnosis.search import Explanation
 from dualpin.crosscheck.diagnosis.textbook.lumps import listed
 from dualpin.crosscheck.subjects import QUESTIONS, asking

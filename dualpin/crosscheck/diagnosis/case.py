@@ -16,8 +16,9 @@ from ...terms import TERMS, flat
 from ..subjects.answers import Answers
 from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question, pushed
-from .description import Description, Part, built, describe, merged
+from .description import Description, Part, built, merged
 from .hypothesis import Hypothesis, Story, Wording, identity
+from .reading import describe
 from .scores import FAR, Score, in_forces, scaled, scored
 from .textbook.slipped import alike, in_one, predicted
 

@@ -78,6 +78,13 @@ def axis_whole(p: Part, d: Description) -> Part:
     return replace(_along(p, near / size), rate=size) if p.axial and size > 0 else p
 
 
+@joint_rule("axis_rounded", "components of <axis> are read as whole numbers, what follows the point is cut off", AXIS,
+            cost=1.1)  # fmt: skip
+def axis_cut(p: Part, d: Description) -> Part:
+    whole = np.zeros(3) if p.axis is None else np.trunc(p.axis)
+    return _along(p, whole / np.linalg.norm(whole)) if whole.any() else p
+
+
 @joint_rule("axis_in_parent", "axes are read in the parent's frame", AXIS)
 def axis_in_parent(p: Part, d: Description) -> Part:
     return _along(p, p.rotation.T @ p.unit_axis)
@@ -191,6 +198,20 @@ ON_FIXED: dict[str, tuple[str, Pair, float]] = {
     "has its xyz not turned by the fixed link's rpy": (
         "fixed_order", lambda H, P: homogeneous(H[:3, :3] @ P[:3, :3], H[:3, 3] + P[:3, 3]), 1.05
     ),
+    "has the two rotations multiplied in the other order": (
+        "fixed_order", lambda H, P: homogeneous(P[:3, :3] @ H[:3, :3], (H @ P)[:3, 3]), 1.05
+    ),
+    "has the fixed link's rotation left out of its own": (
+        "fixed_order", lambda H, P: homogeneous(P[:3, :3], (H @ P)[:3, 3]), 1.1
+    ),
+    "has its own rotation left out": ("fixed_order", lambda H, P: homogeneous(H[:3, :3], (H @ P)[:3, 3]), 1.1),
+    "has the fixed link's rotation transposed in its own": (
+        "fixed_order", lambda H, P: homogeneous(H[:3, :3].T @ P[:3, :3], (H @ P)[:3, 3]), 1.1
+    ),
+    "has its xyz turned by the fixed link's transposed rotation": (
+        "fixed_order", lambda H, P: homogeneous(H[:3, :3] @ P[:3, :3], H[:3, 3] + H[:3, :3].T @ P[:3, 3]), 1.1
+    ),
+    "loses its own xyz": ("fixed_order", lambda H, P: H @ _turned(P), 1.1),
     "has the fixed link's placement inverted": ("fixed_order", lambda H, P: np.linalg.inv(H) @ P, 1.1),
 }  # fmt: skip
 

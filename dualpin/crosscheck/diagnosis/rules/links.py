@@ -112,88 +112,11 @@ def products_sign(b: Body) -> Body:
     return replace(b, inertia=2 * np.diag(np.diag(b.inertia)) - b.inertia)
 
 
-SWAPS = {"ixz and iyz": (1, 0, 2), "ixy and iyz": (2, 1, 0), "ixy and ixz": (0, 2, 1)}
-
-
-@proposer("products_swapped", "products of inertia are swapped", "read ixy, ixz and iyz by name, not by place")
-def products_swapped(h: Hypothesis, case: object) -> list[Hypothesis]:
-    """A permutation of the axes, applied to the products alone, exchanges two of them."""
-
-    def one(words: str) -> Hypothesis:
-        P = np.eye(3)[list(SWAPS[words])]
-
-        def swapped(b: Body) -> Body:
-            off = b.inertia - np.diag(np.diag(b.inertia))
-            return replace(b, inertia=np.diag(np.diag(b.inertia)) + P @ off @ P.T)
-
-        return replace(h, place="edit", act=lambda d, items: d.with_bodies(swapped, items), terms=MASSIVE, values=words)
-
-    return [one(words) for words in SWAPS]
-
-
-ORDERS = {
-    "xx xy yy xz yz zz": ("xx", "xy", "yy", "xz", "yz", "zz"),
-    "xx yy zz xy xz yz": ("xx", "yy", "zz", "xy", "xz", "yz"),
-    "xx yy zz yz xz xy": ("xx", "yy", "zz", "yz", "xz", "xy"),
-    "xx yy zz xy yz xz": ("xx", "yy", "zz", "xy", "yz", "xz"),
-}
-
-
-@proposer(
-    "inertia_order", "the six numbers of <inertia> are read in another order", "read ixx ... izz by name, not by place"
-)
-def inertia_order(h: Hypothesis, case: object) -> list[Hypothesis]:
-    def one(order: str) -> Hypothesis:
-        def edit(d: Description, items: Sequence[str]) -> Description:
-            return d.with_bodies(lambda b: replace(b, inertia=_read(b.inertia, ORDERS[order])), items)
-
-        return replace(h, place="edit", act=edit, terms=MASSIVE, values=order)
-
-    return [one(order) for order in ORDERS]
-
-
-def _read(I: np.ndarray, order: Sequence[str]) -> np.ndarray:
-    """The file's xx xy xz yy yz zz, taken for `order`."""
-    values = dict(zip(order, (I[0, 0], I[0, 1], I[0, 2], I[1, 1], I[1, 2], I[2, 2]), strict=True))
-    out = np.zeros((3, 3))
-    for name, x in values.items():
-        i, j = ("xyz".index(c) for c in name)
-        out[i, j] = out[j, i] = x
-    return out
-
-
 @link_rule("moments_swapped", "ixx and izz are swapped", "read ixx, iyy and izz by name", MASSIVE, cost=1.1)
 def moments_swapped(b: Body) -> Body:
     I = b.inertia.copy()
     I[0, 0], I[2, 2] = b.inertia[2, 2], b.inertia[0, 0]
     return replace(b, inertia=I)
-
-
-UNITS = {
-    "1000": 1e3,
-    "1/1000": 1e-3,
-    "1e6": 1e6,
-    "1e-6": 1e-6,
-    "1e9": 1e9,
-    "1e-9": 1e-9,
-    "2": 2.0,
-    "1/2": 0.5,
-    "1e-4": 1e-4,
-    "1e4": 1e4,
-}
-
-
-@proposer(
-    "inertia_units", "all tensors of inertia are multiplied by a number (other units)", "give <inertia> in kg m^2"
-)
-def inertia_units(h: Hypothesis, case: object) -> list[Hypothesis]:
-    def one(words: str, k: float) -> Hypothesis:
-        def act(d: Description, items: Sequence[str]) -> Description:
-            return d.with_bodies(lambda b: replace(b, inertia=k * b.inertia), items)
-
-        return replace(h, place="edit", act=act, terms=MASSIVE, values=words, cost=1.05)
-
-    return [one(words, k) for words, k in UNITS.items()]
 
 
 @link_rule("no_rotational", "links are point masses", "add the rotational inertia about the centre of mass", MASSIVE)
