@@ -48,7 +48,7 @@ def _taken(of: str, what: str, how: Convention, theirs: States) -> np.ndarray:
     return x
 
 
-SWAPS = (("v", "a"), ("v", "tau"), ("q", "v"), ("q", "a"), ("q", "tau"), ("a", "tau"))
+SWAPS = (("v", "a"), ("v", "tau"), ("q", "v"), ("q", "a"), ("q", "tau"))
 
 
 @proposer("inputs_swapped", "two inputs are in each other's place", "pass q, v, a (or tau) in the order of the call")
