@@ -123,6 +123,7 @@ def at_once(steps: Steps, group: list[Piece]) -> Body:
     for k in range(len(group)):
         d = steps.add("the arm of Steiner's term", **{"the link's centre": centres[k], "the common centre": -about})
         wrong = {"that of all": mass, "that of the first link": masses[0], "that of the last link": masses[-1]}
+        wrong["1"] = np.ones(())
         m = steps.pick("the mass in Steiner's term", masses[k], **wrong)
         wrong = {"that of the first link": tensors[0], "that of the last link": tensors[-1]}
         own = steps.pick("the tensor that is merged", tensors[k], **wrong)
@@ -174,7 +175,10 @@ def from_nothing(steps: Steps, group: list[Piece]) -> Body:
 def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list[Piece]) -> Body:
     for p in more:
         mass, new = np.array(p.mass), centre(steps, p)
-        right = (m * c + mass * new) / ((m + mass) or 1.0)
+        terms = {"the mass of what is there": m, "the fixed link's mass": mass}
+        whole = steps.add("the mass of what is there and a fixed link", **terms)
+        terms = {"m c of what is there": m * c, "m c of the fixed link": mass * new}
+        moment = steps.add("the sum m c of what is there and a fixed link", **terms)
         others = {
             "the mean of the two": (c + new) / 2, "that of what is there": c, "that of the new link": new,
             "the mean of the two, where there is some": (c + new) / 2 if m > 0 else c,
@@ -182,36 +186,52 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
             "the mean weighted by each other's mass": (mass * c + m * new) / ((m + mass) or 1.0),
             "the sum of m c, divided by the mass of what is there": (m * c + mass * new) / (m or mass or 1.0),
             "the sum of m c, divided by the mass of the new link": (m * c + mass * new) / (mass or 1.0),
+            "the sum of m c, not divided": m * c + mass * new,
+            "c of what is there with m c of the new link": (c + mass * new) / ((m + mass) or 1.0),
+            "m c of what is there with c of the new link": (m * c + new) / ((m + mass) or 1.0),
         }  # fmt: skip
-        C = steps.pick("the centre of what is there and a fixed link", right, **others)
+        C = steps.pick("the centre of what is there and a fixed link", moment / (whole or 1.0), **others)
         others = {
             "the centre before it was added": c, "the body's origin": np.zeros(3), "the link's own centre": new,
             "the mean of the two centres": (c + new) / 2,
         }  # fmt: skip
         about = steps.pick("the point about which a link is merged", C, **others)
-        arms = {"counted from the centre before": new - c, "counted from the body's origin": new + 0 * c, "C": C}
-        arm = steps.pick("the arm of the fixed link's Steiner's term", new - about, **arms)
-        arms = {"counted from the new link's centre": c - new, "counted from the body's origin": c + 0 * new, "C": C}
-        other = steps.pick("the arm of Steiner's term of what is there", c - about, **arms)
-        terms = {
-            "the tensor of what is there": I,
-            "Steiner's term of what is there": _steiner(steps, m, other, ": of what is there"),
-            "the fixed link's tensor": tensor(steps, p)[0, 0],
-            "Steiner's term of the fixed link": _steiner(steps, mass, arm, ": of the fixed link"),
-        }  # fmt: skip
+        there = _share(steps, "of what is there", I, m, c, about, {"the new link's centre": new})
+        added = _share(steps, "of the fixed link", tensor(steps, p)[0, 0], mass, new, about, {"the centre before": c})
+        terms = {"that of what is there": there, "that of the fixed link": added}
         I = steps.add("the inertia of what is there and a fixed link", **terms)
-        terms = {"the mass of what is there": m, "the fixed link's mass": mass}
-        whole = steps.add("the mass of what is there and a fixed link", **terms)
-        both = np.concatenate([[whole], C, I.ravel()])
+        others = {"that of what is there": m, "that of the fixed link": mass, "the sum": m + mass}
+        kept = steps.pick("the mass that is kept of what is there and a fixed link", whole, **others)
+        both = np.concatenate([[kept], C, I.ravel()])
         last = np.concatenate([[mass], new, tensor(Steps(), p)[0, 0].ravel()])
         both = steps.pick("what is there with a fixed link", both, **{"the last link alone, which replaces it": last})
         m, c, I = both[0], both[1:4], both[4:].reshape(3, 3)
     return Body(float(m), c, np.zeros(3), ONE, I)
 
 
+def _share(
+    steps: Steps,
+    whose: str,
+    I: np.ndarray,
+    m: np.ndarray,
+    c: np.ndarray,
+    about: np.ndarray,
+    others: dict[str, np.ndarray],
+) -> np.ndarray:
+    """What one of two bodies adds to the inertia of both; `others` are other points for the arm."""
+    site = f"the arm of Steiner's term: {whose}"
+    d = steps.add(site, **{"the body's centre": c, "the common centre": -about})
+    d = steps.pick(site, d, **{f"counted from {what}": c - x for what, x in others.items()})
+    m = steps.pick(f"the mass in Steiner's term: {whose}", m, **{"1": np.ones(())})
+    terms = {"the tensor": I, "Steiner's term": _steiner(steps, m, d, f": {whose}")}
+    return np.asarray(steps.add(f"a body's share of the inertia: {whose}", **terms))
+
+
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:
     outer = steps.pick(OUTER, np.outer(d, d), **by_elements(d))
-    terms = {"m d.d 1": m * (d @ d) * ONE, "-m d d^T": -m * outer}
+    wrong = {"d.d in each entry": d @ d * np.ones((3, 3)), "d d by elements, on the diagonal": np.diag(d * d)}
+    square = steps.pick("d.d 1 in Steiner's term of merging", d @ d * ONE, **wrong)
+    terms = {"m d.d 1": m * square, "-m d d^T": -m * outer}
     return np.asarray(steps.add(f"Steiner's term of merging{which}", **terms))
 
 

@@ -22,7 +22,7 @@ from ...subjects.layout import product, transposed
 from ..description import Body
 from .attitudes import INERTIAL
 from .columns import Columns
-from .lumps import READ, TURNED
+from .lumps import CARRIED, READ, TURNED
 from .poses import Poses, stacked
 from .steps import Slip, Steps, cross
 from .turns import ONE
@@ -108,7 +108,11 @@ class Sums:
         if not fixed:
             return Piece(np.full((1, 1), b.mass), b.com[None, None], I)
         Q = ways.matrix(there.A)
-        I = Q @ I @ transposed(Q) if self.reading is not RIGHT else _rotated(ways.matrix(ways.then(there.A, turn)), J)
+        I = (
+            self.reading.congruent(CARRIED, Q, I)
+            if self.reading is not RIGHT
+            else _rotated(ways.matrix(ways.then(there.A, turn)), J)
+        )
         return Piece(np.full((1, 1), b.mass), there.p + product(Q, b.com[None, None] + 0 * there.p), I)
 
     @cached_property
