@@ -131,8 +131,6 @@ class Description:
     """The links as the file lists them."""
     mimics: dict[str, tuple[str, float, float]] = field(default_factory=dict)
     """Of each joint with <mimic>: its leader, multiplier and offset."""
-    shapes: dict[str, dict[str, list[tuple[np.ndarray, np.ndarray]]]] = field(default_factory=dict)
-    """Of links: xyz and rpy of each <visual> and <collision>."""
 
     def part_of_link(self, link: str) -> Part | None:
         return next((p for p in self.parts if p.link == link), None)

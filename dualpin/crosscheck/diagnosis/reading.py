@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
+from ...errors import DualpinError
+from ...io.catalogue import find
 from ...io.xml import parse
 from ...model.robot import Robot
+from ..subjects.asking import Asking
 from .description import ENTRIES, Body, Description, Part, fixed_axes
 
 
@@ -27,17 +30,22 @@ def describe(text: str, robot: Robot) -> Description:
     x, y, z = (float(c) for c in robot.gravity)
     mimics = {name: _mimic(e.find("mimic")) for name, e in document.joints.items() if e.find("mimic") is not None}
     listed, links = (tuple(e.get("name") for e in document.root.findall(tag)) for tag in ("joint", "link"))
-    shapes = {name: _shapes(e) for name, e in document.links.items()}
     base = _body(document.links[document.base])
-    return Description(document.base, base, tuple(parts), (x, y, z), listed, links, mimics, shapes)
+    return Description(document.base, base, tuple(parts), (x, y, z), listed, links, mimics)
 
 
-def _shapes(link: Any) -> dict[str, list[tuple[np.ndarray, np.ndarray]]]:
-    def origin(e: Any) -> tuple[np.ndarray, np.ndarray]:
-        at = e.find("origin")
-        return _numbers(at, "xyz", "0 0 0"), _numbers(at, "rpy", "0 0 0")
-
-    return {tag: [origin(e) for e in link.findall(tag)] for tag in ("visual", "collision")}
+def shapes(asked: Asking, tag: str) -> dict[str, list[tuple[np.ndarray, np.ndarray]]]:
+    """Of links: xyz and rpy of each <visual> or <collision>, if there is a file to look at."""
+    try:
+        path = find(asked.robot.source or asked.name)
+        whole = parse(path.read_bytes(), str(path)).whole
+    except (OSError, DualpinError):
+        whole = None
+    found: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
+    for link in [] if whole is None else whole.findall("link"):
+        origins = [e.find("origin") for e in link.findall(tag)]
+        found[link.get("name")] = [(_numbers(e, "xyz", "0 0 0"), _numbers(e, "rpy", "0 0 0")) for e in origins]
+    return found
 
 
 def _mimic(e: Any) -> tuple[str, float, float]:

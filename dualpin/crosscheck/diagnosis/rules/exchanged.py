@@ -11,6 +11,7 @@ import numpy as np
 from ..case import Case
 from ..description import Body, Description, Part, fixed_axes
 from ..hypothesis import Hypothesis
+from ..reading import shapes
 from .register import ALL, INERTIAL, Family, changed, changes, proposer
 
 Taken = Callable[[Part, Part], Part]
@@ -173,7 +174,7 @@ def inertial_of_shape(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """Of <visual> or <collision>, the first or the last; a link without such keeps its own."""
 
     def one(tag: str, which: int, what: str) -> Hypothesis | None:
-        origins = {link: o[tag][which] for link, o in case.description.shapes.items() if o.get(tag)}
+        origins = {link: some[which] for link, some in every[tag].items() if some}
 
         def edit(d: Description, items: Sequence[str]) -> Description:
             return _given(d, {x: SHOWN[what](b, *origins[x]) for x, b in _bodies(d).items() if b.mass and x in origins})
@@ -183,5 +184,6 @@ def inertial_of_shape(h: Hypothesis, case: Case) -> list[Hypothesis]:
         values = f"{what} of the {'last' if which else 'first'} <{tag}>"
         return replace(h, place="edit", act=edit, terms=INERTIAL, values=values, cost=1.1)
 
-    every = [one(tag, which, what) for tag in ("visual", "collision") for which in (0, -1) for what in SHOWN]
-    return [x for x in every if x is not None]
+    every = {tag: shapes(case.asking, tag) for tag in ("visual", "collision")}
+    found = [one(tag, which, what) for tag in every for which in (0, -1) for what in SHOWN]
+    return [x for x in found if x is not None]
