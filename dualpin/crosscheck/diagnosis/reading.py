@@ -34,17 +34,22 @@ def describe(text: str, robot: Robot) -> Description:
     return Description(document.base, base, tuple(parts), (x, y, z), listed, links, mimics)
 
 
-def shapes(asked: Asking, tag: str) -> dict[str, list[tuple[np.ndarray, np.ndarray]]]:
-    """Of links: xyz and rpy of each <visual> or <collision>, if there is a file to look at."""
+Origins = dict[str, list[tuple[np.ndarray, np.ndarray]]]
+"""Of links: xyz and rpy of some elements."""
+
+
+def shapes(asked: Asking) -> dict[str, Origins]:
+    """Of all <visual> and all <collision>, if there is a file to look at."""
+    found: dict[str, Origins] = {"visual": {}, "collision": {}}
     try:
         path = find(asked.robot.source or asked.name)
         whole = parse(path.read_bytes(), str(path)).whole
     except (OSError, DualpinError):
-        whole = None
-    found: dict[str, list[tuple[np.ndarray, np.ndarray]]] = {}
-    for link in [] if whole is None else whole.findall("link"):
-        origins = [e.find("origin") for e in link.findall(tag)]
-        found[link.get("name")] = [(_numbers(e, "xyz", "0 0 0"), _numbers(e, "rpy", "0 0 0")) for e in origins]
+        return found
+    for link in () if whole is None else whole.findall("link"):
+        for tag, of in found.items():
+            origins = [e.find("origin") for e in link.findall(tag)]
+            of[link.get("name")] = [(_numbers(e, "xyz", "0 0 0"), _numbers(e, "rpy", "0 0 0")) for e in origins]
     return found
 
 

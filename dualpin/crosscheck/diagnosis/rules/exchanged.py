@@ -184,6 +184,6 @@ def inertial_of_shape(h: Hypothesis, case: Case) -> list[Hypothesis]:
         values = f"{what} of the {'last' if which else 'first'} <{tag}>"
         return replace(h, place="edit", act=edit, terms=INERTIAL, values=values, cost=1.1)
 
-    every = {tag: shapes(case.asking, tag) for tag in ("visual", "collision")}
+    every = shapes(case.asking)
     found = [one(tag, which, what) for tag in every for which in (0, -1) for what in SHOWN]
     return [x for x in found if x is not None]
