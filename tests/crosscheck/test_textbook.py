@@ -20,6 +20,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     composite,
     lagrange,
     link_axes,
+    plucker,
     spatial,
     sums,
     transforms,
@@ -34,6 +35,8 @@ from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.planted_passes import PASSES, wrong
 
 PROBE = str(Path(__file__).parents[2] / "urdf/probe/probe.urdf")
+MERGED = plucker.merged_links
+PASSES_OF = (spatial.forces, spatial.mass, body_coriolis.matrix)
 RUNS = {
     "world": Dynamics(world_axes.forces, by_columns(world_axes.forces)),
     "link": Dynamics(link_axes.forces, by_columns(link_axes.forces)),
@@ -48,6 +51,19 @@ RUNS = {
     "pushed in world axes": Dynamics(world_axes.forces, spatial.mass, pushed=world_axes.pushed, fused=True),
     "pushed in link axes": Dynamics(link_axes.forces, spatial.mass, pushed=link_axes.pushed),
     "transforms": transforms.Transforms(),
+    "transforms by chains": transforms.Transforms(True, True, plucker.merged_links),
+    "seen by transforms": Seen(partial(spatial.seen, by_transforms=True), True, True),
+    "energy in six-vectors": composite.Energy(True, spatial.energy),
+    **{
+        f"{kind} {name}": run
+        for name, of in (("about centres", plucker.centres), ("in the world", plucker.world), ("merged", MERGED))
+        for kind, run in (
+            ("six-vectors", Dynamics(*(partial(f, of=of) for f in PASSES_OF), fused=of is MERGED)),
+            ("energy", composite.Energy(of is MERGED, partial(spatial.energy, of=of))),
+            ("articulated", articulated.Articulated(of is MERGED, of)),
+            ("pushed", Dynamics(spatial.forces, spatial.mass, pushed=partial(spatial.pushed, of=of))),
+        )
+    },
     "articulated": articulated.Articulated(),
     "lagrange": lagrange.Lagrange(spatial.forces, lagrange.mass),
     "habits": Dynamics(world_axes.forces, lagrange.mass_of_habits),
@@ -60,8 +76,10 @@ RUNS = {
 }
 
 PREDICTS = {
+    "transforms by chains": (*transforms.OF_FRAMES, *transforms.OF_BODIES),
     "transforms": ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES),
     "sums": sums.TERMS, "energy": ("kinetic_energy",), "seen in six-vectors": ("frame_velocity", "frame_acceleration"),
+    "seen by transforms": ("frame_velocity", "frame_acceleration"),
     "seen": ("frame_acceleration",), "pushed": ("rnea_f_ext", "aba_f_ext"), "jacobians, symbolic": ("coriolis",),
     "jacobians": (*kinematics.SEEN, *kinematics.MOVED),
 }  # fmt: skip
@@ -96,7 +114,7 @@ def test_without_a_slip_every_term_is_that_of_dualpin(robot, floating, run):
             y = view.compute(term, view.layout.how.reference)
             assert np.abs(x[0] - y).max() < size * max(1, np.abs(y).max()), term
             compared += 1
-    assert compared >= (3 if run == "articulated" else min(5, len(terms)))
+    assert compared >= (3 if run.startswith("articulated") else min(5, len(terms)))
 
 
 def test_rotors_count_in_every_formulation(tmp_path):

@@ -176,7 +176,19 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     for search in searches.values():  # what was found last may explain a term before
         search.known([*causes, *_together(causes), *found])
         search.composed()
-    return {t: s.explanation() for t, s in searches.items()}
+    return _grounded({t: s.explanation() for t, s in searches.items()})
+
+
+def _grounded(told: dict[str, Explanation]) -> dict[str, Explanation]:
+    """Of two terms that would each follow from the other, the first has no cause."""
+
+    def rests_on(term: str, other: str) -> bool:
+        return any(other in h.made_of for s in (told[term].stories[:1] if term in told else []) for h in s)
+
+    for term, e in told.items():
+        loops = {part for s in e.stories for h in s for part in h.made_of if rests_on(part, term)}
+        e.stories = [s for s in e.stories if not any(loops & set(h.made_of) for h in s)]
+    return told
 
 
 def _settle(settled: set[str], searches: Mapping[str, Search]) -> None:

@@ -24,6 +24,7 @@ from . import (  # noqa: F401
     posed,
     pushes,
     rates,
+    six_vectors,
     tensors,
     units,
     writing,

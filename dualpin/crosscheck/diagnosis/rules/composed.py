@@ -28,6 +28,7 @@ PARTS = {
     "kinetic_energy": ("crba",),
     "gravity": ("com_jacobian",),
     "centroidal_momentum_matrix": ("com", "com_jacobian"),
+    "com_jacobian": ("centroidal_momentum_matrix",),
     "potential_energy": ("com",),
     "frame_velocity": ("jacobian",),
     "frame_acceleration": ("jacobian", "jacobian_dot"),
@@ -201,6 +202,9 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
                 out[:, angular] -= cross_matrix(apart("com")) @ (x if P is None else P)[:, linear]
             out[:, linear] += view.robot_mass * apart("com_jacobian")
             return out
+        if term == "com_jacobian":
+            linear = [case.how.rows.index(r) for r in ("vx", "vy", "vz")]
+            return x + apart("centroidal_momentum_matrix")[:, linear] / view.robot_mass
         if term == "frame_velocity":
             return x + along("jacobian", "v")
         return x + along("jacobian", "a") + along("jacobian_dot", "v")

@@ -7,21 +7,11 @@ from dataclasses import replace
 from functools import partial
 
 from ..case import Case
-from ..textbook import (
-    body_coriolis,
-    body_jacobians,
-    composite,
-    lagrange,
-    link_axes,
-    spatial,
-    sums,
-    transforms,
-    world_axes,
-)
+from ..textbook import body_jacobians, composite, lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
-from ..textbook.steps import EVERYWHERE
+from ..textbook.steps import EVERYWHERE, Slip
 from .formulation import COST, FUSING, formulation
 
 SAYS = {
@@ -138,18 +128,21 @@ def _itself(term: str) -> str:
 def register(
     name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = "",
     like: Callable[[str], str] = _itself, after: Callable[[Case], bool] = lambda case: False,
+    only: Callable[[Slip], bool] = lambda slip: True, as_they_are: bool = True,
 ) -> None:  # fmt: skip
-    """A formulation, of the links as they are and of bodies merged from fixed links."""
+    """A formulation, of the links `as_they_are` and of bodies merged from fixed links."""
     cost = COST + 0.05 * bool(variant)
-    formulation(name, terms, KNOWN, variant, cost=cost, says=SAYS, batched=True, like=like, afterwards=after)(run)
+    made = partial(
+        formulation, name, terms, KNOWN, says=SAYS, batched=True, like=like, afterwards=after, only=only
+    )  # fmt: skip
+    if as_they_are:
+        made(variant, cost=cost)(run)
     values = ", ".join(x for x in (FUSED, variant) if x)
-    of_bodies = formulation(name, terms, KNOWN, values, merges, cost + FUSING, SAYS, True, like, after)
-    of_bodies(replace(run, fused=True))
+    made(values, merges, cost + FUSING)(replace(run, fused=True))
 
 
 register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
 register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
-register(SPATIAL, Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration"))
 for _name, _forces in {
     "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     SPATIAL: spatial.forces,
@@ -172,18 +165,6 @@ register(
     Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),
     "M from Jacobians",
 )  # fmt: skip
-_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
-register(SPATIAL, _spatial, (*ALL, "centroidal_momentum_matrix", "potential_energy"))
-for _fused in (False, True):
-    _values = f"poses by transforms, {FUSED}" if _fused else "poses by transforms"
-    formulation(SPATIAL, ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES), KNOWN, _values, batched=True)(
-        transforms.Transforms(_fused)
-    )
-    _values = f"poses by chains, {FUSED}" if _fused else "poses by chains"
-    formulation(SPATIAL, (*transforms.OF_FRAMES, *transforms.OF_BODIES), KNOWN, _values, batched=True)(
-        transforms.Transforms(_fused, chained=True)
-    )
-register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
 register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")
 register(

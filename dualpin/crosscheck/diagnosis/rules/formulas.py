@@ -12,7 +12,17 @@ from ..case import Case, View
 from ..hypothesis import Hypothesis
 from .register import FORCED, proposer
 
+TERMS = (*FORCED, "aba_f_ext", "coriolis")
 SHARES = {"0": 0.0, "half": 0.5, "twice": 2.0, "with the other sign": -1.0}
+
+
+def _accelerated(view: View, term: str, forces: np.ndarray) -> np.ndarray:
+    """M^-1 of forces, and of J^T f where there is a wrench."""
+    M = view.compute("crba")
+    if term == "aba_f_ext":
+        pushed = view.compute("rnea")[:, None] - view.compute("rnea_f_ext", view.layout.how.reference)
+        M, forces = M[:, None], forces[:, None] + pushed
+    return np.asarray(np.linalg.solve(M, forces[..., None])[..., 0])
 
 
 def _scaled(k_a: float, k_v: float, k_g: float) -> Callable[[View, str], np.ndarray | None]:
@@ -23,9 +33,8 @@ def _scaled(k_a: float, k_v: float, k_g: float) -> Callable[[View, str], np.ndar
             return k_v * velocity + k_g * g
         if term == "rnea":
             return k_a * product(view.compute("crba"), s["a"]) + k_v * velocity + k_g * g
-        if term == "aba":
-            M = view.compute("crba")
-            return np.linalg.solve(M, (k_a * s["tau"] - k_v * velocity - k_g * g)[..., None])[..., 0]
+        if term in ("aba", "aba_f_ext"):
+            return _accelerated(view, term, k_a * s["tau"] - k_v * velocity - k_g * g)
         if term == "coriolis":
             return k_v * view.compute("coriolis")
         return None
@@ -36,7 +45,7 @@ def _scaled(k_a: float, k_v: float, k_g: float) -> Callable[[View, str], np.ndar
 @proposer("velocity_scale", "Coriolis and centrifugal forces are counted another number of times", "count them once")
 def velocity_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(h, terms=(*FORCED, "coriolis"), place="formula", act=_scaled(1.0, k, 1.0), values=words, cost=1.05)
+        replace(h, terms=TERMS, place="formula", act=_scaled(1.0, k, 1.0), values=words, cost=1.05)
         for words, k in SHARES.items() if k
     ]  # fmt: skip
 
@@ -51,17 +60,17 @@ def inertia_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 @proposer("bias_sign", "velocity and gravity terms have the other sign in forward dynamics", "a = M^-1 (tau - h)")
 def bias_sign(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    return [replace(h, terms=("aba",), place="formula", act=_scaled(1.0, -1.0, -1.0), cost=1.05)]
+    return [replace(h, terms=("aba", "aba_f_ext"), place="formula", act=_scaled(1.0, -1.0, -1.0), cost=1.05)]
 
 
 def inverse_only(view: View, term: str) -> np.ndarray | None:
     """tau taken through M alone."""
-    return np.linalg.solve(view.compute("crba"), view.states["tau"][..., None])[..., 0]
+    return _accelerated(view, term, view.states["tau"])
 
 
 @proposer("bias_ignored", "velocity and gravity terms are left out of forward dynamics", "a = M^-1 (tau - h)")
 def bias_ignored(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    return [replace(h, terms=("aba",), place="formula", act=inverse_only)]
+    return [replace(h, terms=("aba", "aba_f_ext"), place="formula", act=inverse_only)]
 
 
 @proposer("not_inverted", "the matrix itself, not its inverse", "invert it")

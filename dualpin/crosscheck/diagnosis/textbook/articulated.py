@@ -11,6 +11,7 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,7 +19,9 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .link_axes import gathered, of_joint
-from .spatial import crf, crm, gravity, inertia, next_velocity, subspace, to_parent, transforms
+from .plucker import Coordinates, Model, brought, links, to_parent, to_parent_inertia
+from .products import crf, crm
+from .spatial import gravity, next_velocity
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
@@ -33,31 +36,33 @@ class Body:
     u: np.ndarray
 
 
-def forward(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray) -> np.ndarray:
+def forward(
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray, of: Coordinates = links
+) -> np.ndarray:
     """The accelerations (runs, samples, nv) of the torques, under the gravity g."""
-    X = transforms(steps, tree, tree.poses(q))
+    m = of(steps, tree, q)
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
-    c, p, I = _first(steps, tree, X, v, zero)
+    c, p, I = _first(steps, tree, m, v, zero)
     bodies: dict[int, Body] = {}
     for k in reversed(tree.links[1:]):
-        _inward(steps, tree, k, X[k.number], c[k.number], p, I, tau, bodies)
-    return _last(steps, tree, X, bodies, p, I, tau, gravity(steps, g) + zero)
+        _inward(steps, tree, k, m, c[k.number], p, I, tau, bodies)
+    return _last(steps, tree, m, bodies, p, I, tau, gravity(steps, g) + zero)
 
 
 def _first(
-    steps: Steps, tree: Tree, X: list[np.ndarray], v: np.ndarray, zero: np.ndarray
+    steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    vs, c = [v[..., :6] + zero if tree.floating else zero], [zero]
+    base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
+    vs, c = [base + zero if tree.floating else zero], [zero]
     for k in tree.links[1:]:
-        x = X[k.number]
-        v_k, c_k = next_velocity(steps, k, x, vs[k.parent], v), zero
+        v_k, c_k = next_velocity(steps, tree, k, m, vs[k.parent], v), zero
         if k.moves:
-            S_qd = subspace(steps, k) * v[..., k.column, None]
+            S_qd = m.S[k.number] * v[..., k.column, None]
             v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": vs[k.parent]})
             c_k = crm(steps, "v x S qd", v_c, S_qd)
         vs.append(v_k)
         c.append(c_k)
-    I = [inertia(steps, k) + np.zeros((*zero.shape[:-1], 6, 6)) for k in tree.links]
+    I = [x + np.zeros((*zero.shape[:-1], 6, 6)) for x in m.I]
     p = []
     for k in tree.links:
         others = {"that of the parent": vs[max(0, k.parent)], **tree.near(k, lambda x: vs[x.number])}
@@ -69,13 +74,13 @@ def _first(
 
 
 def _inward(
-    steps: Steps, tree: Tree, k: Link, X: np.ndarray, c: np.ndarray, p: list[np.ndarray], I: list[np.ndarray],
+    steps: Steps, tree: Tree, k: Link, m: Model, c: np.ndarray, p: list[np.ndarray], I: list[np.ndarray],
     tau: np.ndarray, bodies: dict[int, Body],
 ) -> None:  # fmt: skip
-    IA, pA, own_inertia = I[k.number], p[k.number], inertia(Steps(), k)
+    IA, pA, own_inertia, X = I[k.number], p[k.number], m.I[k.number], m.X[k.number]
     Ia, pa = IA, pA
     if k.moves:
-        S = subspace(steps, k)
+        S = m.S[k.number]
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
         alone = (S * product(own_inertia, S)).sum(-1)[..., None]
@@ -96,7 +101,7 @@ def _inward(
             },
         )
     last, count = k.number - 1, len(tree.links) - 1
-    I_up = steps.congruent("a child's inertia, X^T I^a X,", transposed(X), Ia)
+    I_up = to_parent_inertia(steps, "a child's inertia, X^T I^a X,", X, Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
     I_up = steps.summed("the inertia that children hand on", I_up, **tree.alone(k, I_up))
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
@@ -107,20 +112,22 @@ def _inward(
 
 
 def _last(
-    steps: Steps, tree: Tree, X: list[np.ndarray], bodies: dict[int, Body], p: list[np.ndarray], I: list[np.ndarray],
+    steps: Steps, tree: Tree, m: Model, bodies: dict[int, Body], p: list[np.ndarray], I: list[np.ndarray],
     tau: np.ndarray, down: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     acc, base = [-down], []
     if tree.floating:
-        push = steps.add("the force that moves the base", **{"tau": tau[..., :6], "-p^A": -p[0]})
-        a0 = solved(I[0], push[..., None])[..., 0]
-        up = steps.turn("gravity, in world axes,", X[0], -down)
-        acc, base = [a0], [steps.add("the base's acceleration", **{"I^-1 (tau - p)": a0, "g": -up})]
+        S = np.eye(6)[None, None] if m.base is None else m.base
+        push = steps.add(
+            "the force that moves the base", **{"tau": tau[..., :6], "-p^A": -product(transposed(S), p[0])}
+        )
+        a0 = solved(transposed(S) @ I[0] @ S, push[..., None])[..., 0]
+        up = brought(steps, "gravity, in world axes,", m.X[0], -down, plain=True)
+        up = up if m.base is None else product(np.linalg.inv(m.base), up)
+        acc, base = [product(S, a0)], [steps.add("the base's acceleration", **{"I^-1 (tau - p)": a0, "g": -up})]
     columns: dict[int, np.ndarray] = {}
     for k in tree.links[1:]:
-        x = X[k.number]
-        other = {"by the inverse": lambda x=x: np.linalg.inv(x)}
-        a_k = steps.turn("the parent's acceleration", x, acc[k.parent], **other)
+        a_k = brought(steps, "the parent's acceleration", m.X[k.number], acc[k.parent])
         if k.moves:
             b = bodies[k.number]
             a_up = a_k
@@ -133,7 +140,7 @@ def _last(
             needed = steps.add("D qdd of articulated bodies", **{"u": b.u, "-U^T a'": -(b.U * a_U).sum(-1)[..., None]})
             qdd = steps.pick("D^-1 (u - U^T a')", needed / b.D, **{"not divided by D": needed})
             columns[k.column] = qdd[..., 0]
-            a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": subspace(steps, k) * qdd})
+            a_k = steps.add("the acceleration of a link", **{"a'": a_k, "S qdd": m.S[k.number] * qdd})
         acc.append(a_k)
     return gathered(columns, base, tau)
 
@@ -143,21 +150,24 @@ class Articulated:
     """The terms that forward dynamics answers; `fused` as of `Tree`."""
 
     fused: bool = False
+    of: Coordinates = links
+    """In which coordinates."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         tree = tree_of(view, self.fused)
         q, v, tau = (view.states[k][None] for k in ("q", "v", "tau"))
         g = tree.gravity
+        solve = partial(forward, of=self.of)
         if term == "aba":
-            return forward(steps, tree, q, v, tau, g)
+            return solve(steps, tree, q, v, tau, g)
         if term == "minv":
-            return tree.columns(forward(steps, tree, *tree.unit(q), np.zeros((1, 1, 3))))
+            return tree.columns(solve(steps, tree, *tree.unit(q), np.zeros((1, 1, 3))))
         if term == "aba_f_ext":
             pushed = tau[:, :, None] + torques(view)
             n = pushed.shape[2]
             moved = pushed.reshape(1, -1, tree.nv)
-            x = forward(steps, tree, np.repeat(q, n, axis=1), np.repeat(v, n, axis=1), moved, g)
+            x = solve(steps, tree, np.repeat(q, n, axis=1), np.repeat(v, n, axis=1), moved, g)
             return x.reshape(len(x), -1, n, tree.nv)
         if term == "aba_derivatives" and not tree.floating and tree.nv <= MOST_STEPS:
-            return derivatives(lambda q, v, tau: forward(steps, tree, q, v, tau, g), q, v, tau)
+            return derivatives(lambda q, v, tau: solve(steps, tree, q, v, tau, g), q, v, tau)
         return None

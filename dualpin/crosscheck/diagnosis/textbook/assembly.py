@@ -24,6 +24,7 @@ Matrix = Callable[[Steps, Tree, np.ndarray, np.ndarray], np.ndarray]
 MOST_STEPS = 12
 """Degrees of freedom up to which matrices are differentiated."""
 OF_FORCES = ("gravity", "bias", "rnea", "rnea_f_ext", "rnea_derivatives")
+OF_MOMENTUM = ("centroidal_momentum_matrix", "com_jacobian", "potential_energy")
 STEP = 1e-30
 
 
@@ -100,7 +101,7 @@ class Dynamics:
 
     def steps_of(self, term: str) -> dict[Any, str]:
         """The algorithms of a term, each with the term in which its steps are seen most quickly."""
-        if type(self) is not Dynamics or term in ("centroidal_momentum_matrix", "potential_energy"):
+        if type(self) is not Dynamics or term in OF_MOMENTUM:
             return {(self, term): term}
         forces, mass = {(self.forces, self.fused): "rnea"}, {(self.mass, self.fused): "crba"}
         if term == "coriolis" and self.matrix is not None:
@@ -165,6 +166,11 @@ class Dynamics:
         self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View
     ) -> np.ndarray | None:
         return None if self.momentum is None else self.momentum(steps, tree, s["q"], view.compute("com")[None])
+
+    def _com_jacobian(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
+        """The linear momentum, divided by the mass."""
+        A = self._centroidal_momentum_matrix(steps, tree, s, view)
+        return None if A is None else A[..., 3:, :] / sum(k.mass for k in tree.carried)
 
     def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
         return None if self.potential is None else self.potential(steps, tree, s["q"], tree.gravity)

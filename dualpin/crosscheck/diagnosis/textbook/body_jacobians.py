@@ -18,7 +18,8 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
-from .spatial import crm, inertia, subspace
+from .plucker import inertia, subspace
+from .products import crm
 from .steps import Steps, cross
 from .tree import Link, Pose, Tree, spatial, tree_of
 

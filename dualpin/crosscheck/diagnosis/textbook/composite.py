@@ -10,6 +10,7 @@ References: Walker and Orin, Efficient dynamic computer simulation of robotic me
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .link_axes import felt, own_rates
 from .steps import HAVE, Steps, cross
-from .tree import Link, Pose, Tree, tree_of
+from .tree import Link, Pose, Tree, filled, tree_of
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -50,7 +51,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             for j in range(3):
                 entries[i, j], entries[3 + i, 3 + j] = I[..., i, j], m[..., 0] * float(i == j)
                 entries[i, 3 + j] = entries[3 + j, i] = across[..., i, j]
-    return _filled(entries, tree.nv, q)
+    return filled(entries, tree.nv, q)
 
 
 def _own(steps: Steps, k: Link, q: np.ndarray) -> Lump:
@@ -103,50 +104,36 @@ def _handed(steps: Steps, pose: Pose, n: np.ndarray, f: np.ndarray) -> tuple[np.
     return steps.add("the moment at a joint", **{"R n": n, "r x f": cross(pose.p, pushed)}), f
 
 
-def _filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:
-    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
-    M = np.zeros((*lead, nv, nv), np.result_type(q, *entries.values()))
-    for (i, j), x in entries.items():
-        M[..., i, j] = x
-    return M
-
-
-@dataclass(frozen=True)
-class Energy:
-    """T = sum m v_c . v_c / 2 + w . I w / 2, by velocities from link to link; `fused` as of `Tree`."""
-
-    fused: bool = False
-
-    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
-        tree, q, v = tree_of(view, self.fused), view.states["q"][None], view.states["v"][None]
-        poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
-        moving = [(v[..., :3], v[..., 3:6]) if tree.floating else (zero, zero)]
-        total: np.ndarray = np.zeros((1, 1))
-        for k in tree.links[1:]:
-            moving.append(_velocity(steps, tree, k, poses[k.number], moving, q, v))
-        for i, k in enumerate(tree.carried):
-            w, u = moving[k.number]
-            ws = tree.near(k, lambda x: moving[x.number][0])
-            us = tree.near(k, lambda x: moving[x.number][1])
-            arms = {"that of the link's origin from its parent's": k.p, "that from the parent's origin": k.p + k.c}
-            w_c = steps.pick(
-                "the angular velocity that carries a centre of mass",
-                w,
-                **{"the parent's": moving[max(0, k.parent)][0]},
-                **ws,
-            )
-            c = steps.pick("the arm in w x c", k.c, **arms)
-            u = steps.pick("the velocity of the origin, in that of a body's centre", u, **us)
-            at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w_c, c)})
-            w = steps.pick("the angular velocity in w . I w", w, **{"the parent's": moving[max(0, k.parent)][0]}, **ws)
-            m = steps.pick("the mass in m v.v / 2", k.mass + 0 * at[..., 0], **tree.masses(k, k.mass + 0 * at[..., 0]))
-            I = steps.pick(
-                "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
-            )
-            terms = {"m v.v / 2": 0.5 * m * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
-            energy = steps.add("the kinetic energy of a body", **terms)
-            total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried), alone=True)
-        return total
+def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """T = sum m v_c . v_c / 2 + w . I w / 2, by velocities from link to link."""
+    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+    moving = [(v[..., :3], v[..., 3:6]) if tree.floating else (zero, zero)]
+    total: np.ndarray = np.zeros((1, 1))
+    for k in tree.links[1:]:
+        moving.append(_velocity(steps, tree, k, poses[k.number], moving, q, v))
+    for i, k in enumerate(tree.carried):
+        w, u = moving[k.number]
+        ws = tree.near(k, lambda x: moving[x.number][0])
+        us = tree.near(k, lambda x: moving[x.number][1])
+        arms = {"that of the link's origin from its parent's": k.p, "that from the parent's origin": k.p + k.c}
+        w_c = steps.pick(
+            "the angular velocity that carries a centre of mass",
+            w,
+            **{"the parent's": moving[max(0, k.parent)][0]},
+            **ws,
+        )
+        c = steps.pick("the arm in w x c", k.c, **arms)
+        u = steps.pick("the velocity of the origin, in that of a body's centre", u, **us)
+        at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w_c, c)})
+        w = steps.pick("the angular velocity in w . I w", w, **{"the parent's": moving[max(0, k.parent)][0]}, **ws)
+        m = steps.pick("the mass in m v.v / 2", k.mass + 0 * at[..., 0], **tree.masses(k, k.mass + 0 * at[..., 0]))
+        I = steps.pick(
+            "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+        )
+        terms = {"m v.v / 2": 0.5 * m * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
+        energy = steps.add("the kinetic energy of a body", **terms)
+        total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried), alone=True)
+    return total
 
 
 def _velocity(
@@ -184,3 +171,14 @@ def _velocity(
     joined = {name: np.concatenate(np.broadcast_arrays(*x), -1) for name, x in others.items()}
     x = steps.pick(f"the motion of a {which} link", np.concatenate(np.broadcast_arrays(w, u), -1), **joined)
     return x[..., :3], x[..., 3:]
+
+
+@dataclass(frozen=True)
+class Energy:
+    """The kinetic energy of bodies; `fused` as of `Tree`."""
+
+    fused: bool = False
+    by: Callable[[Steps, Tree, np.ndarray, np.ndarray], np.ndarray] = energy
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        return self.by(steps, tree_of(view, self.fused), view.states["q"][None], view.states["v"][None])

@@ -51,7 +51,11 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.nd
     poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
 
     def of(k: Link, i: int) -> np.ndarray:
-        return product(transposed(poses[k.number].R0), wrenches[k.number][i]) if k.number in wrenches else zero
+        if k.number not in wrenches:
+            return zero
+        what = "the moment from outside" if i else "the force from outside"
+        return steps.turn(f"what acts on a link, in world axes: {what}", transposed(poses[k.number].R0),
+                          wrenches[k.number][i])  # fmt: skip
 
     f, n = ([of(k, i) for k in tree.links] for i in (0, 1))
     return _inward(steps, tree, poses, f, n, q)
@@ -141,7 +145,7 @@ def _next(
     if k.slides:
         others["without the joint's travel"] = lambda: k.p + 0 * p
     arm = steps.pick(f"the arm to a link's origin: {which}", p, **others)
-    w_w_r = centripetal(steps, f"to a link's origin, {which}", w_arm, alpha_arm, arm)
+    w_w_r = centripetal(steps, f"to a link's origin: {which}", w_arm, alpha_arm, arm)
     terms = {"the parent's": up.a, "alpha x r": cross(alpha_arm, arm), "w x (w x r)": w_w_r}
     carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     acc = steps.turn(f"the acceleration of a link's origin, found in the parent's axes: {which}", R, carried)

@@ -8,14 +8,29 @@ section 7.5.2.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..case import View
 from .steps import Steps, cross
 from .tree import Tree
 
-Wrenches = dict[int, tuple[np.ndarray, np.ndarray]]
-"""Of links by number: force, and moment about the link's origin, in world axes."""
+
+class Push(NamedTuple):
+    """A wrench on a link, which the recursion adds to what the link needs, in world axes."""
+
+    force: np.ndarray
+    moment: np.ndarray
+    """About the link's origin."""
+    at: np.ndarray
+    """Where it was given, from the link's origin."""
+    given: np.ndarray
+    """The six-vector as it was given, with the sign of the sum."""
+
+
+Wrenches = dict[int, Push]
+"""Of links by number."""
 
 
 def wrenches(steps: Steps, tree: Tree, view: View) -> tuple[np.ndarray, Wrenches]:
@@ -39,5 +54,7 @@ def wrenches(steps: Steps, tree: Tree, view: View) -> tuple[np.ndarray, Wrenches
         arm = steps.pick("the arm of an external force", r, **others)
         force = steps.add("the external force on a link", **{"-f_ext": -pushed})
         moments = {"-n_ext": -turned, "-r x f_ext": -cross(arm, pushed)}
-        out[number] = force, steps.add("the external moment about a link's origin", **moments)
+        moment = steps.add("the external moment about a link's origin", **moments)
+        six = -np.concatenate([turned, pushed], -1)
+        out[number] = Push(force, moment, r, six)
     return q, out

@@ -11,36 +11,46 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), tables 5.1 and 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ....spatial.adjoint import cross_matrix
-from ....spatial.inertia import steiner
 from ...subjects.layout import product, transposed
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
+from .plucker import Coordinates, Model, brought, links, to_frame, to_parent, to_parent_inertia, transform
 from .products import crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
-from .tree import Link, Pose, Tree, spatial
+from .tree import Link, Tree, filled, spatial
 
 
-def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
-    """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
-    X = transforms(steps, tree, tree.poses(q))
-    vs, accs = _motions(steps, tree, X, q, v, a, gravity(steps, g))
-    f = [_needed(steps, tree, k, vs, accs) if k.mass > 0 else 0 * vs[0] for k in tree.links]
-    return _inward(steps, tree, X, f, q)
+def forces(
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray, of: Coordinates = links
+) -> np.ndarray:
+    """tau (runs, samples, nv) of velocities and accelerations, under the gravity g, in the coordinates `of`."""
+    m = of(steps, tree, q)
+    vs, accs = _motions(steps, tree, m, q, v, a, gravity(steps, g))
+    f = [_needed(steps, tree, m.I[k.number], k, vs, accs) if k.mass > 0 else 0 * vs[0] for k in tree.links]
+    return _inward(steps, tree, m, f, q)
 
 
 def seen(
-    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str], term: str
-) -> np.ndarray:
-    """Velocities or accelerations of frames (runs, samples, frames, 6), at their origins in world axes."""
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, frames: Sequence[str], term: str,
+    by_transforms: bool = False,
+) -> np.ndarray:  # fmt: skip
+    """Velocities or accelerations of frames (runs, samples, frames, 6), at their origins in world axes.
+
+    Those that stand on a link are brought there by its angular velocity, or `by_transforms`.
+    """
     poses, out = tree.poses(q), []
-    vs, accs = _motions(steps, tree, transforms(steps, tree, poses), q, v, a, np.zeros((1, 1, 6)))
-    for number, r in (tree.frames[frame] for frame in frames):
-        R, (w, u), (alpha, acc) = poses[number].R0, *((x[..., :3], x[..., 3:]) for x in (vs[number], accs[number]))
+    vs, accs = _motions(steps, tree, links(steps, tree, q), q, v, a, np.zeros((1, 1, 6)))
+    for number, H in (tree.stands[frame] for frame in frames):
+        R, r, v_k, a_k = poses[number].R0, H[None, None, :3, 3], vs[number], accs[number]
+        if by_transforms:
+            X, R, r = to_frame(steps, R, r, H[None, None, :3, :3]), np.eye(3)[None, None], 0 * r
+            v_k = brought(steps, "the velocity of a link, at its frame in world axes,", X, v_k)
+            a_k = brought(steps, "the acceleration of a link, at its frame in world axes,", X, a_k)
+        (w, u), (alpha, acc) = ((x[..., :3], x[..., 3:]) for x in (v_k, a_k))
         speed = steps.add("the velocity of a frame", **{"that of the link's origin": u, "w x r": cross(w, r)})
         if term == "frame_velocity":
             linear, angular, what = speed, w, "the velocity of a frame, in its link's axes"
@@ -55,110 +65,134 @@ def seen(
 
 
 def _motions(
-    steps: Steps, tree: Tree, X: list[np.ndarray], q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray
+    steps: Steps, tree: Tree, m: Model, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Velocities and accelerations of links, in their own axes."""
+    """Velocities and accelerations of links."""
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, a))
     down = g + zero
-    if tree.floating:
-        up = steps.turn("gravity, in world axes,", X[0], -down)
-        speed = v[..., :6] + zero
-        # the rate of the base's spatial velocity has no w x v: what is given is the rate of its columns
-        acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
-        halves = {"that with its halves exchanged": speed[..., [3, 4, 5, 0, 1, 2]], RESTING: 0 * speed}
-        speed = steps.pick("the velocity of a floating base", speed, **halves)
-        turning = np.concatenate([0 * v[..., :3], cross(v[..., :3], v[..., 3:6])], -1)
-        halves = {
-            "that with its halves exchanged": a[..., [3, 4, 5, 0, 1, 2]] + up, RESTING: up,
-            "that of its origin, with w x v": acc + turning,
-        }  # fmt: skip
-        acc = steps.pick("the acceleration of a floating base", acc, **halves)
-    else:
-        speed, acc = zero, -down
+    speed, acc = zero, -down
+    if tree.floating and m.base is not None:
+        speed, acc = product(m.base, v[..., :6]), product(m.base, a[..., :6]) - down
+    elif tree.floating:
+        speed, acc = _base(steps, m, v, a, down)
     vs, accs = [speed], [acc]
     for k in tree.links[1:]:
-        v_k, a_k = _next(steps, tree, k, X[k.number], vs, accs, q, v, a)
+        v_k, a_k = _next(steps, tree, k, m, vs, accs, q, v, a)
         vs.append(v_k)
         accs.append(a_k)
     return vs, accs
 
 
-def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.ndarray:
+def _base(steps: Steps, m: Model, v: np.ndarray, a: np.ndarray, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """In its own axes."""
+    up = brought(steps, "gravity, in world axes,", m.X[0], -down, plain=True)
+    speed = v[..., :6] + 0 * down
+    # the rate of the base's spatial velocity has no w x v: what is given is the rate of its columns
+    acc = steps.add("the acceleration of the base", **{"the given acceleration": a[..., :6], "-g": up})
+    halves = {"that with its halves exchanged": speed[..., [3, 4, 5, 0, 1, 2]], RESTING: 0 * speed}
+    speed = steps.pick("the velocity of a floating base", speed, **halves)
+    turning = np.concatenate([0 * v[..., :3], cross(v[..., :3], v[..., 3:6])], -1)
+    halves = {
+        "that with its halves exchanged": a[..., [3, 4, 5, 0, 1, 2]] + up, RESTING: up,
+        "that of its origin, with w x v": acc + turning,
+    }  # fmt: skip
+    return speed, steps.pick("the acceleration of a floating base", acc, **halves)
+
+
+def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coordinates = links) -> np.ndarray:
     """tau (runs, samples, nv) of wrenches on links."""
-    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
+    poses, zero, m = tree.poses(q), np.zeros((*q.shape[:-1], 3)), of(steps, tree, q)
 
-    def of(k: Link) -> np.ndarray:
-        force, moment = wrenches.get(k.number, (zero, zero))
-        back = transposed(poses[k.number].R0)
-        return np.concatenate(np.broadcast_arrays(product(back, moment), product(back, force)), -1)
+    def on(k: Link) -> np.ndarray:
+        if k.number not in wrenches:
+            return np.concatenate([zero, zero], -1)
+        push, R0 = wrenches[k.number], poses[k.number].R0
+        right = np.concatenate(np.broadcast_arrays(push.moment, push.force), -1)
+        f = m.forces(k, product(_both(transposed(R0)), right))
+        X = _both(R0) @ transform(Steps(), np.eye(3)[None, None], product(transposed(R0), push.at))
+        others = {
+            "not transformed": lambda: push.given, "brought there by X, as a motion is": lambda: product(X, push.given),
+            "brought there by X^-1": lambda: product(np.linalg.inv(X), push.given),
+            "turned into the link's axes alone": lambda: product(_both(transposed(R0)), push.given),
+        }  # fmt: skip
+        return np.asarray(steps.pick("the wrench on a link, X^T f,", f, **others))
 
-    return _inward(steps, tree, transforms(steps, tree, poses), [of(k) for k in tree.links], q)
+    return _inward(steps, tree, m, [on(k) for k in tree.links], q)
 
 
-def _inward(steps: Steps, tree: Tree, X: list[np.ndarray], f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
+def _both(R: np.ndarray) -> np.ndarray:
+    return spatial([[R, 0 * R], [0 * R, R]])
+
+
+def _inward(steps: Steps, tree: Tree, m: Model, f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
     """From the tips to the base: forces of links."""
     columns, own = dict[int, np.ndarray](), list(f)
     for k in reversed(tree.links):
         if k.moves:
-            columns[k.column] = _along(steps, tree, k, f[k.number], own[k.number])
+            columns[k.column] = _along(steps, tree, m, k, f[k.number], own[k.number])
         if k.parent >= 0:
-            handed = to_parent(steps, "the force that is handed on, X^T f,", X[k.number], f[k.number])
+            handed = to_parent(steps, "the force that is handed on, X^T f,", m.X[k.number], f[k.number])
             handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
             handed = steps.part("the links that hand on their force", handed, k.number - 1, len(tree.links) - 1)
             f[k.parent] = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
-    return gathered(columns, [f[0]] if tree.floating else [], q)
+    base = f[0] if m.base is None else product(transposed(m.base), f[0])
+    return gathered(columns, [base] if tree.floating else [], q)
 
 
 def _next(
-    steps: Steps,
-    tree: Tree,
-    k: Link,
-    X: np.ndarray,
-    vs: list[np.ndarray],
-    accs: list[np.ndarray],
-    q: np.ndarray,
-    v: np.ndarray,
-    a: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
-    known = len(vs)
+    steps: Steps, tree: Tree, k: Link, m: Model, vs: list[np.ndarray], accs: list[np.ndarray], q: np.ndarray,
+    v: np.ndarray, a: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    known, X = len(vs), m.X[k.number]
     v_up, a_up = vs[k.parent], accs[k.parent]
     others = tree.near(k, lambda x: vs[x.number] if x.number < known else v_up)
     v_up = steps.pick("the velocity that a link starts from", v_up, **others)
     others = tree.near(k, lambda x: accs[x.number] if x.number < known else a_up)
     a_up = steps.pick("the acceleration that a link starts from", a_up, **others)
-    v_k = next_velocity(steps, k, X, v_up, v)
-    a_k = steps.turn("the parent's acceleration", X, a_up, **_inverses(X))
-    if k.number in tree.first:
+    v_k = next_velocity(steps, tree, k, m, v_up, v)
+    a_k = brought(steps, "the parent's acceleration", X, a_up)
+    if k.number in tree.first and X is not None:
         wrong = unturned(k, tree.poses(q)[k.number], accs[0][..., 3:])
         a_k = steps.pick(FIRST, a_k, **{what: np.concatenate([0 * x, x], -1) for what, x in wrong.items()})
     if not k.moves:
         return v_k, a_k
-    S = subspace(steps, k)
+    S = m.S[k.number]
     S_qdd = S * own_rates(steps, tree, k, q, v, a)[1]
     S_qd = S * rate_in_cross(steps, tree, k, q, v, a)
     v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
     turning = crm(steps, "v x S qd", v_c, S_qd)
     terms = {"X a of the parent": a_k, "v x S qd": turning, "S qdd": S_qdd}
-    return v_k, steps.add("the acceleration of a link", **terms)
+    return v_k, steps.add(f"the acceleration of a link: {_rank(tree, k)}", **terms)
 
 
-def next_velocity(steps: Steps, k: Link, X: np.ndarray, v_up: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _rank(tree: Tree, k: Link) -> str:
+    """Codes often write the first link's equations apart."""
+    return "whose parent rests" if k.number in tree.first else "whose parent moves"
+
+
+def next_velocity(steps: Steps, tree: Tree, k: Link, m: Model, v_up: np.ndarray, v: np.ndarray) -> np.ndarray:
     """The velocity of a link, of its parent's."""
-    v_k = steps.turn("the parent's velocity", X, v_up, **_inverses(X))
+    v_k = brought(steps, "the parent's velocity", m.X[k.number], v_up)
     if not k.moves:
         return v_k
-    S_qd = subspace(steps, k) * v[..., k.column, None]
-    return np.asarray(steps.add("the velocity of a link", **{"X v of the parent": v_k, "S qd": S_qd}))
+    S_qd = m.S[k.number] * v[..., k.column, None]
+    terms = {"X v of the parent": v_k, "S qd": S_qd}
+    return np.asarray(steps.add(f"the velocity of a link: {_rank(tree, k)}", **terms))
 
 
-def _inverses(X: np.ndarray) -> dict[str, Callable[[], np.ndarray]]:
-    """What may stand in the place of X."""
-    return {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
+def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarray) -> list[np.ndarray]:
+    """Of all links; `zero` has their shape."""
+    base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
+    vs = [base + zero if tree.floating else zero]
+    for k in tree.links[1:]:
+        vs.append(next_velocity(steps, tree, k, m, vs[k.parent], v))
+    return vs
 
 
-def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[np.ndarray]) -> np.ndarray:
-    I, v_k = inertia(steps, k), vs[k.number]
-    v_up = vs[max(0, k.parent)]
+def _needed(
+    steps: Steps, tree: Tree, I: np.ndarray, k: Link, vs: list[np.ndarray], accs: list[np.ndarray]
+) -> np.ndarray:
+    v_k, v_up = vs[k.number], vs[max(0, k.parent)]
     others = {"the parent's": v_up, **tree.near(k, lambda x: vs[x.number])}
     first, second = (steps.pick(f"the velocity in v x* I v: {x}", v_k, **others) for x in ("its first", "its second"))
     first, second = (
@@ -173,98 +207,109 @@ def _needed(steps: Steps, tree: Tree, k: Link, vs: list[np.ndarray], accs: list[
     return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
 
 
-def _along(steps: Steps, tree: Tree, k: Link, f: np.ndarray, own: np.ndarray | None = None) -> np.ndarray:
+def _along(steps: Steps, tree: Tree, m: Model, k: Link, f: np.ndarray, own: np.ndarray | None = None) -> np.ndarray:
     """S^T f; `own` is the force that the link itself needs."""
     half, other = (f[..., 3:], f[..., :3]) if k.slides else (f[..., :3], f[..., 3:])
-    S = subspace(steps, k)
+    S = m.S[k.number]
+    z = S[..., 3:] if k.slides else S[..., :3]
     right = (S * f).sum(-1)
-    others = {"taken from the other half of f": (k.z * other).sum(-1), "zero": 0 * right}
+    others = {"taken from the other half of f": (z * other).sum(-1), "zero": 0 * right}
     if own is not None:
         alone = (S * own).sum(-1) + 0 * right
         others |= {"that of the links beyond alone": right - alone, "that of its own link alone": alone}
     site = f"the force along a joint's axis, S^T f: of {'sliding' if k.slides else 'turning'} joints"
     felt = steps.pick(site, right, **others)
-    along = {words: (z * half).sum(-1) for words, z in axes(np.eye(3)[None, None], "of the link's frame").items()}
-    along |= {f"that of the {which} joint": (j.z * half).sum(-1) for which, j in tree.neighbours(k).items()}
+    if m.X[k.number] is None:
+        along = {f"that of the {which} joint": (m.S[j.number] * f).sum(-1) for which, j in tree.neighbours(k).items()}
+    else:
+        along = {words: (z * half).sum(-1) for words, z in axes(np.eye(3)[None, None], "of the link's frame").items()}
+        along |= {f"that of the {which} joint": (j.z * half).sum(-1) for which, j in tree.neighbours(k).items()}
     return np.asarray(steps.pick("the axis along which a joint feels force or moment", felt, **along))
 
 
-def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+def composites(steps: Steps, tree: Tree, m: Model, own: list[np.ndarray]) -> list[np.ndarray]:
+    """The inertia of every link with all that it carries; `own` are theirs alone."""
+    I = list(own)
+    for k in reversed(tree.links[1:]):
+        whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
+        x = to_parent_inertia(steps, "a child's inertia, X^T I X,", m.X[k.number], whole)
+        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
+        x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
+        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+    return I
+
+
+def of_composite(steps: Steps, k: Link, m: Model, I: list[np.ndarray], own: list[np.ndarray]) -> np.ndarray:
+    """F = I^c S."""
+    S = m.S[k.number] + 0 * I[k.number][..., 0]
+    own_I = {"the link's own": own[k.number]}
+    return product(steps.pick("the composite inertia in F = I S", I[k.number], **own_I), S)
+
+
+def mass(steps: Steps, tree: Tree, q: np.ndarray, of: Coordinates = links) -> np.ndarray:
     """H (runs, samples, nv, nv) by composite rigid bodies."""
-    X = transforms(steps, tree, tree.poses(q))
-    own, I = composites(steps, tree, X, q)
+    m = of(steps, tree, q)
+    own = [I + np.zeros((*q.shape[:-1], 6, 6)) for I in m.I]
+    I = composites(steps, tree, m, own)
     entries: dict[tuple[int, int], np.ndarray] = {}
-    base = I[0]
+    base = I[0] if m.base is None else transposed(m.base) @ I[0] @ m.base
     for k in (k for k in tree.links if k.moves):
-        F = product(
-            steps.pick("the composite inertia in F = I S", I[k.number], **{"the link's own": own[k.number]}),
-            subspace(steps, k),
-        )
-        entries[k.column, k.column] = _along(steps, tree, k, F)
+        F = of_composite(steps, k, m, I, own)
+        entries[k.column, k.column] = _along(steps, tree, m, k, F)
         step, at = "of the first step", k
         while at.parent >= 0:
-            turned = to_parent(
-                steps, f"the force F of composite bodies, carried down as X^T F: {step}", X[at.number], F
-            )
+            site = f"the force F of composite bodies, carried down as X^T F: {step}"
+            turned = to_parent(steps, site, m.X[at.number], F)
             others = {
-                "that of the next link down": lambda x=X[at.parent], y=F: _carried(x, y),
-                "that of the first link, in every step": lambda x=X[k.number], y=F: _carried(x, y),
+                "that of the next link down": lambda x=m.X[at.parent], y=F: _carried(x, y),
+                "that of the first link, in every step": lambda x=m.X[k.number], y=F: _carried(x, y),
             }  # fmt: skip
-            F = steps.pick("X in X^T F, by which a force is handed down,", turned, **others)
+            F = steps.pick(
+                "X in X^T F, by which a force is handed down,", turned, **others if m.X[0] is not None else {}
+            )
             far, step, at = step != "of the first step", "of further steps", tree.links[at.parent]
             if at.moves:
-                of_column = {"that of the joint whose column it is": subspace(steps, k)}
-                S = steps.pick("S in an entry of H, S_j^T F,", subspace(steps, at), **of_column)
+                of_column = {"that of the joint whose column it is": m.S[k.number]}
+                S = steps.pick("S in an entry of H, S_j^T F,", m.S[at.number], **of_column)
                 felt = (S * F).sum(-1)
                 wrong = {"left out, so that only neighbours are coupled": felt * (not far)}
                 felt = steps.pick("an entry of H beyond the parent", felt, **wrong)
                 entries[k.column, at.column] = entries[at.column, k.column] = felt
         if tree.floating:
+            F = F if m.base is None else product(transposed(m.base), F)
             for i in range(6):
                 entries[k.column, i] = entries[i, k.column] = F[..., i]
     if tree.floating:
         entries |= {(i, j): base[..., i, j] for i in range(6) for j in range(6)}
-    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
-    H = np.zeros((*lead, tree.nv, tree.nv), np.result_type(q, *entries.values()))
-    for (i, j), x in entries.items():
-        H[..., i, j] = x
-    return H
+    return filled(entries, tree.nv, q)
 
 
-def composites(
-    steps: Steps, tree: Tree, X: list[np.ndarray], q: np.ndarray
-) -> tuple[list[np.ndarray], list[np.ndarray]]:  # fmt: skip
-    """Inertias of links, and of each with all that it carries."""
-    own = [inertia(steps, k) + np.zeros((*q.shape[:-1], 6, 6)) for k in tree.links]
-    I = list(own)
-    for k in reversed(tree.links[1:]):
-        whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
-        x = steps.congruent("a child's inertia, X^T I X,", transposed(X[k.number]), whole)
-        x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
-        x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
-        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
-    return own, I
-
-
-def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray) -> np.ndarray:
+def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray, of: Coordinates = links) -> np.ndarray:
     """The momentum about the centre of mass, in world axes, of unit velocities: (runs, samples, 6, nv)."""
     tiled, _, unit = tree.unit(q)
-    X = transforms(steps, tree, tree.poses(tiled))
-    zero = np.zeros((*tiled.shape[:-1], 6))
-    vs = [unit[..., :6] + zero if tree.floating else zero]
-    for k in tree.links[1:]:
-        vs.append(next_velocity(steps, k, X[k.number], vs[k.parent], unit))
-    h = [product(inertia(steps, k), v) for k, v in zip(tree.links, vs, strict=True)]
+    m = of(steps, tree, tiled)
+    vs = velocities(steps, tree, m, unit, np.zeros((*tiled.shape[:-1], 6)))
+    h = [product(I, v) for I, v in zip(m.I, vs, strict=True)]
     for k in reversed(tree.links[1:]):
-        handed = to_parent(steps, "the momentum that is handed on, X^T h,", X[k.number], h[k.number])
+        handed = to_parent(steps, "the momentum that is handed on, X^T h,", m.X[k.number], h[k.number])
         h[k.parent] = steps.add(
             "the momentum of what a joint moves", **{HAVE: h[k.parent], "the child's X^T h": handed}
         )
-    whole = to_parent(steps, "the momentum, in the base's axes,", X[0], h[0])
+    whole = to_parent(steps, "the momentum, in the base's axes,", m.X[0], h[0])
     n, p = whole[..., :3], whole[..., 3:]
     G = np.repeat(com, tree.nv, axis=1)
     n = steps.add("the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p)})
     return tree.columns(np.concatenate(np.broadcast_arrays(n, p), -1))
+
+
+def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, of: Coordinates = links) -> np.ndarray:
+    """T = sum v . I v / 2."""
+    m = of(steps, tree, q)
+    vs, total = velocities(steps, tree, m, v, np.zeros((*q.shape[:-1], 6))), np.zeros((1, 1))
+    for i, k in enumerate(tree.carried):
+        of_k = 0.5 * (vs[k.number] * product(m.I[k.number], vs[k.number])).sum(-1)
+        total = total + steps.part("the bodies whose energy counts", of_k, i, len(tree.carried), alone=True)
+    return total
 
 
 def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarray:
@@ -282,94 +327,3 @@ def gravity(steps: Steps, g: np.ndarray) -> np.ndarray:
     """As a six-vector."""
     others = {"in the angular rows": np.concatenate([g, 0 * g], -1), "in both halves": np.concatenate([g, g], -1)}
     return np.asarray(steps.pick("gravity as a six-vector", np.concatenate([0 * g, g], -1), **others))
-
-
-# --- what both need ------------------------------------------------------------------------------
-
-
-def transforms(steps: Steps, tree: Tree, poses: Sequence[Pose]) -> list[np.ndarray]:
-    """X of every link, from the parent's axes into its own."""
-    return [_transform(steps, k, pose) for k, pose in zip(tree.links, poses, strict=True)]
-
-
-def _transform(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
-    exchanged = "-[r x] E, in the other order, of the joint's motion and of its placement"
-    return transform(steps, pose.R, pose.p, "of joints", **{exchanged: lambda: _exchanged(k, pose)})
-
-
-def transform(
-    steps: Steps, R: np.ndarray, p: np.ndarray, which: str = "of frames", **others: Callable[[], np.ndarray]
-) -> np.ndarray:  # fmt: skip
-    """X to what stands at R, p; `others` are other blocks below."""
-    E, r = steps.pick(f"E of X: {which}", transposed(R), **{"R itself, not transposed": R}), cross_matrix(p)
-    wrong = {
-        "E [r x], with the other sign": E @ r, "-[r x] E, in the other order": -r @ E, "left out": 0 * (E @ r),
-        "-[r x], without E": -r + 0 * E, "[r x], without -E": r + 0 * E, "-E^T [r x]": -transposed(E) @ r,
-        "-E [r x] with the two multiplied entry by entry": -E * r, **others,
-    }  # fmt: skip
-    lower = steps.pick(f"the block -E [r x] of X: {which}", -E @ r, **wrong)
-    lead = np.broadcast_shapes(E.shape, lower.shape)
-    E, lower = np.broadcast_to(E, lead), np.broadcast_to(lower, lead)
-    return spatial([[E, 0 * E], [lower, E]])
-
-
-def _exchanged(k: Link, pose: Pose) -> np.ndarray:
-    """The lower block of X_J X_T where both have -[r x] E there."""
-    back = transposed(k.R)
-    E_J, E_T = transposed(back @ pose.R), back
-    r_J, r_T = cross_matrix(product(back, pose.p - k.p)), cross_matrix(k.p)
-    return np.asarray(-r_J @ E_J @ E_T - E_J @ r_T @ E_T)
-
-
-def to_parent(steps: Steps, site: str, X: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """X^T f, with what may stand in the place of X^T."""
-    others = {
-        "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
-        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(X)),
-    }
-    return steps.turn(site, transposed(X), f, **others)
-
-
-def subspace(steps: Steps, k: Link) -> np.ndarray:
-    """S: [z; 0] of a turning joint, [0; z] of a sliding one."""
-    turning, sliding = (np.concatenate(x, -1) for x in ((k.z, 0 * k.z), (0 * k.z, k.z)))
-    if k.slides:
-        others = {"[z; 0], as of a turning one": turning, "[z; z]": turning + sliding, "-[0; z]": -sliding}
-        return np.asarray(steps.pick("S of a sliding joint", sliding, **others))
-    others = {"[0; z], as of a sliding one": sliding, "[z; z]": turning + sliding, "-[z; 0]": -turning}
-    return np.asarray(steps.pick("S of a turning joint", turning, **others))
-
-
-def inertia(steps: Steps, k: Link) -> np.ndarray:
-    """The spatial inertia about the link's origin."""
-    about = k.about_origin - k.I
-    I = steps.add(
-        "the inertia about a link's origin", **{"I of the centre": k.tensor(steps), "m (c.c 1 - c c^T)": about}
-    )
-    c = steps.components("the centre of mass of a body, in its link's axes,", k.c)
-    h, one = k.mass * cross_matrix(c), cross_matrix(c)
-    wrong = {"-m [c x]": -h, "left out": 0 * h, "without the mass": one}
-    upper = steps.pick("the block m [c x] of the inertia", h, **wrong)
-    wrong = {"m [c x], not transposed": h, "left out": 0 * h, "without the mass": -one}
-    lower = steps.pick("the block m [c x]^T of the inertia", -h, **wrong)
-    if upper.shape != lower.shape:  # of several runs
-        upper, lower = np.broadcast_arrays(upper, lower)
-    last = k.mass * np.eye(3)[None, None]
-    last = steps.pick(
-        "the block m 1 of the inertia", last, **{"1, without the mass": np.eye(3)[None, None], "left out": 0 * last}
-    )
-    return spatial([[I, upper], [lower, last]]) + _merging(steps, k)
-
-
-def _merging(steps: Steps, k: Link) -> np.ndarray:
-    """What slips in X^T I X of the links that are fixed to a body add to its inertia; X leads from it to them."""
-    more = np.zeros((1, 1, 6, 6))
-    for p in (p for p in k.pieces if p.fixed):
-        h, place = p.mass * cross_matrix(p.com), (p.Q[None, None], p.p[None, None])
-        X = transform(steps, *place, "in merging")
-        about = p.R @ p.J @ p.R.T + steiner(p.mass, p.com)
-        I = np.block([[about, h], [h.T, p.mass * np.eye(3)]])[None, None]
-        right = transform(Steps(), *place)
-        right = transposed(right) @ I @ right
-        more = more + (steps.congruent("a fixed link's spatial inertia, X^T I X,", transposed(X), I) - right)
-    return more

@@ -17,7 +17,9 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
-from .spatial import composites, inertia, subspace, to_parent, transform, transforms
+from .plucker import Coordinates, Model, brought, links, to_parent, transform
+from .products import vector
+from .spatial import composites, of_composite
 from .steps import Steps, cross
 from .tree import Pose, Tree, tree_of
 
@@ -39,6 +41,8 @@ class Transforms:
 
     fused: bool = False
     chained: bool = False
+    of: Coordinates = links
+    """Those of links in their own axes; the inertias of bodies may be merged in six-vectors."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.answer(view, term, steps, tree_of(view, self.fused))
@@ -48,31 +52,34 @@ class Transforms:
         if view.layout.how.reference != "local_world_aligned" and term in OF_FRAMES:
             return None
         poses = tree.poses(view.states["q"][None])
-        X = transforms(steps, tree, poses)
-        whole = [] if self.chained else _from_the_world(steps, tree, X)
+        m = self.of(steps, tree, view.states["q"][None])
+        whole = [] if self.chained else _from_the_world(steps, tree, m)
         if term in OF_BODIES:
-            com = _centre(steps, tree, poses) if self.chained else _com(steps, tree, whole)
+            com = _centre(steps, tree, m, poses) if self.chained else _com(steps, tree, m, whole)
             if term == "com":
                 return com
-            A = _by_composites(steps, tree, X, poses, com) if self.chained else _momentum(steps, tree, X, whole, com)
+            A = _by_composites(steps, tree, m, poses, com) if self.chained else _momentum(steps, tree, m, whole, com)
             return A if term == "centroidal_momentum_matrix" else A[..., 3:, :] / sum(k.mass for k in tree.carried)
         stands = [tree.stands[frame] for frame in view.frames]
         if term == "fk":
             return None if self.fused else _stacked([_pose(steps, whole[k]) for k, _ in stands])
         R = [x.R0 for x in poses] if self.chained else [transposed(x[..., :3, :3]) for x in whole]
-        J = _stacked([_jacobian(steps, tree, X, R[k], k, H) for k, H in stands])
+        J = _stacked([_jacobian(steps, tree, m, R[k], k, H) for k, H in stands])
         return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
 
 
-def _from_the_world(steps: Steps, tree: Tree, X: list[np.ndarray]) -> list[np.ndarray]:
-    whole = [X[0]]
+def _from_the_world(steps: Steps, tree: Tree, m: Model) -> list[np.ndarray]:
+    whole, site = [_own(m, 0)], "the transform of a link from the world, its own times the parent's,"
     for k in tree.links[1:]:
-        up = whole[k.parent]
-        other = {"the parent's times its own": up @ X[k.number]}
-        whole.append(
-            steps.pick("the transform of a link from the world, its own times the parent's,", X[k.number] @ up, **other)
-        )
+        up, X = whole[k.parent], _own(m, k.number)
+        whole.append(steps.pick(site, X @ up, **{"the parent's times its own": up @ X}))
     return whole
+
+
+def _own(m: Model, number: int) -> np.ndarray:
+    X = m.X[number]
+    assert X is not None, "of links in their own axes"
+    return X
 
 
 def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
@@ -83,7 +90,7 @@ def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
         "[r x] with the other sign": -read,
         "E^T [r x], with E left there": transposed(E) @ read,
     }
-    r = _vector(steps.pick("the block from which a position is read", read, **others))
+    r = vector(steps.pick("the block from which a position is read", read, **others))
     R = steps.transpose("E, the rotation of a pose,", E)
     lead = np.broadcast_shapes(R.shape[:-2], r.shape[:-1])
     T = np.zeros((*lead, 4, 4))
@@ -91,14 +98,9 @@ def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
     return T
 
 
-def _vector(K: np.ndarray) -> np.ndarray:
-    """Of its cross product matrix."""
-    return np.stack([K[..., 2, 1], K[..., 0, 2], K[..., 1, 0]], -1)
-
-
-def _jacobian(steps: Steps, tree: Tree, X: list[np.ndarray], R: np.ndarray, number: int, H: np.ndarray) -> np.ndarray:
+def _jacobian(steps: Steps, tree: Tree, m: Model, R: np.ndarray, number: int, H: np.ndarray) -> np.ndarray:
     """Of a frame that stands at H on a link whose axes in the world are R."""
-    J = _in_link(steps, tree, X, number)
+    J = _in_link(steps, tree, m, number)
     if not np.array_equal(H, np.eye(4)):
         Q = H[None, None, :3, :3]
         to_frame = transform(steps, Q, H[None, None, :3, 3])
@@ -110,16 +112,17 @@ def _jacobian(steps: Steps, tree: Tree, X: list[np.ndarray], R: np.ndarray, numb
     return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
 
 
-def _in_link(steps: Steps, tree: Tree, X: list[np.ndarray], number: int) -> np.ndarray:
+def _in_link(steps: Steps, tree: Tree, m: Model, number: int) -> np.ndarray:
     """The Jacobian of a link in its own axes (runs, samples, 6, nv)."""
     A: np.ndarray = np.eye(6)[None, None]
     columns: dict[int, np.ndarray] = {}
     k = tree.links[number]
     while k.parent >= 0:
         if k.moves:
-            columns[k.column] = product(A, subspace(steps, k) + 0 * A[..., 0])
-        other = {"in the other order": X[k.number] @ A}
-        A = steps.pick("the transform from a joint to the frame", A @ X[k.number], **other)
+            columns[k.column] = brought(steps, "S of a column of the Jacobian", A, m.S[k.number] + 0 * A[..., 0])
+        X = _own(m, k.number)
+        others = {"in the other order": X @ A, "that of the last step alone": X + 0 * A}
+        A = steps.pick("the transform from a joint to the frame", A @ X, **others)
         k = tree.links[k.parent]
     if tree.floating:
         columns |= {i: A[..., i] for i in range(6)}
@@ -128,16 +131,17 @@ def _in_link(steps: Steps, tree: Tree, X: list[np.ndarray], number: int) -> np.n
 
 
 def _by_composites(
-    steps: Steps, tree: Tree, X: list[np.ndarray], poses: list[Pose], com: np.ndarray
+    steps: Steps, tree: Tree, m: Model, poses: list[Pose], com: np.ndarray
 ) -> np.ndarray:  # fmt: skip
     """The same, column by column, of what each joint carries."""
-    _, I = composites(steps, tree, X, poses[0].p0)
+    own = [I + np.zeros((*poses[0].p0.shape[:-1], 6, 6)) for I in m.I]
+    I = composites(steps, tree, m, own)
     site, columns = "the momentum of what a joint carries, X^T I^c S,", dict[int, np.ndarray]()
     for k in (k for k in tree.links if k.moves or (tree.floating and k.parent < 0)):
         at = poses[k.number]
         to_link = transform(steps, at.R0, at.p0 - com)
         if k.moves:
-            columns[k.column] = to_parent(steps, site, to_link, product(I[k.number], subspace(steps, k)))
+            columns[k.column] = to_parent(steps, site, to_link, of_composite(steps, k, m, I, own))
         else:
             h = to_parent(steps, site, to_link[..., None, :, :], transposed(I[k.number]))
             columns |= {i: h[..., i, :] for i in range(6)}
@@ -145,23 +149,23 @@ def _by_composites(
     return np.stack([np.broadcast_to(columns[i], lead) for i in range(tree.nv)], -1)
 
 
-def _centre(steps: Steps, tree: Tree, poses: list[Pose]) -> np.ndarray:
+def _centre(steps: Steps, tree: Tree, m: Model, poses: list[Pose]) -> np.ndarray:
     """sum (m p + R m c) / sum m, with m c from the bodies' inertias."""
     total: np.ndarray = np.zeros(3)
     for k in tree.carried:
-        I, at = inertia(steps, k), poses[k.number]
-        c = steps.turn("the first moment of a body", at.R0, _vector(I[..., :3, 3:]) + 0 * at.p0)
+        I, at = m.I[k.number], poses[k.number]
+        c = steps.turn("the first moment of a body", at.R0, vector(I[..., :3, 3:]) + 0 * at.p0)
         total = total + steps.add("the moment of a body's mass", **{"m p": k.mass * at.p0, "R m c": c})
     return np.asarray(total / sum(k.mass for k in tree.carried))
 
 
 def _momentum(
-    steps: Steps, tree: Tree, X: list[np.ndarray], whole: list[np.ndarray], com: np.ndarray
+    steps: Steps, tree: Tree, m: Model, whole: list[np.ndarray], com: np.ndarray
 ) -> np.ndarray:  # fmt: skip
     """About the centre of mass that these steps make, in world axes: sum X_0k^T I_k J_k, moved there."""
     total: np.ndarray = np.zeros((1, 1, tree.nv, 6))
     for i, k in enumerate(tree.carried):
-        h = transposed(inertia(steps, k) @ _in_link(steps, tree, X, k.number))
+        h = transposed(m.I[k.number] @ _in_link(steps, tree, m, k.number))
         h = to_parent(steps, "the momentum of a body, X^T I J,", whole[k.number][..., None, :, :], h)
         total = total + steps.part("the bodies whose momentum counts", h, i, len(tree.carried), alone=True)
     n, p = total[..., :3], total[..., 3:]
@@ -172,14 +176,14 @@ def _momentum(
     return transposed(np.concatenate(np.broadcast_arrays(n, p), -1))
 
 
-def _com(steps: Steps, tree: Tree, whole: list[np.ndarray]) -> np.ndarray:
+def _com(steps: Steps, tree: Tree, m: Model, whole: list[np.ndarray]) -> np.ndarray:
     total: np.ndarray = np.zeros((1, 1, 6, 6))
     for i, k in enumerate(tree.carried):
-        I = steps.congruent("a body's inertia, X^T I X,", transposed(whole[k.number]), inertia(steps, k))
+        I = steps.congruent("a body's inertia, X^T I X,", transposed(whole[k.number]), m.I[k.number])
         total = total + steps.part("the bodies whose mass counts", I, i, len(tree.carried), alone=True)
-    m = total[..., 3:, 3:][..., :1, 0]
-    divisor = steps.pick("the mass that divides the first moment", m, **{"1": 0 * m + 1})
-    return np.asarray(_vector(total[..., :3, 3:]) / divisor)
+    mass = total[..., 3:, 3:][..., :1, 0]
+    divisor = steps.pick("the mass that divides the first moment", mass, **{"1": 0 * mass + 1})
+    return np.asarray(vector(total[..., :3, 3:]) / divisor)
 
 
 def _stacked(parts: list[np.ndarray]) -> np.ndarray:

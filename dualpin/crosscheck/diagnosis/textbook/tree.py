@@ -263,3 +263,12 @@ def spatial(rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
     shape = np.broadcast_shapes(a.shape, b.shape, c.shape, d.shape)[:-2]
     a, b, c, d = (np.broadcast_to(x, (*shape, 3, 3)) for x in (a, b, c, d))
     return np.concatenate([np.concatenate([a, b], -1), np.concatenate([c, d], -1)], -2)
+
+
+def filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:
+    """A matrix (runs, samples, nv, nv) of those of its entries that are not zero."""
+    lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
+    M = np.zeros((*lead, nv, nv), np.result_type(q, *entries.values()))
+    for (i, j), x in entries.items():
+        M[..., i, j] = x
+    return M

@@ -206,7 +206,7 @@ def _next(
     }  # fmt: skip
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
     up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
-    w_w_r = centripetal(steps, f"to a link's origin, {which}", w_r, alpha_r, r, w if k.moves and not k.slides else None)
+    w_w_r = centripetal(steps, f"to a link's origin: {which}", w_r, alpha_r, r, w if k.moves and not k.slides else None)
     terms = {"the parent's": up_a, "alpha x r": cross(alpha_r, r), "w x (w x r)": w_w_r}
     acc = carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     if k.slides:

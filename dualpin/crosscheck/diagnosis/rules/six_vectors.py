@@ -1,0 +1,81 @@
+"""Six-vectors as codes use them: the coordinates in which they write them, and the terms that they make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from ..textbook import body_coriolis, composite, plucker, products, spatial, transforms
+from ..textbook.articulated import Articulated
+from ..textbook.assembly import Dynamics, Seen, right
+from ..textbook.steps import Slip
+from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
+from .formulation import formulation
+
+MERGED = "merged in six-vectors"
+MOVING = ("frame_velocity", "frame_acceleration")
+MOMENTUM = ("centroidal_momentum_matrix", "com_jacobian")
+SUMMED = ("step_left_out", "step_sign", "step_half", "step_twice", "step_overwritten", "step_first", "step_last")
+OTHERWISE = ("gravity", "bias", "rnea", "rnea_f_ext", "crba", "coriolis")
+"""In other coordinates; kinetic energies are those of bodies there, accelerations follow from these."""
+PARTS = ("the linear part of", "the angular part of", "the inertia about", "the place of")
+"""Sites of sums that other coordinates split in another way."""
+MERGING = (
+    products.SKEW, "the block", "a fixed link's spatial inertia", "the inertia about a link's origin",
+    "E of X", "the centre of mass of a body",
+)  # fmt: skip
+"""Sites where it matters that bodies are merged in six-vectors."""
+
+
+def _elsewhere(slip: Slip) -> bool:
+    """Whether a slip is another one in other coordinates: sums of the same six-vectors are the same there."""
+    return slip.how not in SUMMED or slip.site.startswith(PARTS)
+
+
+def _of_merging(slip: Slip) -> bool:
+    return slip.site.startswith(MERGING)
+
+
+register(SPATIAL, Seen(spatial.seen, both=True), MOVING)
+formulation(SPATIAL, MOVING, KNOWN, f"{FUSED}, frames by transforms", merges, batched=True)(
+    Seen(partial(spatial.seen, by_transforms=True), True, True)
+)
+_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
+register(SPATIAL, _spatial, (*ALL, *MOMENTUM, "potential_energy"))
+register(SPATIAL, composite.Energy(by=spatial.energy), ("kinetic_energy",), "energies of bodies")
+register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
+
+
+def _poses(fused: bool, chained: bool, of: plucker.Coordinates = plucker.links) -> None:
+    """Poses, Jacobians and momentum, by transforms or by chains of R and p."""
+    merged = of is plucker.merged_links
+    what = ("poses by chains" if chained else "poses by transforms", FUSED * fused, MERGED * merged)
+    terms = ("fk",) * (not chained and not merged) + transforms.OF_FRAMES * (not merged) + transforms.OF_BODIES
+    formulation(
+        SPATIAL, terms, KNOWN, ", ".join(x for x in what if x), merges if fused else lambda case: True, batched=True,
+        only=_of_merging if merged else lambda slip: True,
+    )(transforms.Transforms(fused, chained, of))  # fmt: skip
+
+
+for _chained in (False, True):
+    _poses(False, _chained)
+    _poses(True, _chained)
+    _poses(True, _chained, plucker.merged_links)
+
+
+def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool], as_they_are: bool) -> None:
+    """What codes in other coordinates answer; C and momentum where these are those of links."""
+    forces, mass, pushed, matrix, energy = (
+        partial(f, of=of) for f in (spatial.forces, spatial.mass, spatial.pushed, body_coriolis.matrix, spatial.energy)
+    )
+    by = partial(register, name, only=only, as_they_are=as_they_are)
+    by(Dynamics(forces, mass, matrix), OTHERWISE, variant)
+    inside = Dynamics(forces, right(spatial.mass), pushed=pushed)
+    by(inside, PUSHED, f"{variant}, the wrench in the recursion", lambda term: "rnea", later)
+    by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies")
+    by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
+
+
+_in(plucker.merged_links, SPATIAL, MERGED, _of_merging, False)
+_in(plucker.centres, f"{SPATIAL} about centres of mass", "about centres", _elsewhere, True)
+_in(plucker.world, f"{SPATIAL} in world coordinates", "in the world", _elsewhere, True)

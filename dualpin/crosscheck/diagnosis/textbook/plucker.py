@@ -1,0 +1,253 @@
+"""Six-vectors: transforms, the axes of joints, inertias and cross products, in the coordinates that a code chooses.
+
+    links:    every link in its own axes, about its origin
+    centres:  in its own axes, about its centre of mass: I = diag(I_c, m 1), S = [z; z x c]
+    world:    all in world axes, about the world's origin: X = 1, S = [z; p x z], I = X_0^T I X_0
+
+Six-vectors are [angular; linear], X = [E 0; -E [r x]  E] brings motions from the parent's coordinates into the link's.
+
+References: Featherstone, Rigid Body Dynamics Algorithms (2008), equations 2.24, 2.31 and 2.63; Lynch and Park, Modern
+Robotics (2017), section 8.3; Featherstone (2008), section 2.10, for world coordinates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ...subjects.layout import product, transposed
+from .lumps import Piece, tensor
+from .products import skew
+from .steps import Steps, cross
+from .tree import Link, Pose, Tree, spatial
+
+
+@dataclass
+class Model:
+    """A robot in six-vectors, in the coordinates of a code."""
+
+    X: Sequence[np.ndarray | None]
+    """Of every link, from its parent's coordinates, where these are others; of the root, from those of the world."""
+    S: dict[int, np.ndarray]
+    """Of links that move."""
+    I: list[np.ndarray]
+    base: np.ndarray | None = None
+    """The columns of a floating base's velocity, where these are not its own coordinates."""
+    forces: Callable[[Link, np.ndarray], np.ndarray] = lambda k, f: f
+    """Brings a wrench about a link's origin, in its axes, into the coordinates."""
+
+
+Coordinates = Callable[[Steps, Tree, np.ndarray], Model]
+
+
+def links(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
+    """Every link in its own axes."""
+    return _of(steps, tree, q, [inertia(steps, k) for k in tree.links])
+
+
+def merged_links(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
+    """The same, with the inertia of bodies that several links make merged in six-vectors: sum X^T I X."""
+    return _of(steps, tree, q, [_merged(steps, k) for k in tree.links])
+
+
+def _of(steps: Steps, tree: Tree, q: np.ndarray, I: list[np.ndarray]) -> Model:
+    S = {k.number: subspace(steps, k) for k in tree.links if k.moves}
+    return Model(transforms(steps, tree, tree.poses(q)), S, I)
+
+
+def centres(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
+    """Every link but the root about its centre of mass, in its own axes."""
+    X, poses = [], tree.poses(q)
+    for k in tree.links:
+        pose, c = poses[k.number], k.c if k.number else 0 * k.c
+        c_up = tree.links[k.parent].c if k.parent > 0 else 0 * c
+        terms = {"p": pose.p, "R c": product(pose.R, c), "-c of the parent": -c_up}
+        place = steps.add("the place of a link's frame, at its centre, on that of its parent", **terms)
+        X.append(transform(steps, pose.R, place, "of joints"))
+    S = {k.number: _about_centre(steps, k) for k in tree.links if k.moves}
+    I = [inertia(steps, tree.links[0]), *(_central(steps, k) for k in tree.links[1:])]
+
+    def forces(k: Link, f: np.ndarray) -> np.ndarray:
+        n, b = f[..., :3], f[..., 3:]
+        return f if k.number == 0 else np.concatenate([n - cross(k.c + 0 * b, b), b], -1)
+
+    return Model(X, S, I, forces=forces)
+
+
+def world(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
+    """All about the world's origin, in its axes."""
+    poses = tree.poses(q)
+    whole = [transform(steps, pose.R0, pose.p0, "of links in the world") for pose in poses]
+    S = {k.number: _in_world(steps, k, poses) for k in tree.links if k.moves}
+    I = [
+        steps.congruent("a body's inertia, X^T I X, in the world", transposed(X), inertia(steps, k))
+        for k, X in zip(tree.links, whole, strict=True)
+    ]
+    back = [transposed(transform(Steps(), pose.R0, pose.p0)) for pose in poses]
+    base = np.linalg.inv(transposed(back[0])) if tree.floating else None
+    return Model([None for _ in tree.links], S, I, base, lambda k, f: product(back[k.number], f))
+
+
+# --- transforms ----------------------------------------------------------------------------------
+
+
+def transforms(steps: Steps, tree: Tree, poses: Sequence[Pose]) -> list[np.ndarray]:
+    """X of every link, from the parent's axes into its own."""
+    return [
+        transform(steps, pose.R, pose.p, "of joints", partial(_exchanged, k, pose))
+        for k, pose in zip(tree.links, poses, strict=True)
+    ]
+
+
+def transform(
+    steps: Steps, R: np.ndarray, p: np.ndarray, which: str = "of frames", both: Callable[[], np.ndarray] | None = None
+) -> np.ndarray:
+    """X to what stands at R, p; `both` is the lower block where it is that of two such matrices."""
+    E, r = steps.pick(f"E of X: {which}", transposed(R), **{"R itself, not transposed": R}), skew(steps, p)
+    wrong = {
+        "E [r x], with the other sign": lambda: E @ r, "-[r x] E, in the other order": lambda: -r @ E,
+        "left out": lambda: 0 * (E @ r), "-[r x], without E": lambda: -r + 0 * E,
+        "[r x], without -E": lambda: r + 0 * E, "-E^T [r x]": lambda: -transposed(E) @ r,
+        "-E [r x] with the two multiplied entry by entry": lambda: -E * r,
+        "-[r x] E, in the other order, of the joint's motion and of its placement": both or (lambda: -r @ E),
+    }  # fmt: skip
+    lower = steps.pick(f"the block -E [r x] of X: {which}", -E @ r, **wrong)
+    lead = np.broadcast_shapes(E.shape, lower.shape)
+    E, lower = np.broadcast_to(E, lead), np.broadcast_to(lower, lead)
+    return spatial([[E, 0 * E], [lower, E]])
+
+
+def to_frame(steps: Steps, R0: np.ndarray, r: np.ndarray, R: np.ndarray) -> np.ndarray:
+    """From the axes of a body to a frame that stands on it at r and R, in world axes."""
+    turn = R0 @ R
+    return spatial([[turn, 0 * turn], [0 * turn, turn]]) @ transform(steps, R, r)
+
+
+def _exchanged(k: Link, pose: Pose) -> np.ndarray:
+    """The lower block of X_J X_T where both have -[r x] E there."""
+    back = transposed(k.R)
+    E_J, E_T = transposed(back @ pose.R), back
+    r_J, r_T = cross_matrix(product(back, pose.p - k.p)), cross_matrix(k.p)
+    return np.asarray(-r_J @ E_J @ E_T - E_J @ r_T @ E_T)
+
+
+def brought(steps: Steps, site: str, X: np.ndarray | None, m: np.ndarray, plain: bool = False) -> np.ndarray:
+    """X m, with what may stand in the place of X; `plain` where nothing but its transpose may."""
+    if X is None:
+        return m
+    others = {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
+    return np.asarray(steps.turn(site, X, m, **({} if plain else others)))
+
+
+def to_parent(steps: Steps, site: str, X: np.ndarray | None, f: np.ndarray) -> np.ndarray:
+    """X^T f, with what may stand in the place of X^T."""
+    if X is None:
+        return f
+    others = {
+        "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
+        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(X)),
+    }
+    return np.asarray(steps.turn(site, transposed(X), f, **others))
+
+
+def to_parent_inertia(steps: Steps, site: str, X: np.ndarray | None, I: np.ndarray) -> np.ndarray:
+    """X^T I X."""
+    return I if X is None else np.asarray(steps.congruent(site, transposed(X), I))
+
+
+# --- axes of joints ------------------------------------------------------------------------------
+
+
+def subspace(steps: Steps, k: Link) -> np.ndarray:
+    """S: [z; 0] of a turning joint, [0; z] of a sliding one."""
+    return _subspace(steps, k, *_six(k.z, 0 * k.z))
+
+
+def _six(angular: np.ndarray, linear: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of a joint that turns, and the same that slides along its axis."""
+    z, r = np.broadcast_arrays(angular, linear)
+    return np.concatenate([z, r], -1), np.concatenate([0 * z, z], -1)
+
+
+def _subspace(steps: Steps, k: Link, turning: np.ndarray, sliding: np.ndarray, **wrong: Any) -> np.ndarray:
+    if k.slides:
+        others = {"[z; 0], as of a turning one": turning, "[z; z]": turning + sliding, "-[0; z]": -sliding}
+        return np.asarray(steps.pick("S of a sliding joint", sliding, **others))
+    others = {"[0; z], as of a sliding one": sliding, "[z; z]": turning + sliding, "-[z; 0]": -turning}
+    return np.asarray(steps.pick("S of a turning joint", turning, **others, **wrong))
+
+
+def _about_centre(steps: Steps, k: Link) -> np.ndarray:
+    """About the link's centre of mass, at c from the axis."""
+    turning, sliding = _six(k.z, cross(k.z, k.c))
+    wrong = {
+        "[z; c x z], with the other sign": _six(k.z, cross(k.c, k.z))[0],
+        "[z; 0], as if the axis passed through the frame's origin": _six(k.z, 0 * k.z)[0],
+    }
+    return _subspace(steps, k, turning, sliding, **wrong)
+
+
+def _in_world(steps: Steps, k: Link, poses: Sequence[Pose]) -> np.ndarray:
+    pose, on = poses[k.number], poses[k.parent]
+    other = {"by the parent's matrix, without the joint's own placement": lambda: on.R0}
+    kind = "of sliding links" if k.slides else "of turning links"
+    z = steps.turn(f"the joint's axis: {kind}", pose.R0, k.z, **other)
+    turning, sliding = _six(z, cross(pose.p0, z))
+    at_centre = pose.p0 + product(pose.R0, k.c)
+    wrong = {
+        "[z; z x p], with the other sign": _six(z, cross(z, pose.p0))[0], "[z; 0], without p x z": _six(z, 0 * z)[0],
+        "[z; p x z] with the origin of its parent": _six(z, cross(on.p0, z))[0],
+        "[z; p x z] with its centre of mass": _six(z, cross(at_centre, z))[0],
+    }  # fmt: skip
+    return _subspace(steps, k, turning, sliding, **wrong)
+
+
+# --- inertias ------------------------------------------------------------------------------------
+
+
+def inertia(steps: Steps, k: Link) -> np.ndarray:
+    """The spatial inertia about the link's origin."""
+    return of_body(steps, k.mass, k.c, k.tensor(steps))
+
+
+def of_body(steps: Steps, mass: float, c: np.ndarray, I: np.ndarray) -> np.ndarray:
+    """The spatial inertia of a mass, about a point from which its centre is at c."""
+    c = steps.components("the centre of mass of a body, in its link's axes,", c)
+    K, one = skew(steps, c), np.eye(3)[None, None]
+    terms = {"I of the centre": I, "m (c.c 1 - c c^T)": mass * (K @ transposed(K))}
+    about = steps.add("the inertia about a link's origin", **terms)
+    h = mass * K
+    wrong = {"-m [c x]": -h, "left out": 0 * h, "without the mass": K}
+    upper = steps.pick("the block m [c x] of the inertia", h, **wrong)
+    wrong = {"m [c x], not transposed": h, "left out": 0 * h, "without the mass": transposed(K)}
+    lower = steps.pick("the block m [c x]^T of the inertia", mass * transposed(K), **wrong)
+    last = steps.pick("the block m 1 of the inertia", mass * one, **{"1, without the mass": one, "left out": 0 * one})
+    return spatial([[about, upper], [lower, last]])
+
+
+def _central(steps: Steps, k: Link) -> np.ndarray:
+    """The spatial inertia about the centre of mass."""
+    one = np.eye(3)[None, None]
+    I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin})
+    last = steps.pick("the block m 1 of the inertia", k.mass * one, **{"1, without the mass": one, "left out": 0 * one})
+    G = spatial([[I, 0 * I], [0 * I, last]])
+    whole = {"that about the link's origin, with m [c x]": lambda: inertia(Steps(), k)}
+    return np.asarray(steps.pick("the spatial inertia, about the centre of mass,", G, **whole))
+
+
+def _merged(steps: Steps, k: Link) -> np.ndarray:
+    """The links that make a body, each about its own origin first; X leads from the body to them."""
+    total: np.ndarray = np.zeros((1, 1, 6, 6))
+    for p in k.pieces:
+        alone = Piece(p.mass, p.com, p.R, p.J, np.eye(3), np.zeros(3))
+        I = of_body(steps, p.mass, p.com[None, None], tensor(steps, alone))
+        if p.fixed:
+            X = transform(steps, p.Q[None, None], p.p[None, None], "in merging")
+            I = steps.congruent("a fixed link's spatial inertia, X^T I X,", transposed(X), I)
+        total = total + I
+    return total
