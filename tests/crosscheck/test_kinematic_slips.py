@@ -20,7 +20,7 @@ from tests.random_robots import random_urdf
 
 RUNS = {
     "poses": kinematics.poses, "jacobians": kinematics.jacobians,
-    **{way: partial(kinematics.rotations, way=way) for way in kinematics.WAYS},
+    **{way: kinematics.rotations(way) for way in kinematics.WAYS},
 }  # fmt: skip
 HOW = (kinematics.LINKS, kinematics.JACOBIANS, kinematics.DIFFERENTIATED)
 

@@ -34,6 +34,7 @@ AGAIN = 0.1
 FOLLOWING = 0.9
 """How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
+BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 FRESH = 2  # answers of a term with a history that are explained
 FRESH_SHARE = 0.5  # of the time that these have
@@ -142,16 +143,20 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def doubtful(search: Search) -> bool:
         explained = [t for t, s in searches.items() if not s.open]
         examined = {h.cause for s in searches.values() if s.slipped for story in s.stories for h in story}
-        return not search.slipped and search.doubtful(explained, examined)
+        return not (search.slipped or search.open) and search.doubtful(explained, examined)
 
     def one_more(search: Search) -> None:
         search.added(_causes(case, searches))
 
+    def one_more_reading(search: Search) -> None:
+        search.added_readings(_causes(case, searches))
+
     def besides(search: Search) -> None:
-        search.slips_besides(_causes(case, searches)[:2])
+        search.slips_besides(_causes(case, searches)[:BESIDES])
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
-    one_more_cause = "a cause of other terms and one more"
+    reading = "a slip of other terms and a reading"
+    one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
@@ -160,22 +165,29 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(slips, Search.slips, unknown, [term])
             stage(beside, besides, unknown, [term])
+            stage(reading, one_more_reading, unknown, [term])
             if not catalogue.settled:
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
                 stage("slips beside a cause of the whole robot", Search.slips_near, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
+    stage(beside, besides, unknown, off)
+    stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
+    stage(reading, one_more_reading, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
+        stage(beside, besides, unknown, off)
+    stage(slips, Search.slips, doubtful, off)
+    stage(two_causes, Search.pairs, unknown, off)
+    # then terms that follow from others which have no cause
+    stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
     stage(beside, besides, unexplained, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
-    stage(slips, Search.slips, doubtful, off)
-    stage("two causes together", Search.pairs, lambda s: True, off)
+    stage(two_causes, Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     causes = _causes(case, searches)
     for search in searches.values():  # what was found last may explain a term before
         search.known([*causes, *_together(causes), *found])
-        search.composed()
     return _grounded({t: s.explanation() for t, s in searches.items()})
 
 

@@ -23,6 +23,20 @@ class Score:
 FAR = Score(float("inf"), 0.0, float("inf"))
 
 
+ROUNDINGS = 64 * float(np.finfo(float).eps)
+"""What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
+
+
+def limit(M: np.ndarray | None, joints: int, tolerance: float) -> float:
+    """How far a right answer may be off: more where a matrix that must be inverted is ill-conditioned."""
+    if M is None or not np.isfinite(M).all():
+        return tolerance
+    sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
+    least, most = sizes.min(axis=-1), sizes.max(axis=-1)
+    condition = float((most / least).max()) if least.all() else float("inf")
+    return max(tolerance, min(1e-3, ROUNDINGS * (joints + 1) * condition))
+
+
 def in_forces(error: float, x: np.ndarray, reference: np.ndarray, load: np.ndarray, tolerance: float) -> Score:
     """Forces that accelerations need against those that they had; `load` is what adds up in them."""
     have = np.isfinite(x).all(axis=1)

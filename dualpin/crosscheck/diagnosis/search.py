@@ -37,6 +37,8 @@ KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
+READ = ("word", "edit", "state")
+"""Places of mistakes that change what every algorithm starts from."""
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
 """Forms of which one state tells enough to look at slips first."""
 FEW = 1e-7
@@ -107,7 +109,8 @@ class Catalogue:
             if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
-        alike, scores = list(groups.values()), list[Score]()
+        # what the subject's own answers are put together to is soon seen
+        alike, scores = sorted(groups.values(), key=lambda same: not same[0].made_of), list[Score]()
         for block in in_time(alike, until, SLIPS):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
@@ -189,10 +192,7 @@ class Search:
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
-
-    def composed(self) -> None:
-        """Whether it follows from other terms: soon seen, so also where no time is left."""
-        if self.open:
+        if not self.exact:  # it may follow from other terms: soon seen, so also where no time is left
             self.consider([(h,) for h in self._whole if h.made_of])
 
     def _by_symbols(self, others: Iterable[Story]) -> dict[frozenset[object], Story]:
@@ -217,18 +217,23 @@ class Search:
         self.slipped = True
 
     def slips_besides(self, causes: Sequence[Story]) -> None:
-        """Slips, beside a cause of other terms that does not explain all of this one."""
-        here = {identity(s): s for c in causes for h in c for s in self._shown(h) if identity(s) not in self.good}
-        stories = list(here.values())
-        scores = self.case.scores(self.term, stories)
-        self._slips_with([nearness(s, x) for s, x in zip(stories, scores, strict=True)])
+        """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse."""
+        self._slips_with(self._nearest(causes))
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
-        self._slips_with([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
+        near = [n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE]
+        self._slips_with([n for n in sorted(near, key=lambda n: n.score.rms) if n.score.rms < self.before.rms])
 
-    def _slips_with(self, causes: Iterable[Near]) -> None:
-        nearest = [n for n in sorted(causes, key=lambda n: n.score.rms) if n.score.rms < self.before.rms]
+    def _nearest(self, causes: Sequence[Story]) -> list[Near]:
+        """Causes of other terms as they show in this one, the nearest first."""
+        here = {identity(s): s for c in causes for h in c for s in self._shown(h) if identity(s) not in self.good}
+        stories = list(here.values())
+        scores = self.case.scores(self.term, stories)
+        near = [nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)]
+        return sorted(near, key=lambda n: n.score.rms)
+
+    def _slips_with(self, nearest: Sequence[Near]) -> None:
         made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
         for cause in [*made[:MADE], *[n for n in nearest if n not in made][:2]]:
             if self.open and not self.late:
@@ -240,13 +245,28 @@ class Search:
         return [*same, *((k,) for k in self.catalogue.kin(h, self.term))]
 
     def added(self, found: Sequence[Story]) -> None:
-        """What explains other terms, and one cause more."""
-        stories = [here for s in found if (here := tuple(h for h in s if self.term in h.terms))]
-        for story in stories[:FEW_CAUSES]:
-            self.consider(self._with(story, [*self._fits(story), *self._whole, *self._single]))
+        """What explains other terms, and one cause more; beside a slip, one that changes what its algorithm answers."""
+        for story in self._besides(found):
+            more = [*self._fits(story), *self._whole, *self._single]
+            if any(h.place == "formula" for h in story):
+                more = [h for h in more if h.place not in READ]
+            self.consider(self._with(story, more))
         for story in self._by_symbols(found).values():
             more = [h for h in self._whole if h.place == "answer"]
             self.consider(self._with(story, [*self._fits(story), *more]))
+
+    def added_readings(self, found: Sequence[Story]) -> None:
+        """Slips that explain other terms, of a robot that is read wrongly: each such robot is computed by itself."""
+        for story in self._besides(found):
+            if self.open and any(h.place == "formula" for h in story):
+                self.consider(self._with(story, [h for h in self._whole if h.place in READ]))
+
+    def _besides(self, found: Sequence[Story]) -> list[Story]:
+        """Causes of other terms to which another one is added: of each its nearest variant first."""
+        first: dict[Any, Story] = {}
+        for n in self._nearest(found):
+            first.setdefault(n.story[0].cause, n.story)
+        return list(first.values())[:FEW_CAUSES]
 
     def plain_pairs(self) -> None:
         """Two causes that hold for the whole robot."""

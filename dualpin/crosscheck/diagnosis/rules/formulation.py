@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -107,20 +106,15 @@ def _mistake(slip: Slip, key: str | None, alike: str) -> tuple[str, ...]:
     return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how, *([alike] if alike else []))
 
 
-SLIPS: WeakKeyDictionary[Case, dict[Any, Sequence[Slip]]] = WeakKeyDictionary()
-
-
 def _slips(run: Run, case: Case, term: str, alike: str) -> Sequence[Slip]:
-    """Of formulations that are alike, and of algorithms that several are made of, they are found once."""
+    """Of formulations that are alike, and of algorithms that several are made of, they are found once for a robot."""
     steps_of = getattr(run, "steps_of", None)
-    sources = steps_of(term) if steps_of else {(alike, term): term}
-    if not steps_of and not alike:
-        return possible(run, case, term)
-    known = SLIPS.setdefault(case, {})
-    for key, where in sources.items():
-        if key not in known:
-            known[key] = possible(run, case, where)
-    return list(dict.fromkeys(slip for key in sources for slip in known[key]))
+    sources = steps_of(term) if steps_of else {(alike or run, term): term}
+
+    def found(key: Any, where: str) -> Sequence[Slip]:
+        return case.shared.once(("slips", key), lambda: possible(run, case, where))
+
+    return list(dict.fromkeys(slip for key, where in sources.items() for slip in found(key, where)))
 
 
 def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:

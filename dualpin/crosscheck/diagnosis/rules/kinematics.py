@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
@@ -29,8 +30,10 @@ from ..textbook.answers import (
     SYMBOLIC,
     Made,
 )  # fmt: skip
+from ..textbook.assembly import Dynamics
 from ..textbook.columns import ALL
 from ..textbook.lists import branched
+from ..textbook.posed import Posed
 from ..textbook.poses import stacked
 from ..textbook.references import referred
 from ..textbook.slipped import Run
@@ -50,14 +53,41 @@ def few(case: Case) -> bool:
     return not case.floating and case.robot.nv <= 12
 
 
-def poses(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """With slips in poses and velocities."""
-    return Made(view, poses=steps, **how).term(term)
+@dataclass(frozen=True)
+class Slipping:
+    """Answers with slips in some parts: in a field of `Made`, or in one of the ways of rotations."""
+
+    parts: frozenset[str]
+    how: tuple[tuple[str, Any], ...] = ()
+
+    def __call__(self, view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+        fields: dict[str, Any] = dict.fromkeys(self.parts - WAYS.keys(), steps)
+        for way in self.parts & WAYS.keys():
+            fields["ways"] = WAYS[way](steps)
+        return Made(view, **fields, **dict(self.how), **how).term(term)
+
+    def beside(self, other: object) -> Run | None:
+        """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
+        if type(other) is Dynamics:
+            moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
+            return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
+        if not isinstance(other, Slipping) or other.how != self.how:
+            return None
+        parts = self.parts | other.parts
+        return Slipping(parts, self.how) if len(parts & WAYS.keys()) < 2 else None
 
 
-def jacobians(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """With slips in Jacobians, sums over bodies, and what is made of them."""
-    return Made(view, rest=steps, **how).term(term)
+poses = Slipping(frozenset({"poses"}))
+"""With slips in poses and velocities."""
+jacobians = Slipping(frozenset({"rest"}))
+"""With slips in Jacobians, sums over bodies, and what is made of them."""
+reading = Slipping(frozenset({"reading"}))
+"""With slips in reading tensors, which then may not be symmetric."""
+
+
+def rotations(way: str) -> Slipping:
+    """With slips in one of these ways."""
+    return Slipping(frozenset({way}))
 
 
 def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
@@ -78,16 +108,6 @@ def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
         return J
     torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.total
     return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))
-
-
-def rotations(view: View, term: str, steps: Steps, way: str = "", **how: Any) -> np.ndarray:
-    """With slips in one of these ways."""
-    return Made(view, ways=WAYS[way](steps), **how).term(term)
-
-
-def reading(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """With slips in reading tensors, which then may not be symmetric."""
-    return Made(view, reading=steps, **how).term(term)
 
 
 def fuses(case: Case) -> bool:
@@ -139,9 +159,9 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
         "the root link counts" * rooted,
     )  # fmt: skip
     variant = ", ".join(x for x in marks if x)
-    cost, like = COST + 0.05 * bool(variant) + 0.02 * name.startswith("quaternions"), LIKE.get(run, _itself)
+    cost, like = COST + 0.05 * bool(variant) + 0.02 * ("quaternions" in name), shown_in(run)
     slow = partial(_answers, after)
-    alike, when = name if run is rotations else "", _branches if levels else _heavy_root if rooted else _always
+    alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
     listing = _in_a_list if levels else _for_all_joints if rooted else _any
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
@@ -186,11 +206,13 @@ def _always(case: Case) -> bool:
     return True
 
 
-LIKE: dict[Run, Callable[[str], str]] = {
-    poses: lambda term: "frame_velocity" if term in (*MOVING, "coriolis") else "fk",
-    rotations: lambda term: "fk" if term in OF_FRAMES else "com", reading: lambda term: "crba",
-}  # fmt: skip
-"""Where all slips show."""
+def shown_in(run: Run) -> Callable[[str], str]:
+    """Where all slips show."""
+    if run == poses:
+        return lambda term: "frame_velocity" if term in (*MOVING, "coriolis") else "fk"
+    if isinstance(run, Slipping) and run.parts <= WAYS.keys():
+        return lambda term: "fk" if term in OF_FRAMES else "com"
+    return (lambda term: "crba") if run == reading else _itself
 
 
 def _itself(term: str) -> str:
@@ -200,7 +222,7 @@ def _itself(term: str) -> str:
 @cache
 def _of(run: Run, **how: Any) -> Run:
     """The same object for the same formulation: slips of one are made together."""
-    return partial(run, **how)
+    return replace(run, how=tuple(how.items())) if isinstance(run, Slipping) else partial(run, **how)
 
 
 def _terms(*always: str, **sometimes: Callable[[Case], bool]) -> Callable[[Case], list[str]]:
@@ -265,7 +287,8 @@ _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
 for _name in WAYS:
-    _register(_name, rotations, _terms(posed=off("fk")), way=_name)
-    _register(_name, rotations, _terms(turned=off("fk")), after="fk", way=_name)
-    _register(_name, rotations, _terms(turned=off("fk")), after="fk", way=_name, early=True)
-    _register(_name, rotations, _terms(rate=off("fk"), matrix=symbols), after="fk", way=_name, how=DIFFERENTIATED)
+    _run = rotations(_name)
+    _register(_name, _run, _terms(posed=off("fk")))
+    _register(_name, _run, _terms(turned=off("fk")), after="fk")
+    _register(_name, _run, _terms(turned=off("fk")), after="fk", early=True)
+    _register(_name, _run, _terms(rate=off("fk"), matrix=symbols), after="fk", how=DIFFERENTIATED)

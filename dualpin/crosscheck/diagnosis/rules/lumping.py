@@ -35,6 +35,10 @@ TRIANGLES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "step_left_out, ...", "a step of merging fixed links, or of reading a tensor, is wrong", FIX, rows(), late=True
 )
 def lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    return case.shared.once("lumping", lambda: _lumping(h, case))
+
+
+def _lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
     found = []
     bare = any(p.body is None for p in case.description.parts)
     for (way, make), all_links in product(WAYS.items(), (False, True)[: 1 + bare]):

@@ -13,7 +13,7 @@ from ..textbook.posed import Posed
 from ..textbook.ways import PLAIN, WAYS
 from .dynamics import FUSED, MASSES, merges
 from .formulation import COST, FUSING, formulation
-from .kinematics import KNOWN, LIKE, off, rotations
+from .kinematics import KNOWN, off, rotations, shown_in
 
 FORCES = ("gravity", "bias", "rnea", "aba")
 LINKS: dict[str, tuple[Any, tuple[str, ...]]] = {
@@ -45,7 +45,7 @@ def _asked(case: Case) -> bool:
 
 
 def _register(name: str, of: Any, terms: tuple[str, ...], variant: str, way: str, alike: str = "") -> None:
-    wanted, like = partial(_known, terms), LIKE[rotations] if alike else (lambda term: terms[0])
+    wanted, like = partial(_known, terms), shown_in(rotations(way)) if alike else (lambda term: terms[0])
     for fused in (False, True):
         values, when = (f"{variant}, {FUSED}", merges) if fused else (variant, lambda case: True)
         formulation(name, wanted, KNOWN, values, when, COST + 0.05 + FUSING * fused, None, True, like, _asked, alike)(

@@ -6,18 +6,24 @@ any more, or where poses in the world and those from link to link disagree, its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from ...subjects.layout import product
 from ..case import View
 from .assembly import Dynamics, Seen
 from .attitudes import PLAIN as RIGHT
+from .columns import Columns
 from .poses import Poses
 from .steps import Steps
 from .transforms import Transforms
-from .tree import Pose, tree_of
+from .tree import Pose, Tree, tree_of
 from .ways import PLAIN, WAYS
+from .weighted import RIGHT as WITHOUT
+from .weighted import Sums
 
 
 @dataclass(frozen=True)
@@ -30,22 +36,63 @@ class Posed:
         The algorithm, which makes none itself.
     way : str
         The one of `WAYS` in which slips are made, or `PLAIN`; by default they are made in putting poses together.
+    both : bool
+        Whether the algorithm makes slips besides.
     """
 
     of: Dynamics | Seen | Transforms
     way: str = ""
+    both: bool = False
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         """The term (runs, samples, ...)."""
+        return self.of.answer(view, term, steps if self.both else Steps(), self.tree(view, steps))
+
+    def beside(self, other: object) -> Posed | None:
+        """With slips of the algorithm itself."""
+        return replace(self, both=True) if other == self.of else None
+
+    def tree(self, view: View, steps: Steps) -> Tree:
+        """The tree with slips in its poses."""
         tree = tree_of(view, self.of.fused)
         ways, own = ({**PLAIN, **WAYS}[self.way](steps), Steps()) if self.way else (RIGHT, steps)
 
+        def world(q: np.ndarray) -> Poses:
+            return Poses(view.robot, view.description, q, None, own, ways, self.of.fused)
+
         def made(q: np.ndarray) -> list[Pose]:
-            poses = Poses(view.robot, view.description, q[0], None, own, ways, self.of.fused)
+            poses = world(q[0])
             out = []
             for n in (poses.number[k.name] for k in tree.links):
                 A, p = poses.on_parent(n) if n else (poses.attitudes[0], poses.p[0])
                 out.append(Pose(ways.matrix(A), p, poses.R[n], poses.p[n]))
             return out
 
-        return self.of.answer(view, term, Steps(), tree.posed(made))
+        if self.both:
+            return _with_inertia(tree.posed(partial(_from_world, tree, world)), world(view.states["q"][:1]))
+        return tree.posed(made)
+
+
+def _with_inertia(tree: Tree, poses: Poses) -> Tree:
+    """Slips in rotations by rpy are in those of <inertial> too, at all states alike."""
+    sums, number = Sums(poses, Columns(poses, WITHOUT), WITHOUT), {k.name: k.number for k in tree.links}
+    name = {n: link for link, n in poses.number.items()}
+    tree.links = list(tree.links)
+    for i, n in enumerate(sums.links):
+        k = number[name[n]]
+        tree.links[k] = replace(tree.links[k], c=sums.local[:, :, i], I=sums.tensors[:, :, i])
+    return tree
+
+
+def _from_world(tree: Tree, world: Callable[[np.ndarray], Poses], q: np.ndarray) -> list[Pose]:
+    """A link's pose on its parent is R0(parent)^-1 R0, also where a slip makes R0 no rotation."""
+    poses, out = world(q[0]), list[Pose]()
+    for k in tree.links:
+        R0, p0 = (x[poses.number[k.name]] for x in (poses.R, poses.p))
+        R, p = R0, p0
+        if k.parent >= 0:
+            up = out[k.parent]
+            back = np.linalg.inv(up.R0)
+            R, p = back @ R0, product(back, p0 - up.p0)
+        out.append(Pose(R, p, R0, p0))
+    return out

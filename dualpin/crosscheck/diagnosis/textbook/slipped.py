@@ -18,7 +18,10 @@ Formula = Callable[..., Any]
 
 @dataclass(frozen=True)
 class Slipped:
-    """The prediction of a formulation with slips; two slips in one formulation are made in one run."""
+    """The prediction of a formulation with slips; two slips in one formulation are made in one run.
+
+    So are slips of two formulations, where `run.beside` of one with the other is a formulation with the slips of both.
+    """
 
     run: Run
     slips: tuple[Slip, ...]
@@ -30,15 +33,22 @@ class Slipped:
         return x[0] if self.batched and x is not None else x
 
     def joined(self, other: Formula) -> Slipped | None:
-        """Both at once; None where the other is of another formulation."""
-        if not isinstance(other, Slipped) or other.run is not self.run:
+        """Both at once; None where the other is of an algorithm that is not made with this one."""
+        if not isinstance(other, Slipped):
             return None
-        return replace(self, slips=(*self.slips, *other.slips))
+        run = self.run if other.run is self.run else _beside(self.run, other.run) or _beside(other.run, self.run)
+        return None if run is None else replace(self, run=run, slips=(*self.slips, *other.slips))
 
     def many(self, acts: Sequence[Slipped], view: View, term: str) -> Sequence[np.ndarray | None]:
         """The predictions of several acts of this formulation."""
         x = self.run(view, term, Steps.together([act.slips for act in acts]))
         return [None] * len(acts) if x is None else list(np.broadcast_to(x, (len(acts), *x.shape[1:])))
+
+
+def _beside(one: Run, other: Run) -> Run | None:
+    """An algorithm with the slips of both, if there is one."""
+    beside: Callable[[Run], Run | None] | None = getattr(one, "beside", None)
+    return beside(other) if beside else None
 
 
 def made_of(act: Formula, term: str) -> Any:
