@@ -8,11 +8,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from ..findings import Finding
 from .apart import told_apart
 from .case import Case
+from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
 from .rules.register import DERIVED, PUSHED
@@ -24,13 +24,10 @@ BUDGETS = (8.0, 50.0)
 
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
-VISITS = 50_000  # of the search for the cheapest common story
 DOUBT = 0.35
 """What a cause costs besides, times the share of the terms it would have changed that are right without it."""
 APART = ("kinetic_energy", "coriolis")
 """Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
-AGAIN = 0.1
-"""What a cause costs that another formulation shows, where it was told already."""
 FOLLOWING = 0.9
 """How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
@@ -38,7 +35,6 @@ BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 FRESH = 2  # answers of a term with a history that are explained
 FRESH_SHARE = 0.5  # of the time that these have
-MOST = 16  # stories of a term that it looks at
 
 
 @dataclass
@@ -188,6 +184,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     causes = _causes(case, searches)
     for search in searches.values():  # what was found last may explain a term before
         search.known([*causes, *_together(causes), *found])
+        search.composed()
     return _grounded({t: s.explanation() for t, s in searches.items()})
 
 
@@ -235,7 +232,7 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
     whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
-            variants, terms = whose.setdefault(_cause(h), ([], []))
+            variants, terms = whose.setdefault(cause_of(h), ([], []))
             terms.append(term)
             if h not in variants:
                 variants.append(h)
@@ -338,7 +335,7 @@ def _alternatives(
     others: dict[frozenset[object], Story] = {}
     for t in terms:
         for s in told[t].stories:
-            if _as_causes(s) != _as_causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
+            if as_causes(s) != as_causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
                 others.setdefault(identity(s), s)
     # only what explains all of its terms stands in its place
     whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
@@ -349,55 +346,3 @@ def _alternatives(
         if state:
             return words, state
     return words, {}
-
-
-def cheapest(
-    options: Mapping[str, Sequence[Story]], price: Callable[[Hypothesis], float] = lambda h: h.cost
-) -> dict[str, Story]:
-    """One story for each term, so that all hypotheses together cost least: by branch and bound.
-
-    A cause that other formulations show as well is paid once, but for `AGAIN`; its variants are paid once.
-    """
-    terms = sorted(options, key=lambda t: len(options[t]))
-    told_by = Counter(key for stories in options.values() for key in {_as_causes(s) for s in stories})
-    worth = {t: {identity(s): sum(map(price, s)) for s in stories} for t, stories in options.items()}
-    likely = {
-        t: sorted(x, key=lambda s: (-told_by[_as_causes(s)], worth[t][identity(s)]))[:MOST] for t, x in options.items()
-    }
-    least: dict[Any, float] = {}  # of each cause's variants
-    for h in (h for stories in options.values() for s in stories for h in s):
-        least[_cause(h), h.cause] = min(least.get((_cause(h), h.cause), math.inf), price(h))
-    best: tuple[float, float] = (math.inf, math.inf)
-    picked: dict[str, Story] = {}
-    visits = 0
-
-    def new(s: Story, claimed: Mapping[Any, float]) -> dict[Any, float]:
-        """What a story claims besides."""
-        causes = {key[0] for key in claimed}
-        fresh = [key for h in s if (key := (_cause(h), h.cause)) not in claimed]
-        return {key: AGAIN if key[0] in causes else least[key] for key in fresh}
-
-    def branch(k: int, claimed: Mapping[Any, float], told: float, chosen: tuple[Story, ...]) -> None:
-        nonlocal best, picked, visits
-        visits += 1
-        spent = round(sum(claimed.values()), 6)
-        if (spent, told) >= best or visits > VISITS:
-            return
-        if k == len(terms):
-            best, picked = (spent, told), dict(zip(terms, chosen, strict=True))
-            return
-        more = [(sum(claims.values()), cost(s), claims, s) for s in likely[terms[k]] for claims in [new(s, claimed)]]
-        for _, _, claims, s in sorted(more, key=lambda x: x[:2]):
-            branch(k + 1, {**claimed, **claims}, told + cost(s), (*chosen, s))
-
-    branch(0, {}, 0.0, ())
-    return picked
-
-
-def _cause(h: Hypothesis) -> tuple[Any, ...]:
-    """What makes it the same mistake as another."""
-    return h.mistake or h.cause
-
-
-def _as_causes(s: Story) -> frozenset[Any]:
-    return frozenset(map(_cause, s))

@@ -20,7 +20,7 @@ from .case import Case
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
-from .rules.composed import by_symbols
+from .rules.composed import PARTS, by_symbols
 from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import made_of, share
@@ -192,7 +192,13 @@ class Search:
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
-        if not self.exact:  # it may follow from other terms: soon seen, so also where no time is left
+        if not self.exact:  # it may follow from other terms; not from what may as well follow from it
+            apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
+            self.consider([(h,) for h in apart])
+
+    def composed(self) -> None:
+        """Whether it follows from other terms: soon seen, so also where no time is left."""
+        if self.open:
             self.consider([(h,) for h in self._whole if h.made_of])
 
     def _by_symbols(self, others: Iterable[Story]) -> dict[frozenset[object], Story]:

@@ -1,0 +1,67 @@
+"""The fewest hypotheses that explain all terms together."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from .hypothesis import Hypothesis, Story, cost, identity
+
+VISITS = 50_000  # of the search for the cheapest common story
+AGAIN = 0.1
+"""What a cause costs that another formulation shows, where it was told already."""
+MOST = 16  # stories of a term that it looks at
+
+
+def cheapest(
+    options: Mapping[str, Sequence[Story]], price: Callable[[Hypothesis], float] = lambda h: h.cost
+) -> dict[str, Story]:
+    """One story for each term, so that all hypotheses together cost least: by branch and bound.
+
+    A cause that other formulations show as well is paid once, but for `AGAIN`; its variants are paid once.
+    """
+    terms = sorted(options, key=lambda t: len(options[t]))
+    told_by = Counter(key for stories in options.values() for key in {as_causes(s) for s in stories})
+    worth = {t: {identity(s): sum(map(price, s)) for s in stories} for t, stories in options.items()}
+    likely = {
+        t: sorted(x, key=lambda s: (-told_by[as_causes(s)], worth[t][identity(s)]))[:MOST] for t, x in options.items()
+    }
+    least: dict[Any, float] = {}  # of each cause's variants
+    for h in (h for stories in options.values() for s in stories for h in s):
+        least[cause_of(h), h.cause] = min(least.get((cause_of(h), h.cause), math.inf), price(h))
+    best: tuple[float, float] = (math.inf, math.inf)
+    picked: dict[str, Story] = {}
+    visits = 0
+
+    def new(s: Story, claimed: Mapping[Any, float]) -> dict[Any, float]:
+        """What a story claims besides."""
+        causes = {key[0] for key in claimed}
+        fresh = [key for h in s if (key := (cause_of(h), h.cause)) not in claimed]
+        return {key: AGAIN if key[0] in causes else least[key] for key in fresh}
+
+    def branch(k: int, claimed: Mapping[Any, float], told: float, chosen: tuple[Story, ...]) -> None:
+        nonlocal best, picked, visits
+        visits += 1
+        spent = round(sum(claimed.values()), 6)
+        if (spent, told) >= best or visits > VISITS:
+            return
+        if k == len(terms):
+            best, picked = (spent, told), dict(zip(terms, chosen, strict=True))
+            return
+        more = [(sum(claims.values()), cost(s), claims, s) for s in likely[terms[k]] for claims in [new(s, claimed)]]
+        for _, _, claims, s in sorted(more, key=lambda x: x[:2]):
+            branch(k + 1, {**claimed, **claims}, told + cost(s), (*chosen, s))
+
+    branch(0, {}, 0.0, ())
+    return picked
+
+
+def cause_of(h: Hypothesis) -> tuple[Any, ...]:
+    """What makes it the same mistake as another."""
+    return h.mistake or h.cause
+
+
+def as_causes(s: Story) -> frozenset[Any]:
+    return frozenset(map(cause_of, s))
