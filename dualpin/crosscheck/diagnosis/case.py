@@ -300,6 +300,8 @@ class Case:
 
     def spared(self, h: Hypothesis) -> list[str]:
         """Terms that a hypothesis would have changed, and that are right without it."""
+        if h.of_a_call:
+            return []
         if h.identity not in self._spared:
             found = []
             for term in (t for t in h.terms if t in self.observed and self.score(t).right):

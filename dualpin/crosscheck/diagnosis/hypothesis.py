@@ -79,6 +79,8 @@ class Hypothesis:
         What it has in common with causes that are the same mistake, as other formulations show it.
     afterwards : bool
         Whether it takes so long that it is tried only where the same mistake explains another term.
+    of_a_call : bool
+        Whether each call makes it for itself: that other terms are right then says nothing against it.
     made_of : tuple of str
         Other terms of which it says that this one is made: it explains nothing where these are not explained.
     """
@@ -97,6 +99,7 @@ class Hypothesis:
     variant: str = ""
     mistake: tuple[str, ...] = ()
     afterwards: bool = False
+    of_a_call: bool = False
     made_of: tuple[str, ...] = ()
 
     @property

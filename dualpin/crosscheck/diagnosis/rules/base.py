@@ -148,7 +148,7 @@ def base_motion(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         terms = tuple(t for t in ALL if set(inputs) & set(QUESTIONS[t].inputs))
         act, values = lambda view: passed(view, change), f"{' and '.join(inputs)}: {words}"
-        return replace(h, terms=terms, place="state", act=act, values=values, cost=1.1)
+        return replace(h, terms=terms, place="state", act=act, values=values, cost=1.1, of_a_call=True)
 
     each = (("v",), ("a",), ("v", "a"))
     return [one(words, inputs) for words in VELOCITIES for inputs in each] if case.floating else []

@@ -59,7 +59,7 @@ def inputs_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return replace(
             h, terms=_taking(a, b), place="state", act=lambda view: passed(view, change), values=f"{a} and {b}",
-            cost=1.1,
+            cost=1.1, of_a_call=True,
         )  # fmt: skip
 
     return [one(*pair) for pair in SWAPS]
@@ -69,7 +69,7 @@ def inputs_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
 def input_instead(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(words: str, change: Change, terms: tuple[str, ...]) -> Hypothesis:
         act = lambda view: passed(view, change)  # noqa: E731
-        return replace(h, terms=terms, place="state", act=act, values=words, cost=1.15)
+        return replace(h, terms=terms, place="state", act=act, values=words, cost=1.15, of_a_call=True)
 
     def another(of: str, what: str) -> Change:
         return lambda view, s: {what: _taken(of, what, view.layout.how, s)}
@@ -124,7 +124,7 @@ def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
             return found
 
         return replace(
-            h, terms=_taking(*inputs) if len(inputs) == 1 else ALL, place="state", cost=1.15,
+            h, terms=_taking(*inputs) if len(inputs) == 1 else ALL, place="state", cost=1.15, of_a_call=True,
             act=lambda view: passed(view, change), values=f"{', '.join(inputs)}: {words}",
         )  # fmt: skip
 

@@ -13,7 +13,7 @@ from ...subjects.layout import quaternions, rotations
 from ..case import Case
 from ..description import Body, Description, merged
 from ..hypothesis import Hypothesis
-from ..textbook.lumps import Piece, at_once, from_nothing, one_by_one, pieces
+from ..textbook.lumps import OF_LINKS, Piece, at_once, from_nothing, one_by_one, pieces
 from ..textbook.steps import Slip, Steps
 from ..textbook.words import rows
 from .register import INERTIAL, MASSIVE, differ, proposer
@@ -49,6 +49,8 @@ def _lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
             make(steps, group)
         right = {link: make(Steps(), group) for link, group in groups.items()}
         for slip in steps.found:
+            if slip.site in OF_LINKS and (make is not at_once or all_links):
+                continue  # it is the same in all ways, and of links that weigh nothing
             made = {link: make(Steps(slip), group) for link, group in groups.items()}
             if not any(differ(right[link], made[link]) for link in groups):
                 continue

@@ -9,7 +9,8 @@ appendix B.2.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import combinations, permutations, product
 from typing import NamedTuple
 
@@ -23,6 +24,10 @@ TURNED = "the tensor of <inertial>, in the axes of its rpy,"
 READ = "the tensor of <inertial>"
 OUTER = "d d^T in Steiner's term of merging"
 CARRIED = "a fixed link's tensor, in its own axes,"
+PLACEMENT, TURN = "the placement by which a fixed link is merged", "a fixed link's centre"
+PLACE = "the place of a fixed link's centre"
+OF_LINKS = frozenset({TURNED, READ, CARRIED, PLACEMENT, TURN, PLACE})
+"""Steps of single links, before they are merged in one way or another."""
 
 
 class Piece(NamedTuple):
@@ -69,15 +74,26 @@ def pieces(d: Description, fused: bool = True, bare: bool = False) -> dict[str, 
     return found
 
 
+def _copied(to: tuple[int, int], of: tuple[int, int], J: np.ndarray) -> np.ndarray:
+    x = J.copy()
+    x[..., to[0], to[1]] = x[..., of[0], of[1]]
+    return x
+
+
+MISREAD: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "its upper triangle alone": np.triu, "its lower triangle alone": np.tril,
+    **{
+        f"that with i{'xyz'[k]}{'xyz'[m]} in row {i + 1}, column {j + 1} alone": partial(_copied, (i, j), (k, m))
+        for (i, j), (k, m) in product(permutations(range(3), 2), combinations(range(3), 2)) if {i, j} != {k, m}
+    },
+}  # fmt: skip
+"""What may be read in the place of a symmetric tensor."""
+
+
 def tensor(steps: Steps, piece: Piece) -> np.ndarray:
     """About the piece's centre, in the axes of the body."""
-    others = {"its upper triangle alone": np.triu(piece.J), "its lower triangle alone": np.tril(piece.J)}
-    for (i, j), (k, m) in product(permutations(range(3), 2), combinations(range(3), 2)):
-        if {i, j} != {k, m}:
-            x = piece.J.copy()
-            x[i, j] = x[k, m]
-            others[f"that with i{'xyz'[k]}{'xyz'[m]} in row {i + 1}, column {j + 1} alone"] = x
-    J = steps.pick(READ, piece.J[None, None], **{words: x[None, None] for words, x in others.items()})
+    J = piece.J[None, None]
+    J = steps.pick(READ, J, **{words: partial(read, J) for words, read in MISREAD.items()})
     I = steps.congruent(TURNED, piece.R[None, None], J)
     return np.asarray(steps.congruent(CARRIED, piece.Q[None, None], I) if piece.fixed else I)
 
@@ -88,7 +104,7 @@ def standing(steps: Steps, piece: Piece) -> Piece:
         return piece
     H, back = homogeneous(piece.Q, piece.p), homogeneous(piece.Q.T, piece.p)
     wrong = {"the inverse one": np.linalg.inv(H), "that with its rotation transposed": back}
-    H = steps.pick("the placement by which a fixed link is merged", H, **wrong)
+    H = steps.pick(PLACEMENT, H, **wrong)
     return piece._replace(Q=H[:3, :3], p=H[:3, 3])
 
 
@@ -96,8 +112,8 @@ def centre(steps: Steps, piece: Piece) -> np.ndarray:
     """Of a link, in the axes of the body."""
     if not piece.fixed:
         return piece.com
-    turned = steps.turn("a fixed link's centre", piece.Q, piece.com)
-    return np.asarray(steps.add("the place of a fixed link's centre", **{"the link's place": piece.p, "R c": turned}))
+    turned = steps.turn(TURN, piece.Q, piece.com)
+    return np.asarray(steps.add(PLACE, **{"the link's place": piece.p, "R c": turned}))
 
 
 def at_once(steps: Steps, group: list[Piece]) -> Body:
@@ -203,10 +219,14 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
         others = {"that of what is there": m, "that of the fixed link": mass, "the sum": m + mass}
         kept = steps.pick("the mass that is kept of what is there and a fixed link", whole, **others)
         both = np.concatenate([[kept], C, I.ravel()])
-        last = np.concatenate([[mass], new, tensor(Steps(), p)[0, 0].ravel()])
-        both = steps.pick("what is there with a fixed link", both, **{"the last link alone, which replaces it": last})
+        last = {"the last link alone, which replaces it": partial(_alone, p, new)}
+        both = steps.pick("what is there with a fixed link", both, **last)
         m, c, I = both[0], both[1:4], both[4:].reshape(3, 3)
     return Body(float(m), c, np.zeros(3), ONE, I)
+
+
+def _alone(p: Piece, c: np.ndarray) -> np.ndarray:
+    return np.concatenate([[p.mass], c, tensor(Steps(), p)[0, 0].ravel()])
 
 
 def _share(
