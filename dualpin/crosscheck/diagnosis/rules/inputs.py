@@ -99,21 +99,24 @@ def _negative(q: np.ndarray, at: np.ndarray) -> np.ndarray:
 ONE_EARLY, ONE_LATE = "one column too early, the first one twice", "one column too late, the last one twice"
 
 
-@proposer(
-    "input_order", "an input is read in another order than the others and the answers",
-    "count the columns of q, v, a and tau alike", late=True,
-)  # fmt: skip
-def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    """Of joints of one coordinate, as the subject has its columns."""
+def _places(case: Case) -> dict[tuple[int, ...], str]:
+    """Other orders of joints of one coordinate, as the subject has its columns."""
     names = [case.how.v[k] for k in _columns(case.how)[1]]
-    places: dict[tuple[int, ...], str] = {}
+    found: dict[tuple[int, ...], str] = {}
     count = len(names)
     early, late = ([min(max(k + step, 0), count - 1) for k in range(count)] for step in (-1, 1))
     known = {words: [names.index(n) for n in some] for words, some in orders(case.description, names).items()}
     for words, order in {**known, ONE_EARLY: early, ONE_LATE: late, "the first one for all": [0] * count}.items():
         if order != list(range(count)) and len(order) == count:
-            places.setdefault(tuple(order), words)
+            found.setdefault(tuple(order), words)
+    return found
 
+
+@proposer(
+    "input_order", "an input is read in another order than the others and the answers",
+    "count the columns of q, v, a and tau alike", late=True,
+)  # fmt: skip
+def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(order: tuple[int, ...], words: str, inputs: tuple[str, ...]) -> Hypothesis:
         def change(view: View, s: States) -> States:
             q, v = _columns(view.layout.how)
@@ -129,7 +132,32 @@ def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
         )  # fmt: skip
 
     each = (("q",), ("v",), ("a",), ("tau",), ("q", "v", "a", "tau"))
-    return [one(order, words, inputs) for order, words in places.items() for inputs in each]
+    return [one(order, words, inputs) for order, words in _places(case).items() for inputs in each]
+
+
+@proposer(
+    "answer_order", "answers are written in another order than the inputs are read",
+    "write joint k's torque, or column, in place k", late=True,
+)  # fmt: skip
+def answer_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    def one(order: tuple[int, ...], words: str) -> Hypothesis:
+        def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+            at, out = _columns(view.layout.how)[1], x.copy()
+            there = at[list(order)]
+            out[..., at] = x[..., there]
+            if QUESTIONS[term].form in SQUARE:
+                out[..., at, :] = out[..., there, :]
+            return out
+
+        return replace(h, terms=OF_JOINTS, place="answer", act=act, values=words, cost=1.15, of_a_call=True)
+
+    return [one(order, words) for order, words in _places(case).items()]
+
+
+SQUARE = ("matrix", "inverse", "coriolis")
+BY_JOINTS = (*SQUARE, "force", "bias", "acceleration", "columns", "six", "six_rate")
+OF_JOINTS = tuple(t for t in ALL if QUESTIONS[t].form.removeprefix("pushed_") in BY_JOINTS)
+"""Terms whose last axis is that of velocities."""
 
 
 ZEROS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {

@@ -11,7 +11,7 @@ from ....spatial.inertia import steiner
 from ..case import Case
 from ..description import Body, Description, Part, homogeneous
 from ..hypothesis import Hypothesis
-from .register import INERTIAL, MASSIVE, joint_rule, proposer
+from .register import INERTIAL, MASSIVE, changes, joint_rule, proposer
 
 MERGE = "carry the inertia of a fixed link by the whole pose of its joint: R I R^T, then Steiner"
 
@@ -132,3 +132,61 @@ def chained(h: Hypothesis, case: Case) -> list[Hypothesis]:
         )
         for what, names in orders.items() for breadth in (False, True)
     ]  # fmt: skip
+
+
+# --- frames of <inertial> ------------------------------------------------------------------------
+
+Frame = Callable[[np.ndarray, np.ndarray, Body], Body]
+"""Of a joint's rotation and xyz, and the body of the link that it carries."""
+
+
+def _at(com: np.ndarray, rotation: np.ndarray, b: Body) -> Body:
+    return replace(b, com=com, rotation=rotation)
+
+
+FRAMES: dict[str, Frame] = {
+    "in the frame that the joint's origin is given in": lambda R, x, b: _at(R.T @ (b.com - x), R.T @ b.rotation, b),
+    "in the axes that the joint's origin is given in": lambda R, x, b: _at(R.T @ b.com, R.T @ b.rotation, b),
+    "with xyz counted from where the joint's origin is counted from": lambda R, x, b: _at(
+        b.com - R.T @ x, b.rotation, b
+    ),
+    "with the joint's xyz taken from its own": lambda R, x, b: _at(b.com - x, b.rotation, b),
+    "with the joint's xyz added to its own": lambda R, x, b: _at(b.com + x, b.rotation, b),
+    "moved by the joint's origin once more": lambda R, x, b: _at(R @ b.com + x, R @ b.rotation, b),
+    "turned by the joint's rpy once more": lambda R, x, b: _at(R @ b.com, R @ b.rotation, b),
+    "with its tensor turned by the joint's rpy once more": lambda R, x, b: _at(b.com, R @ b.rotation, b),
+    "with its tensor in the axes that the joint's origin is given in": lambda R, x, b: _at(b.com, R.T @ b.rotation, b),
+    "with its xyz turned by the joint's rpy once more": lambda R, x, b: _at(R @ b.com, b.rotation, b),
+    "with its xyz in the axes that the joint's origin is given in": lambda R, x, b: _at(R.T @ b.com, b.rotation, b),
+    "with the joint's rpy in the place of its own": lambda R, x, b: _at(b.com, R, b),
+    "with the joint's xyz in the place of its own": lambda R, x, b: _at(x, b.rotation, b),
+    "with the joint's origin in the place of its own": lambda R, x, b: _at(x, R, b),
+}
+WHICH: dict[str, Callable[[Part], bool]] = {
+    "": lambda p: True, " (of links that joints move)": lambda p: p.moves, " (of fixed links)": lambda p: not p.moves,
+}  # fmt: skip
+
+
+@proposer(
+    "inertial_frame", "<inertial> is taken in another frame", "xyz and rpy of <inertial> are given in the link's frame",
+    late=True,
+)  # fmt: skip
+def inertial_frame(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """The frame of a link is that of the joint that carries it."""
+    d, found = case.description, list[Hypothesis]()
+    for words, change in FRAMES.items():
+        for of, chosen in WHICH.items():
+
+            def edit(
+                d: Description, items: Sequence[str], change: Frame = change, chosen: Callable[[Part], bool] = chosen
+            ) -> Description:
+                def part(p: Part, _: Description) -> Part:
+                    b = p.body
+                    return p if b is None or not chosen(p) else replace(p, body=change(p.rotation, p.position, b))
+
+                return d.with_parts(part)
+
+            if changes(d, edit(d, ())):
+                values, cost = words + of, 1.1 + 0.05 * bool(of)
+                found.append(replace(h, place="edit", act=edit, terms=INERTIAL, values=values, cost=cost))
+    return found
