@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dualpin.crosscheck.diagnosis import Case, shared
+from dualpin.crosscheck.diagnosis import Case, diagnose, shared
 from dualpin.crosscheck.diagnosis.hypothesis import ordered
 from dualpin.crosscheck.diagnosis.rules.register import RULES
 from dualpin.crosscheck.diagnosis.textbook.slipped import share
@@ -79,3 +79,11 @@ def test_few_robots_are_kept(monkeypatch):
     assert len(shared._ROBOTS) == shared.ROBOTS
     assert shared.shared(4) is kept[4]
     assert shared.shared(0) is not kept[0]
+
+
+def test_a_mistake_beside_a_history_is_that_of_the_first_answer():
+    ask = asking(PROBE, 4, 0, ("fk", "crba"))
+    both = written("sixvectors", "x_moments_order", "x_inertia_accumulates")
+    found = diagnose(Case(ask_here(both(ask.text), ask, lambda what: None))).findings
+    assert {f.key for f in found} == {"history", "inertia_order"}, found
+    assert any(f.says.endswith("as the first answer shows") for f in found)

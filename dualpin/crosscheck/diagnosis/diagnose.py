@@ -33,8 +33,7 @@ FOLLOWING = 0.9
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
-FRESH = 2  # answers of a term with a history that are explained
-FRESH_SHARE = 0.5  # of the time that these have
+FRESH_SHARE = 0.5  # of the time that the first answers to terms with a history have at least
 
 
 @dataclass
@@ -74,10 +73,9 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
         told = _explained(case, off, start + budget - kept_back, tick)
         _report(case, told, errors, found)
     said = {(f.key, f.says) for f in found.findings}
-    until = min(start + budget, time.process_time() + FRESH_SHARE * budget)
-    for finding in _besides_history(case, until, tick):
+    for finding in _besides_history(case, start + budget, tick):
         if (finding.key, finding.says) not in said:
-            finding.says += f", as the first {FRESH} answers show"
+            finding.says += ", as the first answer shows"
         _add(found.findings, finding)
     found.predictions, found.seconds = case.tried, time.process_time() - start
     return found
@@ -95,10 +93,10 @@ def _history(case: Case) -> list[Finding]:
 
 
 def _besides_history(case: Case, until: float, tick: Callable[[str], None]) -> list[Finding]:
-    """Causes of the first answers to terms with a history, where little was asked before; no numbers are fitted."""
-    first = case.few(FRESH)
+    """Causes of the very first answers to terms with a history, which no call before has spoilt; nothing is fitted."""
+    first = case.few(1)
     errors = {t: first.score(t).error for t in case.answers.history if t in case.observed}
-    off = [t for t, e in errors.items() if not case.few(1).score(t).right and math.isfinite(e)]
+    off = [t for t, e in errors.items() if not first.score(t).right and math.isfinite(e)]
     if not off:  # the very first answers are right: nothing but the history is wrong
         return []
     told = {t: e for t, e in _explained(first, off, until, tick).items() if e.named}
@@ -136,10 +134,10 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def unexplained(search: Search) -> bool:  # also where it follows from terms that have no cause
         return search.open
 
-    def doubtful(search: Search) -> bool:
+    def doubtful(search: Search, looked_at: Callable[[Search], bool]) -> bool:
         explained = [t for t, s in searches.items() if not s.open]
-        examined = {h.cause for s in searches.values() if s.slipped for story in s.stories for h in story}
-        return not (search.slipped or search.open) and search.doubtful(explained, examined)
+        examined = {h.cause for s in searches.values() if looked_at(s) for story in s.stories for h in story}
+        return not (looked_at(search) or search.open) and search.doubtful(explained, examined)
 
     def one_more(search: Search) -> None:
         search.added(_causes(case, searches))
@@ -151,7 +149,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         search.slips_besides(_causes(case, searches)[:BESIDES])
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
-    reading = "a slip of other terms and a reading"
+    merging, reading = "slips of merging fixed links", "a slip of other terms and a reading"
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
@@ -161,6 +159,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(slips, Search.slips, unknown, [term])
             stage(beside, besides, unknown, [term])
+            stage(merging, Search.merging, unknown, [term])
             stage(reading, one_more_reading, unknown, [term])
             if not catalogue.settled:
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
@@ -168,17 +167,20 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(one_more_cause, one_more, unknown, off)
     stage(beside, besides, unknown, off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
+    stage(merging, Search.merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
         stage(beside, besides, unknown, off)
-    stage(slips, Search.slips, doubtful, off)
+    stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), off)
+    stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), off)
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
     stage(beside, besides, unexplained, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
+    stage(merging, Search.merging, lambda s: s.open and not s.remerged, off)
     stage(two_causes, Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     causes = _causes(case, searches)

@@ -32,7 +32,7 @@ KNOWN_SCALE = {
 def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     """What can be estimated from a term's residual under a story."""
     x, p = case.observed[term], case.predict(term, story)
-    if p is None or p.shape != x.shape or not np.isfinite(p).all():
+    if p is None or p.shape != x.shape or not np.isfinite(p).all() or len(x) < 2:  # one state cannot judge as well
         return []
     keys = {h.key for h in story}
     found: list[Hypothesis] = []

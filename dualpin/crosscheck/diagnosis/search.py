@@ -80,12 +80,26 @@ class Catalogue:
         self.case, self._cases = case, dict[int, Case]()
         self.settled: set[str] = set()
         """Terms of which a cause is found, of their own or of the terms that they are made of."""
-        self.all: list[Hypothesis] = [h for rule in RULES if not rule.late for h in rule.propose(case)]
+        few = case.asking.samples < 2  # at one state what need only have something in common with an answer has it
+        proposed = (h for rule in RULES if not rule.late for h in rule.propose(case))
+        self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
         self._kin: dict[Any, list[Hypothesis]] = {}
 
-    @cached_property
+    @property
     def late(self) -> list[Hypothesis]:
-        found = [h for rule in RULES if rule.late for h in rule.propose(self.case)]
+        """Those of late rules."""
+        return [*self._slips, *self._merging]
+
+    @cached_property
+    def _slips(self) -> list[Hypothesis]:
+        return self._of_rules(1)
+
+    @cached_property
+    def _merging(self) -> list[Hypothesis]:
+        return self._of_rules(2)
+
+    def _of_rules(self, late: int) -> list[Hypothesis]:
+        found = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
         for h in found:
             self._kin.setdefault(h.mistake or h.cause, []).append(h)
         return found
@@ -97,15 +111,15 @@ class Catalogue:
         """The same mistake as other formulations, or what is made of them, show it."""
         return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
 
-    def slips(self, term: str, until: float, base: Story = ()) -> list[Story]:
+    def slips(self, term: str, until: float, base: Story = (), late: int = 1) -> list[Story]:
         """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
 
-        `base` is a story that holds besides.
+        `base` is a story that holds besides; `late` says of which rules they are.
         """
         few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
-        for h in (h for h in self.late if term in h.terms and not h.afterwards):
+        for h in (h for h in (self._slips if late == 1 else self._merging) if term in h.terms and not h.afterwards):
             if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
@@ -143,7 +157,7 @@ class Search:
         self._near_slips: list[Hypothesis] = []
         self._others: set[frozenset[object]] = set()
         self._beam: list[Story] = []
-        self.tried = self.slipped = False
+        self.tried = self.slipped = self.remerged = False
 
     @property
     def late(self) -> bool:
@@ -222,6 +236,12 @@ class Search:
         self._near_slips = [h for n in near for h in n.story]
         self.slipped = True
 
+    def merging(self) -> None:
+        """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less."""
+        near = self.consider(self.catalogue.slips(self.term, self.until, late=2))
+        self._near_slips += [h for n in near for h in n.story]
+        self.remerged = True
+
     def slips_besides(self, causes: Sequence[Story]) -> None:
         """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse."""
         self._slips_with(self._nearest(causes))
@@ -233,11 +253,13 @@ class Search:
 
     def _nearest(self, causes: Sequence[Story]) -> list[Near]:
         """Causes of other terms as they show in this one, the nearest first."""
-        here = {identity(s): s for c in causes for h in c for s in self._shown(h) if identity(s) not in self.good}
-        stories = list(here.values())
-        scores = self.case.scores(self.term, stories)
-        near = [nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)]
-        return sorted(near, key=lambda n: n.score.rms)
+        shown = [(s, s[0].variant == h.variant) for c in causes for h in c for s in self._shown(h)]
+        here = {identity(s): (s, alike) for s, alike in shown if identity(s) not in self.good}
+        scores = self.case.scores(self.term, [s for s, _ in here.values()])
+        near = [(alike, nearness(s, x)) for (s, alike), x in zip(here.values(), scores, strict=True)]
+        # the variant that explains other terms comes first; of those that come equally near, the plainest
+        near.sort(key=lambda x: (not x[0], float(f"{x[1].score.rms:.9g}"), cost(x[1].story)))
+        return [n for _, n in near if np.isfinite(n.score.error)]
 
     def _slips_with(self, nearest: Sequence[Near]) -> None:
         made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each

@@ -53,6 +53,9 @@ def few(case: Case) -> bool:
     return not case.floating and case.robot.nv <= 12
 
 
+EARLY = ("early", True)
+
+
 @dataclass(frozen=True)
 class Slipping:
     """Answers with slips in some parts: in a field of `Made`, or in one of the ways of rotations."""
@@ -71,10 +74,10 @@ class Slipping:
         if type(other) is Dynamics:
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
-        if not isinstance(other, Slipping) or other.how != self.how:
+        if not isinstance(other, Slipping) or {*self.how, EARLY} != {*other.how, EARLY}:
             return None
-        parts = self.parts | other.parts
-        return Slipping(parts, self.how) if len(parts & WAYS.keys()) < 2 else None
+        parts, how = self.parts | other.parts, max(self.how, other.how, key=len)  # axes are kept early in both
+        return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
 
 
 poses = Slipping(frozenset({"poses"}))

@@ -31,9 +31,7 @@ TRIANGLES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 """What a code makes of a tensor that is not symmetric, where it does not go on with all of it."""
 
 
-@proposer(
-    "step_left_out, ...", "a step of merging fixed links, or of reading a tensor, is wrong", FIX, rows(), late=True
-)
+@proposer("step_left_out, ...", "a step of merging fixed links, or of reading a tensor, is wrong", FIX, rows(), late=2)
 def lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return case.shared.once("lumping", lambda: _lumping(h, case))
 
@@ -140,7 +138,7 @@ def _transposed(column: int | None, V: np.ndarray) -> np.ndarray:
 
 @proposer(
     "principal_axes", "principal moments and their axes are put together wrongly",
-    "I = V D V^T, the columns of V a right-handed set of principal axes in the order of the moments in D", late=True,
+    "I = V D V^T, the columns of V a right-handed set of principal axes in the order of the moments in D", late=2,
 )  # fmt: skip
 def principal_axes(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(words: str, variant: str, axes: Axes, order: tuple[int, ...], fused: bool) -> Hypothesis:

@@ -43,8 +43,8 @@ class Rule:
     propose: Callable[[Case], Iterable[Hypothesis]]
     rows: Mapping[str, str] = field(default_factory=dict)
     """Where it proposes several keys: what each says."""
-    late: bool = False
-    """Whether its hypotheses are tried only where no single cause of the other rules explains a term."""
+    late: int = 0
+    """1 where its hypotheses are tried only where no single cause of the other rules explains a term; 2 after those."""
 
 
 RULES: list[Rule] = []
@@ -177,7 +177,7 @@ def rule(
 
 
 def proposer(
-    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None, late: bool = False
+    key: str, says: str, fix: str, rows: Mapping[str, str] | None = None, late: int = 0
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """A function (key, case) -> hypotheses, for rules whose words or number depend on the case."""
 
