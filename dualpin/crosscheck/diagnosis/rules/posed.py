@@ -16,21 +16,23 @@ from .formulation import COST, FUSING, formulation
 from .kinematics import KNOWN, off, rotations, shown_in
 
 FORCES = ("gravity", "bias", "rnea", "aba")
-LINKS: dict[str, tuple[Any, tuple[str, ...]]] = {
+FRAMES = ("frame_velocity", "frame_acceleration")
+OF_POSES = (*transforms.OF_FRAMES, *transforms.OF_BODIES)
+Algorithms = dict[str, tuple[Any, tuple[str, ...]]]
+FIRST: Algorithms = {"transforms": (transforms.Transforms(), ("fk",))}
+"""Where slips in rotations show first, if poses are products of transforms."""
+LINKS: Algorithms = {
+    "transforms": (transforms.Transforms(), OF_POSES),
     "six-vectors": (
-        Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix),
-        (*FORCES, *MASSES, "potential_energy"),
+        Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix), (*FORCES, *MASSES, "potential_energy")
     ),
     "link axes": (Dynamics(link_axes.forces, by_columns(link_axes.forces)), (*FORCES, *MASSES)),
-    "transforms": (transforms.Transforms(), ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES)),
-}
+}  # fmt: skip
 """Algorithms from link to link, and what they make of slips in rotations."""
-WORLD: dict[str, tuple[Any, tuple[str, ...]]] = {
-    "transforms, poses by chains": (
-        transforms.Transforms(chained=True),
-        (*transforms.OF_FRAMES, *transforms.OF_BODIES),
-    ),
-    "motions in link axes": (Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration")),
+WORLD: Algorithms = {
+    "transforms, poses by chains": (transforms.Transforms(chained=True), OF_POSES),
+    "motions in link axes": (Seen(spatial.seen, both=True), FRAMES),
+    "motions brought to frames": (Seen(partial(spatial.seen, by_transforms=True), both=True), FRAMES),
 }
 """Algorithms that take both poses in the world and those from link to link."""
 
@@ -39,22 +41,23 @@ def _known(terms: tuple[str, ...], case: Case) -> tuple[str, ...]:
     return terms if off("fk")(case) else ()
 
 
-def _asked(case: Case) -> bool:
+def _asked(terms: tuple[str, ...], case: Case) -> bool:
     """Whether slips in poses are looked for in poses first."""
-    return "fk" in case.observed
+    return "fk" in case.observed and "fk" not in terms
 
 
 def _register(name: str, of: Any, terms: tuple[str, ...], variant: str, way: str, alike: str = "") -> None:
-    wanted, like = partial(_known, terms), shown_in(rotations(way)) if alike else (lambda term: terms[0])
+    like = shown_in(rotations(way)) if alike else (lambda term: terms[0])
     for fused in (False, True):
         values, when = (f"{variant}, {FUSED}", merges) if fused else (variant, lambda case: True)
-        formulation(name, wanted, KNOWN, values, when, COST + 0.05 + FUSING * fused, None, True, like, _asked, alike)(
-            Posed(replace(of, fused=fused), way)
-        )
+        cost, later = COST + 0.05 + FUSING * fused, partial(_asked, terms)
+        add = formulation(name, partial(_known, terms), KNOWN, values, when, cost, None, True, like, later, alike)
+        add(Posed(replace(of, fused=fused), way))
 
 
 for _variant, (_of, _terms) in WORLD.items():
     _register("forward kinematics", _of, _terms, _variant, "")
 for _way in (*PLAIN, *WAYS):
-    for _variant, (_of, _terms) in {**LINKS, **WORLD}.items():
-        _register(_way, _of, _terms, _variant, _way, _way if _way in WAYS else "")
+    for _algorithms in (FIRST, LINKS, WORLD):
+        for _variant, (_of, _terms) in _algorithms.items():
+            _register(_way, _of, _terms, _variant, _way, _way if _way in WAYS else "")
