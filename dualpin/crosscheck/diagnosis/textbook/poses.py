@@ -14,7 +14,7 @@ section 5.6.
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from .lists import branched, by_levels
 from .lumps import listed
 from .steps import Steps, cross
 from .turns import ONE
+from .wholes import Pose, from_parent, multiplied, times
 
 
 class Poses:
@@ -113,9 +114,13 @@ class Poses:
         Ao = ways.of_rpy(steps, part.rpy, part.rotation)
         A, p, on = self._on_body(part, up) if self.fused else self._on_link(part, up, Ao)
         self._sides.append(Placed(on.body, ways.placed(on.A), on.p) if self.fused else Placed(up, Ao, part.position))
-        before = A
         if self.fused:
             up = self.parent[link] = self.placed[up].body
+        which, parent = "of a moving joint" if part.moves else "of a fixed joint", (self.attitudes[up], self.p[up])
+        site, side = f"the product of the parent's pose and a joint's origin: {which}", self._sides[link]
+        origin = side.A, side.p
+        A, p = multiplied(steps, ways, site, ("the parent's", parent), ("the origin's", lambda: origin), (A, p))
+        before = A
         self.of_link.append([])
         if joint is not None and part.axial:
             A, p = self._axial(part, joint, link, up, A, p, Ao)
@@ -129,7 +134,9 @@ class Poses:
         elif part.moves:
             raise ValueError(f"a joint of type {part.type}")
         if joint is None or part.axial:
-            A, p = self._from_parent(link, up, A, p)
+            which = "of the first links" if up == 0 else "of further links"
+            of = "a fixed link" if self.fused and not self.of_link[link] else "a link", which
+            A, p = from_parent(steps, ways, parent, partial(self.on_parent, link), (A, p), of)
         self.attitudes.append(A)
         moves = bool(self.of_link[link])
         self.before.append(ways.matrix(before))
@@ -198,7 +205,7 @@ class Poses:
     def _axial(
         self, part: Part, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray, Ao: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        steps, ways, Ap, x = self.steps, self.ways, self.attitudes[up], self.q[..., joint.q.start]
+        steps, ways, Ap, x, start = self.steps, self.ways, self.attitudes[up], self.q[..., joint.q.start], (A, p)
         ratio, offset = (float(c) for c in joint.coupling)
         follows = joint.mimic is not None
         if follows:
@@ -248,7 +255,19 @@ class Poses:
                 },
             )  # fmt: skip
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, part.rate * ratio, follows, world=z))
-        return A, p
+        other = "a turning joint" if part.slides else "a sliding joint"
+
+        def of_other() -> Pose:
+            turn, slide = (ways.of_axis(Steps(), axis, x), 0 * axis), (ways.start(), axis * x[..., None])
+            return times(ways, start, turn if part.slides else slide)
+
+        def first() -> Pose:
+            side = self._sides[link]
+            return times(ways, times(ways, (Ap, self.p[up]), self._motions[link]), (side.A, side.p))
+
+        further = {f"that with the motion of {other}": of_other, "that with the motion before the origin": first}
+        site, motion = "the product of a joint's origin in the world and its motion", lambda: self._motions[link]
+        return multiplied(steps, ways, site, ("the origin's", start), ("the motion's", motion), (A, p), **further)
 
     def on_parent(self, link: int) -> tuple[np.ndarray, np.ndarray]:
         """Attitude and position of a link on its parent (or on the body that carries that), by one axis at most."""
@@ -256,34 +275,6 @@ class Poses:
         T, shift = self._motions.get(link, (ways.start(), np.zeros((1, 1, 3))))
         R = ways.matrix(side.A)
         return ways.then(side.A, T), side.p + product(R, shift + 0 * R[..., 0])
-
-    def _from_parent(self, link: int, up: int, A: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The pose of a link, where it is made of its pose on the parent, and that of the parent."""
-        ways, Ap, pp, R = self.ways, self.attitudes[up], self.p[up], self.R[up]
-
-        def local(turn: np.ndarray) -> np.ndarray:
-            return product(turn, self.on_parent(link)[1] + 0 * p)
-
-        positions = {
-            "the parent's plus its place there, not turned": lambda: pp + local(ONE),
-            "the parent's plus its place there, turned by the transposed matrix": lambda: pp + local(transposed(R)),
-            "the parent's minus its place there": lambda: 2 * pp - p, "that of the parent alone": pp + 0 * p,
-            "its place on the parent alone": lambda: p - pp,
-        }  # fmt: skip
-        attitudes = {
-            "its own multiplied by the parent's from the right": lambda: ways.then(self.on_parent(link)[0], Ap),
-            "its own on the parent alone": lambda: self.on_parent(link)[0] + 0 * A, "that of the parent alone": Ap,
-            "that of the parent, transposed, times its own": lambda: ways.then(
-                ways.inverse(Ap), self.on_parent(link)[0]
-            ),
-            "that of the parent and its own, multiplied entry by entry": lambda: Ap * self.on_parent(link)[0],
-        }  # fmt: skip
-        which = ": of the first links" if up == 0 else ": of further links"
-        made = ("the orientation of a link", "the position of a link")
-        if self.fused and not self.of_link[link]:
-            which, made = ", as a whole,", ("the orientation of a fixed link", "the position of a fixed link")
-        A = self.steps.pick(made[0] + which, A, **attitudes)
-        return A, np.asarray(self.steps.pick(made[1] + which, p, **positions))
 
     def _planar(
         self, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray
