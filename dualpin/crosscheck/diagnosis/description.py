@@ -135,6 +135,14 @@ class Description:
     def part_of_link(self, link: str) -> Part | None:
         return next((p for p in self.parts if p.link == link), None)
 
+    @cached_property
+    def home(self) -> dict[str, np.ndarray]:
+        """The pose of every link where all coordinates are zero, in the root's frame."""
+        found = {self.root: np.eye(4)}
+        for p in self.parts:
+            found[p.link] = found[p.parent] @ p.pose @ p.after
+        return found
+
     def carriers(self) -> dict[str, str]:
         """For every link: the link that it is fixed to and that a joint moves (or the root)."""
         return {link: carrier for link, (carrier, _) in self.carried().items()}

@@ -24,6 +24,7 @@ from . import (  # noqa: F401
     posed,
     pushes,
     rates,
+    screws,
     six_vectors,
     tensors,
     units,
