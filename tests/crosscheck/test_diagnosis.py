@@ -232,3 +232,14 @@ def test_every_hypothesis_has_a_line_in_the_table_and_a_fix(robot, floating):
 
 def test_mistakes_of_a_floating_base_are_known():
     assert not set(FIXED) & set(FLOATING)
+
+
+@pytest.mark.parametrize("term", ["gravity", "crba", "jacobian"])
+def test_rows_and_columns_that_are_never_written_are_said_to_be_so(probe, term):
+    """And not that forces are cut off at a bound, of 0."""
+    answers = ask_here(Student(probe.text, False, ()), probe, lambda what: None)
+    answers.terms[term][..., 2] = 0
+    if term == "crba":
+        answers.terms[term][:, 2] = 0
+    (finding,) = diagnose(Case(answers)).findings
+    assert (finding.key, finding.items) == ("zeros", ["elbow"])

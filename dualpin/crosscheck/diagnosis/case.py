@@ -140,8 +140,11 @@ class Case:
         return self._at(slice(samples))
 
     def complete(self) -> Case:
-        """The same subject at the states for which every term has an answer, of the terms that have any."""
-        answered = [~np.isnan(x).reshape(len(x), -1).all(1) for x in self.observed.values()]
+        """The same subject at the states for which every term has a finite answer, of the terms that have any."""
+        answered = [
+            np.isfinite(x).reshape(len(x), x.shape[1] if QUESTIONS[term].framed else 1, -1).all(2).any(1)
+            for term, x in self.observed.items()
+        ]
         have = np.all([rows for rows in answered if rows.any()], axis=0)
         return self if have.all() or not have.any() else self._at(have)
 

@@ -29,6 +29,7 @@ from . import (  # noqa: F401
     tensors,
     units,
     writing,
+    zeros,
 )
 from .register import RULES
 

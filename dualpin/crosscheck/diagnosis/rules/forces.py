@@ -124,10 +124,10 @@ def friction_smooth(h: Hypothesis, case: Case) -> list[Hypothesis]:
 @rule("saturated", "forces are cut off at a bound", "give them uncut; what an actuator can do is another question",
       ("bias", "rnea", "gravity"), "relation", cost=1.5)  # fmt: skip
 def saturated(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
-    """The largest value of a row stands in it at least twice, and what is predicted is beyond."""
+    """The largest value of a row stands in it at least twice, and what is predicted is beyond; 0 is no bound."""
     top = np.abs(observed).max(axis=0)
     at = np.abs(np.abs(observed) - top) <= 1e-12 * top
-    cut = (at & (np.abs(x) > top)).sum(axis=0) >= 2
+    cut = ((at & (np.abs(x) > top)).sum(axis=0) >= 2) & (top > 0)
     return np.where(cut, np.clip(x, -top, top), x)
 
 
