@@ -18,6 +18,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     articulated,
     body_coriolis,
     composite,
+    exponentials,
     lagrange,
     link_axes,
     plucker,
@@ -72,10 +73,13 @@ RUNS = {
     "jacobians": kinematics.jacobians,
     "jacobians, symbolic": partial(kinematics.jacobians, how=kinematics.SYMBOLIC),
     "jacobians, symbolic by rates": partial(kinematics.jacobians, how=kinematics.RATED),
+    "exponentials": exponentials.run,
+    "exponentials of merged bodies": partial(exponentials.run, fused=True, by_bodies=True),
     "jacobians, velocities too": partial(kinematics.jacobians, how=kinematics.JACOBIANS),
 }
 
 PREDICTS = {
+    "exponentials of": exponentials.OF_BODIES, "exponentials": exponentials.TERMS,
     "transforms by chains": (*transforms.OF_FRAMES, *transforms.OF_BODIES),
     "transforms": ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES),
     "sums": sums.TERMS, "energy": ("kinetic_energy",), "seen in six-vectors": ("frame_velocity", "frame_acceleration"),
@@ -84,7 +88,7 @@ PREDICTS = {
     "jacobians": (*kinematics.SEEN, *kinematics.MOVED),
 }  # fmt: skip
 """The terms of those that begin so, if not all."""
-FIXED = ("jacobians, symbolic", "jacobians, symbolic by rates")
+FIXED = ("jacobians, symbolic", "jacobians, symbolic by rates", "exponentials", "exponentials of merged bodies")
 """Of fixed bases only."""
 
 

@@ -62,9 +62,9 @@ class Transforms:
             return A if term == "centroidal_momentum_matrix" else A[..., 3:, :] / sum(k.mass for k in tree.carried)
         stands = [tree.stands[frame] for frame in view.frames]
         if term == "fk":
-            return None if self.fused else _stacked([_pose(steps, whole[k]) for k, _ in stands])
+            return None if self.fused else stacked([_pose(steps, whole[k]) for k, _ in stands])
         R = [x.R0 for x in poses] if self.chained else [transposed(x[..., :3, :3]) for x in whole]
-        J = _stacked([_jacobian(steps, tree, m, R[k], k, H) for k, H in stands])
+        J = stacked([_jacobian(steps, tree, m, R[k], k, H) for k, H in stands])
         return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
 
 
@@ -186,7 +186,7 @@ def _com(steps: Steps, tree: Tree, m: Model, whole: list[np.ndarray]) -> np.ndar
     return np.asarray(vector(total[..., :3, 3:]) / divisor)
 
 
-def _stacked(parts: list[np.ndarray]) -> np.ndarray:
+def stacked(parts: list[np.ndarray]) -> np.ndarray:
     """Frame by frame, behind runs and samples."""
     shape = np.broadcast_shapes(*(x.shape for x in parts))
     return np.stack([np.broadcast_to(x, shape) for x in parts], axis=2)

@@ -26,10 +26,13 @@ def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
     s, c = _sin_cos(steps, q)
     K, x = cross_matrix(axis), q[..., None, None]
     K = steps.pick("K in Rodrigues' formula", K, **_skews(K))
-    f = steps.pick("the factor of K in Rodrigues' formula", s, **{"cos q": c, "1 - cos q": 1 - c, "q": x})
+    f = steps.pick(
+        "the factor of K in Rodrigues' formula", s, **{"cos q": c, "1 - cos q": 1 - c, "q": x, "1": 0 * x + 1}
+    )
     g = steps.pick(
         "the factor of K^2 in Rodrigues' formula", 1 - c,
-        **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s, "q^2 / 2": x**2 / 2},
+        **{"sin q": s, "cos q": c, "1 + cos q": 1 + c, "1 - sin q": 1 - s, "q^2 / 2": x**2 / 2, "1": 0 * c + 1,
+           "-cos q": -c},
     )  # fmt: skip
     square = steps.pick(
         "K^2 in Rodrigues' formula", K @ K,
