@@ -186,11 +186,12 @@ class Exponentials:
             com = sum(k.mass * self.place(k.number, k.c) for k in tree.carried) / total
             return np.asarray(com if term == "com" else -total * (tree.gravity * com).sum(-1))
         if term == "com_jacobian":
-            return transposed(sum(k.mass * self.body(k)[1] for k in tree.carried) / total)
+            J = np.asarray(sum(k.mass * self.body(k)[1] for k in tree.carried))
+            return transposed(J) / total
         if term == "gravity":
             return np.asarray(sum(self._pull(k) for k in tree.carried))
-        M = sum(self._mass(k) for k in tree.carried)
-        return M if term == "crba" else 0.5 * (states["v"] * product(M, states["v"][None])).sum(-1)  # type: ignore[arg-type]
+        M = np.asarray(sum(self._mass(k) for k in tree.carried))
+        return M if term == "crba" else np.asarray(0.5 * (states["v"] * product(M, states["v"][None])).sum(-1))
 
     def _fk(self) -> np.ndarray:
         out = []
