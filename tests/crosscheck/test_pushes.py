@@ -26,7 +26,6 @@ class Pushed:
 @pytest.mark.parametrize(
     ("taken", "words"),
     [
-        (lambda H, n, f: (n - np.cross(H[:3, 3], f), f), "the world's axes, about the world's origin"),
         (lambda H, n, f: (H[:3, :3].T @ n, H[:3, :3].T @ f), "turned the wrong way, about the frame's origin"),
         (lambda H, n, f: (H[:3, :3] @ n - np.cross(H[:3, 3], H[:3, :3] @ f), H[:3, :3] @ f),
          "the frame's axes, about the world's origin"),
