@@ -158,13 +158,15 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(slips, Search.slips, unknown, [term])
+            if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes
+                before = [t for t in off if not searches[t].open][:FIRST]
+                stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
             stage(merging, Search.merging, unknown, [term])
-            stage(reading, one_more_reading, unknown, [term])
-            if not catalogue.settled:
-                stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
-                stage("slips beside a cause of the whole robot", Search.slips_near, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
+    if not catalogue.settled:
+        stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
+        stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
     stage(beside, besides, unknown, off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(merging, Search.merging, lambda s: not (s.good or s.remerged), off)

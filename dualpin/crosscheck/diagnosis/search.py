@@ -21,6 +21,7 @@ from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 from .rules.composed import PARTS, by_symbols
+from .rules.register import INERTIAL
 from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import made_of, share
@@ -238,8 +239,9 @@ class Search:
 
     def merging(self) -> None:
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less."""
-        near = self.consider(self.catalogue.slips(self.term, self.until, late=2))
-        self._near_slips += [h for n in near for h in n.story]
+        if self.term in INERTIAL:
+            near = self.consider(self.catalogue.slips(self.term, self.until, late=2))
+            self._near_slips += [h for n in near for h in n.story]
         self.remerged = True
 
     def slips_besides(self, causes: Sequence[Story]) -> None:
@@ -336,9 +338,12 @@ class Search:
     @property
     def stories(self) -> list[Story]:
         """The cheapest that explain it; what explains other terms too may cost more."""
-        found = cheapest(self.good.values())
-        told = {identity(s) for s in found}
-        return found + [s for key, s in self.good.items() if key in self._others and key not in told]
+        good = list(self.good.values())
+        if any(len(s) == 1 and s[0].place != "relation" for s in good):  # what predicts all of it is no mere relation
+            good = [s for s in good if all(h.place != "relation" for h in s)]
+        found = cheapest(good)
+        told, others = {identity(s) for s in found}, set(map(identity, good)) & self._others
+        return found + [s for s in good if identity(s) in others - told]
 
     # how
 
