@@ -67,7 +67,7 @@ class Jacobians:
         return x
 
     def _sum(self, term: str) -> np.ndarray:
-        """Over the bodies."""
+        """Over the bodies that joints move."""
         of, bodies, site = getattr(self, f"_{term}"), self.tree.carried, "the bodies that are added up"
         parts = [self.steps.part(site, of(k), i, len(bodies), alone=True) for i, k in enumerate(bodies)]
         return np.asarray(sum(parts[1:], parts[0]))
@@ -78,9 +78,12 @@ class Jacobians:
         """Ad(T^-1 T_k), which brings motions from the axes of one into those of the other."""
         steps, back = self.steps, transposed(to.R0)
         apart = of.p0 - to.p0
-        wrong = {"T_k^-1 T_i": back @ (to.p0 - of.p0)[..., None], "p_k - p_i, not turned": apart[..., None]}
         p = product(back, apart)
-        p = steps.pick("p of T_i^-1 T_k", p, **{words: x[..., 0] for words, x in wrong.items()})
+        wrong = {
+            "that of p_i - p_k": -p, "p_k - p_i, not turned": apart, "R_i (p_k - p_i)": product(to.R0, apart),
+            "R_i^T p_k": product(back, of.p0), "-R_i^T p_i": product(back, -to.p0),
+        }  # fmt: skip
+        p = steps.pick("p of T_i^-1 T_k", p, **wrong)
         R = back @ of.R0
         R = steps.pick("R of T_i^-1 T_k", R, **{"its transpose": transposed(R), "R_k alone": of.R0 + 0 * R})
         lead = np.broadcast_shapes(R.shape[:-2], p.shape[:-1])
@@ -165,16 +168,20 @@ class Jacobians:
 
     # bodies
 
+    def _to_joints(self, J: np.ndarray) -> np.ndarray:
+        """J^T; of six joints J itself is of the same shape."""
+        return np.asarray(self.steps.transpose("J in J^T F", J)) if self.tree.nv == 6 else transposed(J)
+
     def _crba(self, k: Link) -> np.ndarray:
         J = self.jacobian(k)
-        return np.asarray(transposed(J) @ inertia(self.steps, k) @ J)
+        return np.asarray(self._to_joints(J) @ inertia(self.steps, k) @ J)
 
     def _gravity(self, k: Link) -> np.ndarray:
         steps, R = self.steps, self.poses[k.number].R0
         up = steps.turn("gravity, in world axes,", transposed(R), -self.tree.gravity + 0 * R[..., 0])
         a = np.concatenate([0 * up, up], -1)
         a = steps.pick("gravity as a six-vector", a, **{"in the angular rows": np.concatenate([up, 0 * up], -1)})
-        return product(transposed(self.jacobian(k)), product(inertia(steps, k), a))
+        return product(self._to_joints(self.jacobian(k)), product(inertia(steps, k), a))
 
     def _centroidal_momentum_matrix(self, k: Link) -> np.ndarray:
         steps, one = self.steps, np.eye(3)[None, None]
@@ -197,4 +204,4 @@ class Jacobians:
         twice = steps.add("B, (-ad^T G + G ad - [h]) / 2,", **terms)
         B = steps.pick("B, (-ad^T G + G ad - [h]) / 2,", 0.5 * twice, **{"not halved": twice})
         terms = {"G J'": G @ self.rate(k), "B J": B @ J}
-        return np.asarray(transposed(J) @ steps.add("what J^T brings to the joints in C", **terms))
+        return np.asarray(self._to_joints(J) @ steps.add("what J^T brings to the joints in C", **terms))

@@ -36,7 +36,7 @@ def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: b
     order = [int(i) for i in np.argsort([a.column for a in cols.axes])]
     J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]
-    which = sums.poses.carries()[sums.links] if carried else cols.moving(sums.links)[..., 0, :]
+    which = sums.poses.carries()[sums.links][None, None] if carried else cols.moving(sums.links)[..., 0, :]
     moved = which[..., order].astype(float)
     dw, du = _by_rates(sums, order, apart) if by_rates else by_products(cols, w, u, moved, order)
     last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
