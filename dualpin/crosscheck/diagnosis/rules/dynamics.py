@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
 from ..case import Case
 from ..textbook import body_jacobians, composite, lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
-from ..textbook.assembly import Dynamics, Seen, by_columns, right, symbols
+from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
 from ..textbook.steps import EVERYWHERE, Slip
 from .formulation import COST, FUSING, formulation
@@ -121,6 +121,13 @@ def later(case: Case) -> bool:
     return "rnea" in case.observed
 
 
+def _shown(run: object, terms: Sequence[str], case: Case) -> Sequence[str]:
+    """The terms that slips can change: C from Christoffel's symbols of M is wrong only where M is."""
+    of_mass = isinstance(run, Dynamics) and isinstance(run.matrix, Symbols)
+    right = "crba" in case.observed and case.score("crba").right
+    return [t for t in terms if t != "coriolis"] if of_mass and right else terms
+
+
 def _itself(term: str) -> str:
     return term
 
@@ -133,7 +140,8 @@ def register(
     """A formulation, of the links `as_they_are` and of bodies merged from fixed links."""
     cost = COST + 0.05 * bool(variant)
     made = partial(
-        formulation, name, terms, KNOWN, says=SAYS, batched=True, like=like, afterwards=after, only=only
+        formulation, name, partial(_shown, run, terms), KNOWN, says=SAYS, batched=True, like=like, afterwards=after,
+        only=only,
     )  # fmt: skip
     if as_they_are:
         made(variant, cost=cost)(run)

@@ -12,7 +12,7 @@ Robot, Autonomous Robots 35 (2013); Featherstone, Rigid Body Dynamics Algorithms
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +22,7 @@ from ...subjects.layout import product, transposed
 from ..description import Body
 from .attitudes import INERTIAL
 from .columns import Columns
-from .lumps import CARRIED, READ, TURNED
+from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .steps import Slip, Steps, cross
 from .turns import ONE
@@ -103,8 +103,9 @@ class Sums:
         ways = ways.placing
         turn = ways.of_rpy(t.steps, b.rpy, b.rotation, INERTIAL)
         J = b.inertia[None, None]
-        triangles = {"its upper triangle alone": np.triu(J), "its lower triangle alone": np.tril(J)}
-        I = self.reading.congruent(TURNED, ways.matrix(turn), self.reading.pick(READ, J, **triangles))
+
+        read = {words: partial(misread, J) for words, misread in MISREAD.items()}
+        I = self.reading.congruent(TURNED, ways.matrix(turn), self.reading.pick(READ, J, **read))
         if not fixed:
             return Piece(np.full((1, 1), b.mass), b.com[None, None], I)
         Q = ways.matrix(there.A)
