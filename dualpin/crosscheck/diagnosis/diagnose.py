@@ -342,7 +342,8 @@ def _alternatives(
             if as_causes(s) != as_causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
                 others.setdefault(identity(s), s)
     # only what explains all of its terms stands in its place
-    whole = [s for s in others.values() if all(identity(s) in map(identity, told[t].stories) for t in terms)]
+    found = {t: set(map(as_causes, told[t].stories)) for t in terms}
+    whole = [s for s in others.values() if all(as_causes(s) in found[t] for t in terms)]
     whole = list({tuple(g.says for g in s): s for s in reversed(whole)}.values())[::-1]  # in one of its variants
     words = [" and ".join(map(str, s)) for s in whole[:4]]
     for s in whole[:4]:

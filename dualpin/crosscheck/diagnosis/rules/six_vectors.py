@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from ..textbook import body_coriolis, composite, plucker, products, spatial, transforms
+import numpy as np
+
+from ..textbook import body_coriolis, composite, link_axes, plucker, products, spatial, transforms
 from ..textbook.articulated import Articulated
-from ..textbook.assembly import Dynamics, Seen, right
+from ..textbook.assembly import Dynamics, Seen, by_columns, right
 from ..textbook.steps import Slip
-from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
+from .dynamics import ALL, COLUMNS, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
 from .formulation import formulation
 
 MERGED = "merged in six-vectors"
@@ -30,6 +32,10 @@ MERGING = (
 def _elsewhere(slip: Slip) -> bool:
     """Whether a slip is another one in other coordinates: sums of the same six-vectors are the same there."""
     return slip.how not in SUMMED or slip.site.startswith(PARTS)
+
+
+def _of_wrenches(slip: Slip) -> bool:
+    return slip.site.startswith(("the wrench on a link", "what acts on a link"))
 
 
 def _of_merging(slip: Slip) -> bool:
@@ -63,6 +69,12 @@ for _chained in (False, True):
     _poses(True, _chained, plucker.merged_links)
 
 
+def _outside(name: str, pushed: Callable[..., np.ndarray], variant: str, as_they_are: bool = True) -> None:
+    """How wrenches enter a recursion."""
+    run = Dynamics(right(spatial.forces), right(spatial.mass), pushed=pushed)
+    register(name, run, PUSHED, f"{variant}, the wrench alone", only=_of_wrenches, as_they_are=as_they_are)
+
+
 def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool], as_they_are: bool) -> None:
     """What codes in other coordinates answer; C and momentum where these are those of links."""
     forces, mass, pushed, matrix, energy = (
@@ -70,12 +82,17 @@ def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip],
     )
     by = partial(register, name, only=only, as_they_are=as_they_are)
     by(Dynamics(forces, mass, matrix), OTHERWISE, variant)
+    if of is plucker.centres:
+        by(Dynamics(forces, by_columns(forces)), ("crba",), f"{variant}, {COLUMNS}")
     inside = Dynamics(forces, right(spatial.mass), pushed=pushed)
     by(inside, PUSHED, f"{variant}, the wrench in the recursion", lambda term: "rnea", later)
+    _outside(name, pushed, variant, as_they_are)
     by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies")
     by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
 
 
+_outside(SPATIAL, spatial.pushed, "links")
+_outside("Newton-Euler in link axes", link_axes.pushed, "links")
 _in(plucker.merged_links, SPATIAL, MERGED, _of_merging, False)
 _in(plucker.centres, f"{SPATIAL} about centres of mass", "about centres", _elsewhere, True)
 _in(plucker.world, f"{SPATIAL} in world coordinates", "in the world", _elsewhere, True)

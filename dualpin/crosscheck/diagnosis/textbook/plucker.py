@@ -38,8 +38,10 @@ class Model:
     I: list[np.ndarray]
     base: np.ndarray | None = None
     """The columns of a floating base's velocity, where these are not its own coordinates."""
-    forces: Callable[[Link, np.ndarray], np.ndarray] = lambda k, f: f
-    """Brings a wrench about a link's origin, in its axes, into the coordinates."""
+    to_frame: Callable[[Steps, Link, Pose, np.ndarray, np.ndarray], np.ndarray] = lambda steps, _, *on: to_frame(
+        steps, *on
+    )
+    """X from the coordinates of a link to a frame that stands on it, in world axes."""
 
 
 Coordinates = Callable[[Steps, Tree, np.ndarray], Model]
@@ -72,11 +74,10 @@ def centres(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
     S = {k.number: _about_centre(steps, k) for k in tree.links if k.moves}
     I = [inertia(steps, tree.links[0]), *(_central(steps, k) for k in tree.links[1:])]
 
-    def forces(k: Link, f: np.ndarray) -> np.ndarray:
-        n, b = f[..., :3], f[..., 3:]
-        return f if k.number == 0 else np.concatenate([n - cross(k.c + 0 * b, b), b], -1)
+    def framed(steps: Steps, k: Link, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
+        return transform(steps, transposed(pose.R0), r - (k.c if k.number else 0 * k.c))
 
-    return Model(X, S, I, forces=forces)
+    return Model(X, S, I, to_frame=framed)
 
 
 def world(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
@@ -88,9 +89,12 @@ def world(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
         steps.congruent("a body's inertia, X^T I X, in the world", transposed(X), inertia(steps, k))
         for k, X in zip(tree.links, whole, strict=True)
     ]
-    back = [transposed(transform(Steps(), pose.R0, pose.p0)) for pose in poses]
-    base = np.linalg.inv(transposed(back[0])) if tree.floating else None
-    return Model([None for _ in tree.links], S, I, base, lambda k, f: product(back[k.number], f))
+    base = np.linalg.inv(transform(Steps(), poses[0].R0, poses[0].p0)) if tree.floating else None
+
+    def framed(steps: Steps, k: Link, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
+        return transform(steps, np.eye(3)[None, None], pose.p0 + product(pose.R0, r))
+
+    return Model([None for _ in tree.links], S, I, base, framed)
 
 
 # --- transforms ----------------------------------------------------------------------------------
@@ -115,6 +119,9 @@ def transform(
         "[r x], without -E": lambda: r + 0 * E, "-E^T [r x]": lambda: -transposed(E) @ r,
         "-E [r x] with the two multiplied entry by entry": lambda: -E * r,
         "-[r x] E, in the other order, of the joint's motion and of its placement": both or (lambda: -r @ E),
+        "R [p x] for [p x] R, of the inverse pose R, p": lambda: -E @ _inverse(E, p),
+        "[p x] without R, of the inverse pose R, p": lambda: -_inverse(E, p),
+        "[p x] R with the two multiplied entry by entry, of the inverse pose R, p": lambda: -_inverse(E, p) * E,
     }  # fmt: skip
     lower = steps.pick(f"the block -E [r x] of X: {which}", -E @ r, **wrong)
     lead = np.broadcast_shapes(E.shape, lower.shape)
@@ -122,9 +129,14 @@ def transform(
     return spatial([[E, 0 * E], [lower, E]])
 
 
-def to_frame(steps: Steps, R0: np.ndarray, r: np.ndarray, R: np.ndarray) -> np.ndarray:
+def _inverse(E: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """[E p x]: the inverse pose stands at -E p."""
+    return cross_matrix(product(E, p))
+
+
+def to_frame(steps: Steps, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
     """From the axes of a body to a frame that stands on it at r and R, in world axes."""
-    turn = R0 @ R
+    turn = pose.R0 @ R
     return spatial([[turn, 0 * turn], [0 * turn, turn]]) @ transform(steps, R, r)
 
 

@@ -25,6 +25,8 @@ class Push(NamedTuple):
     """About the link's origin."""
     at: np.ndarray
     """Where it was given, from the link's origin."""
+    R: np.ndarray
+    """How the frame, at which it was given, stands on the link."""
     given: np.ndarray
     """The six-vector as it was given, with the sign of the sum."""
 
@@ -45,6 +47,7 @@ def wrenches(steps: Steps, tree: Tree, view: View) -> tuple[np.ndarray, Wrenches
     count = p.shape[1]
     q = np.repeat(view.states["q"][None], count, axis=1)
     on = [tree.frames[frame][0] for frame in view.frames]
+    R_on = np.tile(np.stack([tree.stands[frame][1][:3, :3] for frame in view.frames]), (len(p), 1, 1))[None]
     out: Wrenches = {}
     for number in dict.fromkeys(on):
         here = np.array([float(k == number) for k in on])[:, None]
@@ -56,5 +59,5 @@ def wrenches(steps: Steps, tree: Tree, view: View) -> tuple[np.ndarray, Wrenches
         moments = {"-n_ext": -turned, "-r x f_ext": -cross(arm, pushed)}
         moment = steps.add("the external moment about a link's origin", **moments)
         six = -np.concatenate([turned, pushed], -1)
-        out[number] = Push(force, moment, r, six)
+        out[number] = Push(force, moment, r, R_on, six)
     return q, out

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
-from .plucker import Coordinates, Model, brought, links, to_frame, to_parent, to_parent_inertia, transform
+from .plucker import Coordinates, Model, brought, links, to_frame, to_parent, to_parent_inertia
 from .products import crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
@@ -47,7 +47,7 @@ def seen(
     for number, H in (tree.stands[frame] for frame in frames):
         R, r, v_k, a_k = poses[number].R0, H[None, None, :3, 3], vs[number], accs[number]
         if by_transforms:
-            X, R, r = to_frame(steps, R, r, H[None, None, :3, :3]), np.eye(3)[None, None], 0 * r
+            X, R, r = to_frame(steps, poses[number], r, H[None, None, :3, :3]), np.eye(3)[None, None], 0 * r
             v_k = brought(steps, "the velocity of a link, at its frame in world axes,", X, v_k)
             a_k = brought(steps, "the acceleration of a link, at its frame in world axes,", X, a_k)
         (w, u), (alpha, acc) = ((x[..., :3], x[..., 3:]) for x in (v_k, a_k))
@@ -101,27 +101,21 @@ def _base(steps: Steps, m: Model, v: np.ndarray, a: np.ndarray, down: np.ndarray
 
 def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coordinates = links) -> np.ndarray:
     """tau (runs, samples, nv) of wrenches on links."""
-    poses, zero, m = tree.poses(q), np.zeros((*q.shape[:-1], 3)), of(steps, tree, q)
+    poses, zero, m = tree.poses(q), np.zeros((*q.shape[:-1], 6)), of(steps, tree, q)
 
     def on(k: Link) -> np.ndarray:
         if k.number not in wrenches:
-            return np.concatenate([zero, zero], -1)
-        push, R0 = wrenches[k.number], poses[k.number].R0
-        right = np.concatenate(np.broadcast_arrays(push.moment, push.force), -1)
-        f = m.forces(k, product(_both(transposed(R0)), right))
-        X = _both(R0) @ transform(Steps(), np.eye(3)[None, None], product(transposed(R0), push.at))
+            return zero
+        push, pose = wrenches[k.number], poses[k.number]
+        back = transposed(pose.R0)
+        X = m.to_frame(steps, k, pose, product(back, push.at), push.R)
         others = {
-            "not transformed": lambda: push.given, "brought there by X, as a motion is": lambda: product(X, push.given),
-            "brought there by X^-1": lambda: product(np.linalg.inv(X), push.given),
-            "turned into the link's axes alone": lambda: product(_both(transposed(R0)), push.given),
-        }  # fmt: skip
-        return np.asarray(steps.pick("the wrench on a link, X^T f,", f, **others))
+            "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
+            "into the link's axes alone": lambda: spatial([[back, 0 * back], [0 * back, back]]),
+        }
+        return steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
 
     return _inward(steps, tree, m, [on(k) for k in tree.links], q)
-
-
-def _both(R: np.ndarray) -> np.ndarray:
-    return spatial([[R, 0 * R], [0 * R, R]])
 
 
 def _inward(steps: Steps, tree: Tree, m: Model, f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
