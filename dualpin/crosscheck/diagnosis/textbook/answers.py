@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ...subjects.layout import product
+from ...subjects.layout import product, transposed
 from ..case import Case, View
 from . import gradient
 from .assembly import of_symbols, solved
@@ -150,7 +150,8 @@ class Made:
         tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states.get("a")
         links = [tree.number[f] for f in self.view.frames]
         if term == "fk":
-            return stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
+            H = stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
+            return self._on_bodies(tree, links, H) if self.fused else H
         J = self._jacobian(tree, links)
         if term == "jacobian":
             return J
@@ -174,8 +175,36 @@ class Made:
         moving = [tree.carrier(k) for k in links]
         return product(self._rate(tree, moving), self.view.states["v"][:, None])
 
+    def _on_bodies(self, tree: Poses, links: list[int], H: np.ndarray) -> np.ndarray:
+        """Poses of frames, where these are made of those of bodies and of places on them."""
+        bodies, way = stacked(tree.R, [tree.placed[k].body for k in links], 2), tree.ways.placing
+        own = stacked([way.matrix(x.A) for x in tree.placed], links, 2)
+        wrong = {
+            "that of its body, transposed, times its own there": lambda: transposed(bodies) @ own,
+            "its own there times that of its body": lambda: own @ bodies, "its own there alone": own + 0 * bodies,
+            "that of its body alone": bodies,
+        }  # fmt: skip
+        R, p = self.rest.pick("the orientation of a frame", H[..., :3, :3], **wrong), self._places(tree, links)
+        out = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), H.dtype)
+        out[..., :3, :3], out[..., :3, 3], out[..., 3, 3] = R, p, 1.0
+        return out
+
+    def _places(self, tree: Poses, links: list[int]) -> np.ndarray:
+        """Where frames are (runs, n, frames, 3)."""
+        p = stacked(tree.p, links, 1)
+        if not self.fused:
+            return p
+        on = [tree.placed[k].body for k in links]
+        R, b, r = stacked(tree.R, on, 2), stacked(tree.p, on, 1), stacked([x.p for x in tree.placed], links, 1)
+        wrong = {
+            "not turned into world axes": lambda: r + 0 * b,
+            "turned by the transposed matrix": lambda: product(transposed(R), r + 0 * b),
+        }  # fmt: skip
+        there = self.rest.pick("the place of a frame on its body", p - b, **wrong)
+        return np.asarray(self.rest.add("the position of a frame", **{"that of its body": b, "its place there": there}))
+
     def _jacobian(self, tree: Poses, links: list[int]) -> np.ndarray:
-        columns, R, p = self.columns(tree), stacked(tree.R, links, 2), stacked(tree.p, links, 1)
+        columns, R, p = self.columns(tree), stacked(tree.R, links, 2), self._places(tree, links)
         J = columns.reduced(columns.at(p, links))
         return referred(self.rest, J, R, p, self.view.layout.how.reference)
 
@@ -186,7 +215,8 @@ class Made:
             at = s["q"] + 1j * h * position_rates(self.view.robot, s["q"], s["v"])
             return self._jacobian(self.tree(at, moving=False), links).imag / h
         columns = self.columns(tree)
-        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (columns.w, 1), (columns.v, 1)))
+        R, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (columns.w, 1), (columns.v, 1)))
+        p = self._places(tree, links)
         J = columns.reduced(columns.at(p, links))
         if self.how == POINTS:
             u = product(J, s["v"][:, None])[..., 3:]

@@ -310,6 +310,10 @@ class Columns:
             "that of its body's origin": body_v + 0 * ends,
             "that of its body's origin with w x p added, not w x r": body_v + cross(body_w, p) + 0 * ends,
             "that of its body's origin with r x w added, not w x r": body_v - cross(body_w, p - body_p) + 0 * ends,
+            "w x r alone, without that of its body's origin": cross(body_w, p - body_p) + 0 * ends,
+            "that of its body's origin with w x the sum of both positions": body_v
+            + cross(body_w, p + body_p)
+            + 0 * ends,
         }
         ends = steps.pick(f"the velocity of the end of a lever arm: at {whose}", ends, **wrong)
         u = steps.pick(

@@ -130,9 +130,7 @@ class Exponentials:
         for k in (k for k in self.tree.links if k.moves):
             (R, p), S = self.before[k.number], self.screws[k.number]
             S = S + np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 6))
-            others = {"S at home, not moved by Ad": S}
-            moved = steps.turn("S in a column of the space Jacobian, Ad S,", adjoint(steps, R, p), S)
-            out[k.number] = steps.pick("a column of the space Jacobian", moved, **others)
+            out[k.number] = steps.turn("S in a column of the space Jacobian, Ad S,", adjoint(steps, R, p), S)
         return out
 
     def jacobian(self, number: int, rate: bool = False) -> np.ndarray:

@@ -178,6 +178,7 @@ class Poses:
         others = {
             "multiplied in the other order": lambda: ways.then(Ao, Ap), "that of rpy alone": Ao,
             "that of the parent alone": Ap,
+            "that of the parent, transposed, times that of rpy": lambda: ways.then(ways.inverse(Ap), Ao),
         }  # fmt: skip
         return np.asarray(self.steps.pick(site, both, **others))
 
@@ -310,6 +311,7 @@ class Poses:
         w = steps.pick(site, up_w, **{"the link's own": own}, **carrying)
         others = {
             "that from the world's origin": self.p[link] + 0 * r,
+            "the sum of both positions": self.p[link] + self.p[up],
             "in the parent's axes": lambda: product(transposed(self.R[up]), r),
             "in the link's axes": lambda: product(transposed(self.R[link]), r),
             "without the travel of a sliding joint": lambda: r - self.travel.get(link, 0 * r),
