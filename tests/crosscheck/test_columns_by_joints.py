@@ -22,6 +22,7 @@ SYMBOLS = (answers.SYMBOLIC, answers.CARRIED, answers.RATED, answers.RATED_APART
 MADE = {
     **{how: (partial(kinematics.jacobians, how=how), ("coriolis",)) for how in SYMBOLS},
     answers.GRADIENTS: (partial(kinematics.jacobians, how=answers.GRADIENTS), ("jacobian_dot", "coriolis")),
+    answers.DIFFERENTIATED: (partial(kinematics.jacobians, how=answers.DIFFERENTIATED), ("gravity",)),
     "body": (body_jacobians.run, body_jacobians.TERMS),
     "body, by the world's": (partial(body_jacobians.run, by_world=True), body_jacobians.TERMS),
 }

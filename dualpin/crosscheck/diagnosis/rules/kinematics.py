@@ -245,6 +245,11 @@ def symbols(case: Case) -> bool:
     return few(case) and off("crba")(case)
 
 
+def placed(case: Case) -> bool:
+    """Whether slips in poses may show in gravity as the gradient of the potential energy."""
+    return few(case) and off("fk")(case)
+
+
 def fixed(case: Case) -> bool:
     return not case.floating and not_large(case)
 
@@ -255,6 +260,7 @@ GROUPS = {
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
+    "heights": ("gravity",),
     "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
 }  # fmt: skip
 _register(
@@ -275,6 +281,8 @@ _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 for _how in (PRODUCTS, GRADIENTS):
     _register("geometric Jacobians", jacobians, _terms(products=fixed), how=_how)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
+_register("forward kinematics", poses, _terms(heights=placed), how=DIFFERENTIATED)
+_register("geometric Jacobians", jacobians, _terms(heights=few), how=DIFFERENTIATED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):

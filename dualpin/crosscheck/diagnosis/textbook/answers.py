@@ -53,8 +53,9 @@ class Made:
     fused : bool
         Whether fixed links are merged into the bodies that carry them.
     how : str
-        Velocities are found "from link to link" or "by Jacobians"; Jacobians, and M, are "differentiated", or their
-        rates are made "by second derivatives"; or Jacobians bring forces of "right motions" to the joints.
+        Velocities are found "from link to link" or "by Jacobians"; Jacobians, M and the potential energy are
+        "differentiated", or rates of Jacobians are made "by second derivatives"; or Jacobians bring forces of
+        "right motions" to the joints.
     early : bool
         Whether axes are turned into the world before their own joint turns.
     rooted : bool
@@ -117,6 +118,8 @@ class Made:
         s, g = self.view.states, np.array(self.view.description.gravity)
         if term in OF_FRAMES:
             return self.of_frames(term)
+        if term == "gravity" and self.how == DIFFERENTIATED:
+            return by_each(lambda q: self.sums(self.tree(q, moving=False)).potential_energy(g), s["q"])
         if term == "coriolis" and self.how == DIFFERENTIATED:
             return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
         if term in TURNED and any(any(p.armature) for p in self.view.description.parts):
@@ -239,6 +242,10 @@ SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
 
 def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """C by Christoffel's symbols of M(q), whose derivatives are taken by complex steps."""
+    return of_symbols(RIGHT, by_each(mass, q), v)
+
+
+def by_each(f: Callable[[np.ndarray], np.ndarray], q: np.ndarray) -> np.ndarray:
+    """The derivatives of f by each coordinate, as a last axis, by complex steps."""
     h = 1e-30
-    dM = np.stack([mass(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)
-    return of_symbols(RIGHT, dM, v)
+    return np.stack([f(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)
