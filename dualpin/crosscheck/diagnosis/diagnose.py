@@ -8,6 +8,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache, partial
 
 from ..findings import Finding
 from .apart import told_apart
@@ -15,6 +16,7 @@ from .case import Case
 from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import located, partly, precision
+from .rules.composed import follows_from
 from .rules.register import DERIVED, PUSHED
 from .scores import scaled
 from .search import DOUBTFUL, Catalogue, Explanation, Search
@@ -101,7 +103,7 @@ def _besides_history(case: Case, until: float, tick: Callable[[str], None]) -> l
         return []
     told = {t: e for t, e in _explained(first, off, until, tick).items() if e.named}
     for e in told.values():
-        e.stories = [s for s in e.stories if not any(h.key in (*DOUBTFUL, "follows") for h in s)]
+        e.stories = [s for s in e.stories if not any(h.key in (*DOUBTFUL, "damped_inverse", "follows") for h in s)]
     found = Diagnosis()
     _report(first, {t: e for t, e in told.items() if e.named}, errors, found)
     return found.findings
@@ -341,9 +343,15 @@ def _alternatives(
         for s in told[t].stories:
             if as_causes(s) != as_causes(picked[t]) and h not in s and cost(s) <= cost(picked[t]) + 0.51:
                 others.setdefault(identity(s), s)
-    # only what explains all of its terms stands in its place
     found = {t: set(map(as_causes, told[t].stories)) for t in terms}
-    whole = [s for s in others.values() if all(as_causes(s) in found[t] for t in terms)]
+    parts = cache(partial(follows_from, case))
+
+    def whole_of(s: Story) -> bool:
+        """Only what explains all of its terms stands in its place, or some from which the others follow."""
+        by = {t for t in terms if as_causes(s) in found[t]}
+        return all(t in by or any(some <= by for some in parts(t)) for t in terms)
+
+    whole = [s for s in others.values() if whole_of(s)]
     whole = list({tuple(g.says for g in s): s for s in reversed(whole)}.values())[::-1]  # in one of its variants
     words = [" and ".join(map(str, s)) for s in whole[:4]]
     for s in whole[:4]:

@@ -61,6 +61,13 @@ def follows(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return out + [own for rule in RULES if rule.key in OF_PARTS for g in rule.propose(case) for own in _owned(g, case)]
 
 
+def follows_from(case: Case, term: str) -> list[frozenset[str]]:
+    """The wrong terms, together, whose answers explain this one's."""
+    rule = next(rule for rule in RULES if rule.key == "follows")
+    found = [h for h in rule.propose(case) if h.key == "follows" and h.terms == (term,)]
+    return [frozenset(h.made_of) for h in found if case.score(term, (h,)).right]
+
+
 def parts_of(term: str, case: Case) -> tuple[str, ...]:
     """Of a wrong term: the wrong answers of which it may be made."""
     wrong = [t for t in PARTS.get(term, ()) if not _right(t, case)]

@@ -30,6 +30,9 @@ LIKELY = {
 """What kinds of slips cost more than a term that is left out, or has another sign or factor, since they are rarer."""
 COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
+RARE = ("quaternions", "products of exponentials", "about centres of mass", "body Jacobians")
+RARER = 0.02
+"""What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
 FUSING = 0.0005
 """What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""
 
@@ -74,6 +77,8 @@ def formulation(
         Formulations of which this is equal have the same slips, and share no mistake with any other.
     """
 
+    rarer = RARER * any(words in name for words in RARE)
+
     def decorate(run: Run) -> Run:
         def propose(case: Case) -> list[Hypothesis]:
             if not when(case):
@@ -88,7 +93,7 @@ def formulation(
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
                     Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + LIKELY.get(slip.how, 0.0), afterwards=afterwards(case),
+                    cost=cost + LIKELY.get(slip.how, 0.0) + rarer, afterwards=afterwards(case),
                     mistake=_mistake(slip, (known or {}).get(slip), alike),
                 )
                 for slip, shown in touched.items()

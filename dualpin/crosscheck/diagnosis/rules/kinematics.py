@@ -163,7 +163,7 @@ def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) ->
         "the root link counts" * rooted,
     )  # fmt: skip
     variant = ", ".join(x for x in marks if x)
-    cost, like = COST + 0.05 * bool(variant) + 0.02 * ("quaternions" in name), shown_in(run)
+    cost, like = COST + 0.05 * bool(variant), shown_in(run)
     slow = partial(_answers, after)
     alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
     listing = _in_a_list if levels else _for_all_joints if rooted else _any
