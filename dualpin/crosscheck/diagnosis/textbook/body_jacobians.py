@@ -83,9 +83,9 @@ class Jacobians:
             "that of p_i - p_k": -p, "p_k - p_i, not turned": apart, "R_i (p_k - p_i)": product(to.R0, apart),
             "R_i^T p_k": product(back, of.p0), "-R_i^T p_i": product(back, -to.p0),
         }  # fmt: skip
-        p = steps.pick("p of T_i^-1 T_k", p, **wrong)
+        p = steps.pick("the position in T_i^-1 T_k", p, **wrong)
         R = back @ of.R0
-        R = steps.pick("R of T_i^-1 T_k", R, **{"its transpose": transposed(R), "R_k alone": of.R0 + 0 * R})
+        R = steps.pick("the rotation in T_i^-1 T_k", R, **{"its transpose": transposed(R), "R_k alone": of.R0 + 0 * R})
         lead = np.broadcast_shapes(R.shape[:-2], p.shape[:-1])
         R, K = np.broadcast_to(R, (*lead, 3, 3)), cross_matrix(np.broadcast_to(p, (*lead, 3)))
         others = {
@@ -97,7 +97,11 @@ class Jacobians:
         R = np.broadcast_to(R, (*lead, 3, 3))
         upper = spatial([[R, block], [0 * block, R]])
         return np.asarray(
-            steps.pick("Ad", spatial([[R, 0 * block], [block, R]]), **{"with [p x] R in the upper right block": upper})
+            steps.pick(
+                "the adjoint map Ad",
+                spatial([[R, 0 * block], [block, R]]),
+                **{"with [p x] R in the upper right block": upper},
+            )
         )
 
     def columns(self, i: Link) -> dict[int, np.ndarray]:
