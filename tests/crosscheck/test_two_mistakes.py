@@ -73,6 +73,22 @@ def test_what_is_kept_between_cases_is_what_each_would_predict(monkeypatch, most
     assert len(shared._ROBOTS) == 1
 
 
+def test_poses_are_predicted_for_each_subject(monkeypatch):
+    """What a slip makes of a quaternion is a rotation or none, as the subject's pose is: no two subjects share it."""
+    monkeypatch.setattr(shared, "_ROBOTS", type(shared._ROBOTS)())
+    slipped, right = (
+        Case(ask_here(written("controller", *names)(ask.text), ask, lambda what: None))
+        for ask in [asking(PROBE, 2, 0, ("fk",))] for names in (["c_rodrigues_mixed"], [])
+    )  # fmt: skip
+    found = next(hs for r in RULES if r.key == "quaternions throughout" and (hs := list(r.propose(slipped))))
+    for h in found[::2]:
+        slipped.predict("fk", (h,))
+        x = right.predict("fk", (h,))
+        monkeypatch.setattr(shared, "_ROBOTS", type(shared._ROBOTS)())
+        y = Case(right.answers).predict("fk", (h,))
+        assert x is y is None or np.array_equal(x, y)
+
+
 def test_few_robots_are_kept(monkeypatch):
     monkeypatch.setattr(shared, "_ROBOTS", type(shared._ROBOTS)())
     kept = [shared.shared(k) for k in range(5)]

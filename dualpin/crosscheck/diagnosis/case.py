@@ -220,8 +220,11 @@ class Case:
         return self.how, self.frames, *((k, x.shape, x.tobytes()) for k, x in self.sent.items())
 
     def _lasting(self, term: str, story: Story) -> Hashable | None:
-        """What determines a prediction, where it is the same for all subjects: single slips of textbook algorithms."""
-        if len(story) == 1 and story[0].place == "formula" and isinstance(story[0].act, Slipped):
+        """What determines a prediction, where it is the same for all subjects: single slips of textbook algorithms.
+
+        Poses are not: they are predicted as rotations, or as what a slip makes of them, as the subject's are.
+        """
+        if term != "fk" and len(story) == 1 and story[0].place == "formula" and isinstance(story[0].act, Slipped):
             return self._question, term, story[0].act
         return None
 
