@@ -11,7 +11,7 @@ from ..textbook import body_coriolis, composite, link_axes, plucker, products, s
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right
 from ..textbook.steps import Slip
-from .dynamics import ALL, COLUMNS, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
+from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
 from .formulation import formulation
 
 MERGED = "merged in six-vectors"
@@ -76,19 +76,19 @@ def _outside(name: str, pushed: Callable[..., np.ndarray], variant: str, as_they
 
 
 def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool], as_they_are: bool) -> None:
-    """What codes in other coordinates answer; C and momentum where these are those of links."""
+    """What codes in other coordinates answer; about centres of mass M is made by columns, and accelerations of M."""
     forces, mass, pushed, matrix, energy = (
         partial(f, of=of) for f in (spatial.forces, spatial.mass, spatial.pushed, body_coriolis.matrix, spatial.energy)
     )
+    by_body = of is plucker.centres
     by = partial(register, name, only=only, as_they_are=as_they_are)
-    by(Dynamics(forces, mass, matrix), OTHERWISE, variant)
-    if of is plucker.centres:
-        by(Dynamics(forces, by_columns(forces)), ("crba",), f"{variant}, {COLUMNS}")
+    by(Dynamics(forces, by_columns(forces) if by_body else mass, matrix), OTHERWISE, variant)
     inside = Dynamics(forces, right(spatial.mass), pushed=pushed)
     by(inside, PUSHED, f"{variant}, the wrench in the recursion", lambda term: "rnea", later)
     _outside(name, pushed, variant, as_they_are)
     by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies")
-    by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
+    if not by_body:
+        by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
 
 
 _outside(SPATIAL, spatial.pushed, "links")
