@@ -8,6 +8,7 @@ entries that are right, and the root mean square: the worst entry hides what a p
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,7 +25,7 @@ from .rules.composed import PARTS, by_symbols
 from .rules.register import INERTIAL
 from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
-from .textbook.slipped import made_of, share
+from .textbook.slipped import algorithm, made_of, share
 
 STORIES, SLIPS = 64, 800  # that are scored before the time is looked at, at most
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
@@ -124,8 +125,10 @@ class Catalogue:
             if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
-        # what the subject's own answers are put together to is soon seen
-        alike, scores = sorted(groups.values(), key=lambda same: not same[0].made_of), list[Score]()
+        # what the subject's own answers are put together to is soon seen, and algorithms of few steps before long ones
+        sizes = Counter(algorithm(same[0].act) for same in groups.values())
+        alike = sorted(groups.values(), key=lambda same: (not same[0].made_of, sizes[algorithm(same[0].act)]))
+        scores = list[Score]()
         for block in in_time(alike, until, SLIPS):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))

@@ -59,6 +59,11 @@ def made_of(act: Formula, term: str) -> Any:
     return act.run if parts is None else parts(term), act.slips
 
 
+def algorithm(act: Formula) -> Any:
+    """The one in which a slip is made; None for acts of other kinds."""
+    return act.run if isinstance(act, Slipped) else None
+
+
 def share(one: Formula, other: Formula) -> bool:
     """Whether both are of one algorithm, so that they can be made together."""
     return isinstance(one, Slipped) and one.joined(other) is not None
