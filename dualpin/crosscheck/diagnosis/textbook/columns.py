@@ -18,7 +18,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
-from ...subjects.layout import product
+from ...subjects.layout import product, transposed
 from .lists import beside, orders
 from .poses import Poses, stacked
 from .references import joined, six
@@ -89,10 +89,17 @@ class Columns:
         kept = [self.axes[i].world for i in group]
         R = stacked(self.poses.R, [self.links[i] for i in group], 2)
         parents = [self.parents[i] for i in group]
-        others = {"by the parent's rotation, without its own rpy": lambda: stacked(self.poses.R, parents, 2)}
+        t, of_links = self.poses, [self.links[i] for i in group]
+        others = {
+            "by the parent's rotation, without its own rpy": lambda: stacked(t.R, parents, 2),
+            "by its own rpy, without the parent's rotation": (
+                lambda: stacked([t.ways.matrix(x.A) for x in t.sides], of_links, 2)
+            ),
+            "by the rotation of its origin, transposed": lambda: transposed(stacked(t.before, of_links, 2)),
+        }
         a = a + 0 * R[..., 0]
         if group and self.axes[group[0]].base:
-            return self.steps.turn(f"the axis of a column: {which}", R, a)
+            return self.steps.turn("the axis of a base's column", R, a)
         turns = self.turns[group, None]
         kinds = [(kind, mask) for kind, mask in (("turning", turns), ("sliding", 1 - turns)) if mask.any()]
         z = sum(
@@ -214,6 +221,7 @@ class Columns:
         found: dict[str, object] = {
             "counted from the world's origin": lambda: p + 0 * o,
             "counted from the joint to the world's origin": lambda: -o + 0 * p,
+            "the sum of both positions, not their difference": lambda: p + o,
         }  # fmt: skip
         if not self.axes[group[0]].base:
             parents = [self.parents[i] for i in group]
@@ -228,7 +236,6 @@ class Columns:
                 "counted from the joint before": partial(counted, self.before),
                 "counted from the next joint": partial(counted, self.after),
                 "that of the joint itself from the world's origin": lambda: o + 0 * p,
-                "the sum of both positions, not their difference": lambda: p + o,
                 "counted from the first joint": lambda: p - o[..., :1, :] + 0 * o,
                 "counted from the centre of mass of the joint's link": lambda: p - self._centres(group) + 0 * o,
                 "counted to the origin of the link that carries the point": (

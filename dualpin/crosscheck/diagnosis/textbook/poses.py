@@ -47,6 +47,8 @@ class Poses:
     w, v : list of array
         Angular velocity, and velocity of the origin, in world axes; where velocities were given.
     axes : list of Axis
+    sides : list of Placed
+        Of each link: the fixed side of its joint, on the link or body that carries it.
     of_link : list of list of int
         The axes of the joint that carries each link.
     """
@@ -73,7 +75,7 @@ class Poses:
         self.before: list[np.ndarray] = [ONE[None, None]]
         self.placed = [Placed(0, ways.placing.start(), np.zeros((1, 1, 3)))]
         self.travel: dict[int, np.ndarray] = {}
-        self._sides = [self.placed[0]]
+        self.sides = [self.placed[0]]
         self._motions: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self.p, self.w, self.v = [zero], [zero], [zero]
         base = base_of(robot)
@@ -113,11 +115,11 @@ class Poses:
         steps, ways, up, link = self.steps, self.ways, self.number[part.parent], len(self.R)
         Ao = ways.of_rpy(steps, part.rpy, part.rotation)
         A, p, on = self._on_body(part, up) if self.fused else self._on_link(part, up, Ao)
-        self._sides.append(Placed(on.body, ways.placed(on.A), on.p) if self.fused else Placed(up, Ao, part.position))
+        self.sides.append(Placed(on.body, ways.placed(on.A), on.p) if self.fused else Placed(up, Ao, part.position))
         if self.fused:
             up = self.parent[link] = self.placed[up].body
         which, parent = "of a moving joint" if part.moves else "of a fixed joint", (self.attitudes[up], self.p[up])
-        site, side = f"the product of the parent's pose and a joint's origin: {which}", self._sides[link]
+        site, side = f"the product of the parent's pose and a joint's origin: {which}", self.sides[link]
         origin = side.A, side.p
         A, p = multiplied(steps, ways, site, ("the parent's", parent), ("the origin's", lambda: origin), (A, p))
         before = A
@@ -137,6 +139,9 @@ class Poses:
             which = "of the first links" if up == 0 else "of further links"
             of = "a fixed link" if self.fused and not self.of_link[link] else "a link", which
             A, p = from_parent(steps, ways, parent, partial(self.on_parent, link), (A, p), of)
+            if part.moves:
+                of = "a link, by its joint", "that slides" if part.slides else "that turns"
+                A, p = from_parent(steps, ways, parent, partial(self.on_parent, link), (A, p), of)
         self.attitudes.append(A)
         moves = bool(self.of_link[link])
         self.before.append(ways.matrix(before))
@@ -227,7 +232,7 @@ class Poses:
         if part.slides:
             along = z
             if along is None:
-                others["by its own rpy transposed"] = lambda: self.R[up] @ transposed(ways.matrix(self._sides[link].A))
+                others["by its own rpy transposed"] = lambda: self.R[up] @ transposed(ways.matrix(self.sides[link].A))
                 along = steps.turn("the direction of a sliding joint", ways.matrix(A), axis + 0 * p, **others)
             self.travel[link] = along * x[..., None]
             self._motions[link] = ways.start(), axis * x[..., None]
@@ -263,7 +268,7 @@ class Poses:
             return times(ways, start, turn if part.slides else slide)
 
         def first() -> Pose:
-            side = self._sides[link]
+            side = self.sides[link]
             return times(ways, times(ways, (Ap, self.p[up]), self._motions[link]), (side.A, side.p))
 
         further = {f"that with the motion of {other}": of_other, "that with the motion before the origin": first}
@@ -272,7 +277,7 @@ class Poses:
 
     def on_parent(self, link: int) -> tuple[np.ndarray, np.ndarray]:
         """Attitude and position of a link on its parent (or on the body that carries that), by one axis at most."""
-        side, ways = self._sides[link], self.ways
+        side, ways = self.sides[link], self.ways
         T, shift = self._motions.get(link, (ways.start(), np.zeros((1, 1, 3))))
         R = ways.matrix(side.A)
         return ways.then(side.A, T), side.p + product(R, shift + 0 * R[..., 0])

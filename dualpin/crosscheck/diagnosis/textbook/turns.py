@@ -100,6 +100,14 @@ def of_quaternion(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.
     return np.asarray(steps.add(f"the rotation of {whose}, from its quaternion", **terms))
 
 
+def by_square(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndarray:
+    """R = 1 + 2 w [u] + 2 [u]^2."""
+    K, w = cross_matrix(u), w[..., None, None]
+    K = steps.pick(f"[u] in the rotation of {whose}", K, **_skews(K))
+    terms = {"1": ONE + 0 * w, "2 w [u]": 2 * w * K, "2 [u]^2": 2 * K @ K}
+    return np.asarray(steps.add(f"the rotation of {whose}, from its quaternion", **terms))
+
+
 def entry_by_entry(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndarray:
     """The nine entries of a quaternion's rotation, each a sum of two or three products."""
     x, y, z = np.moveaxis(u, -1, 0)

@@ -34,6 +34,7 @@ WAYS: dict[str, Callable[[Steps], Ways]] = {
     "quaternions throughout, vectors by products, of origins from matrices": lambda steps: Quaternions(
         own=steps, products=True, converted=True
     ),
+    "quaternions to matrices, by [u]^2": lambda steps: Ways(quaternion=_with(turns.by_square, steps), own=steps),
     "quaternions to matrices": lambda steps: Ways(quaternion=_with(turns.entry_by_entry, steps), own=steps),
     "roll, pitch and yaw as a product": lambda steps: Ways(rpy=_with(turns.of_rpy, steps), own=steps),
     "roll, pitch and yaw, entry by entry": lambda steps: Ways(rpy=_with(turns.rpy_entries, steps), own=steps),

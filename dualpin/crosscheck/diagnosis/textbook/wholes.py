@@ -67,8 +67,12 @@ def from_parent(
         "that of the parent, transposed, times its own": lambda: ways.then(ways.inverse(Ap), own()[0]),
         "that of the parent and its own, multiplied entry by entry": lambda: Ap * own()[0],
     }  # fmt: skip
-    sites = {"a link": ("the orientation of a link", "the position of a link")}
-    orientation, position = sites.get(link, ("the orientation of a fixed link", "the position of a fixed link"))
+    sites = {
+        "a link": ("the orientation of a link", "the position of a link"),
+        "a fixed link": ("the orientation of a fixed link", "the position of a fixed link"),
+    }  # fmt: skip
+    by_kind = "the orientation of a link on a joint", "the position of a link on a joint"
+    orientation, position = sites.get(link, by_kind)
     A = steps.pick(f"{orientation}: {which}", A, **attitudes)
     p = np.asarray(steps.pick(f"{position}: {which}", p, **positions))
     site = f"the product of the parent's pose and that of {link} on it: {which}"
