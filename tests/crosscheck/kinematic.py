@@ -169,6 +169,11 @@ class Kinematic(Recursive):
         return -sum(float(self.bodies[k][0] * self.point_of(k, poses) @ self.g) for k in self.numbers_of_moving())
 
 
+def _seen(s: Kinematic) -> list[int]:
+    """The bodies that move, as a chain tells it."""
+    return [k for k in range(len(s.bodies)) if s.floating or s.chain(k)]
+
+
 def _half_angle(s: Kinematic, axis: Array, x: float) -> Array:
     return about(axis, x / 2)
 
@@ -194,6 +199,11 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
     "slide_as_turning": ({"sliding_column": lambda s, z, r: np.r_[z, cross(z, r)]}, "as of a turning one"),
     "slide_with_moment": ({"sliding_column": lambda s, z, r: np.r_[z, z]}, "[z; z]"),
     "all_joints": ({"chain": lambda s, k: list(range(1, s.n + 1))}, "also of those that do not move it"),
+    "short_walk": (
+        {"chain": lambda s, k: Kinematic.chain(s, k)[:-1], "moving": lambda s: [s.bodies[k] for k in _seen(s)],
+         "numbers_of_moving": lambda s: _seen(s)},
+        "all but that of the first joint",
+    ),
     "no_own_joint": ({"chain": lambda s, k: Kinematic.chain(s, k)[1:]}, "all but"),
     "axis_rate_sign": ({"axis_rate": lambda s, w, z: cross(z, w)}, "w x z has the other sign"),
     "no_axis_rate": ({"axis_rate": lambda s, w, z: 0 * z}, "w x z is left out"),

@@ -26,6 +26,7 @@ from .steps import Steps, cross
 
 MOVING = "the axes that have a column"
 ALL = "those of all joints, also of those that do not move it"
+UNCOUNTED = " (links without one do not count)"
 CHAIN = "those of all joints with a smaller number, as in one chain"
 
 
@@ -253,7 +254,27 @@ class Columns:
 
     def moving(self, links: Sequence[int]) -> np.ndarray:
         """(runs, 1, points, 1, axes): whether an axis moves a point."""
-        right = self.poses.carries()[list(links)]
+        right = self.poses.carries()[list(links)][None, None, :, None]
+        wrong = {name: x[None, None, :, None] for name, x in self._walks(list(links)).items()}
+        found = self.steps.pick(MOVING, right, **wrong)
+        uncounted = {name + UNCOUNTED: wrong[name] for name in self._uncounted}
+        return np.asarray(self.steps.mistaken(MOVING, found, **uncounted))
+
+    def counted(self, links: Sequence[int]) -> np.ndarray:
+        """(runs, 1, links): whether links count as bodies, where this is seen from the same walk."""
+        shaped = {name + UNCOUNTED: x[None, None, list(links)] for name, x in self._uncounted.items()}
+        return np.asarray(self.steps.mistaken(MOVING, np.ones((1, 1, len(links)), bool), **shaped))
+
+    @cached_property
+    def _uncounted(self) -> dict[str, np.ndarray]:
+        """Walks that find no axis for some link that moves: of all links, whether they find one."""
+        moves, every = self.poses.carries().any(1), list(range(len(self.poses.R)))
+        found = {name: x.any(1) for name, x in self._walks(every).items()}
+        return {name: some | ~moves for name, some in found.items() if (moves & ~some).any()}
+
+    def _walks(self, links: list[int]) -> dict[str, np.ndarray]:
+        """(points, axes): the axes that a wrong walk from a link to the root finds."""
+        right = self.poses.carries()[links]
         base = np.array([a.base for a in self.axes], bool)
         last = np.array([max(np.flatnonzero(r & ~base), default=-1) for r in right])[:, None]
         numbers, own = np.arange(len(self.axes)), self.links == np.array(links)[:, None]
@@ -266,6 +287,7 @@ class Columns:
             "all but that of its own link": right & (base | ~own),
             "only that of the last joint": right & (base | (numbers == last)),
             "those of the joints, without the base": right & ~base,
+            "those of joints up to the first fixed one on the way": np.array([self._to_fixed(k) for k in links]),
         }
         for words, order in orders(self.poses.parent).items():
             if words.endswith("(breadth first)"):
@@ -273,8 +295,15 @@ class Columns:
                 ends = np.array([max([rank[i] for i in np.flatnonzero(r & ~base)], default=-1) for r in right])
                 before = (rank <= ends[:, None]) | (right & base)
                 wrong["those of all joints with a smaller number, breadth first"] = before
-        shaped = {name: x[None, None, :, None] for name, x in wrong.items()}
-        return np.asarray(self.steps.pick(MOVING, right[None, None, :, None], **shaped))
+        return wrong
+
+    def _to_fixed(self, link: int) -> np.ndarray:
+        """The axes that a walk to the root finds which ends at the first fixed joint."""
+        found = np.zeros(len(self.axes), bool)
+        while self.poses.of_link[link]:
+            found[self.poses.of_link[link]] = True
+            link = self.poses.parent[link]
+        return found
 
     def rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"

@@ -79,7 +79,8 @@ class Sums:
         self.links, count = list(pieces), len(pieces)
         made = [together(some) for some in pieces.values()]
         one = np.ones((1, 1))
-        self.counts = stacked([steps.part("the bodies", one, k, count) for k in range(count)], list(range(count)), 0)
+        parts = [steps.part("the bodies", one, k, count) for k in range(count)]
+        self.counts = stacked(parts, list(range(count)), 0) * columns.counted(self.links)
         m, com, tensors = (stacked([x[i] for x in made], list(range(count)), i) for i in range(3))
         self.m = self.counts * m
         self.p, self.R = stacked(poses.p, self.links, 1), stacked(poses.R, self.links, 2)
