@@ -270,7 +270,7 @@ class Columns:
         """Walks that find no axis for some link that moves: of all links, whether they find one."""
         moves, every = self.poses.carries().any(1), list(range(len(self.poses.R)))
         found = {name: x.any(1) for name, x in self._walks(every).items()}
-        return {name: some | ~moves for name, some in found.items() if (moves & ~some).any()}
+        return {name: np.asarray(some | ~moves) for name, some in found.items() if (moves & ~some).any()}
 
     def _walks(self, links: list[int]) -> dict[str, np.ndarray]:
         """(points, axes): the axes that a wrong walk from a link to the root finds."""
