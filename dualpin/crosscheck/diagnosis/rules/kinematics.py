@@ -32,13 +32,13 @@ from ..textbook.answers import (
     Made,
 )  # fmt: skip
 from ..textbook.assembly import Dynamics
-from ..textbook.columns import ALL
 from ..textbook.lists import branched
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
 from ..textbook.references import referred
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip, Steps
+from ..textbook.walks import ALL
 from ..textbook.ways import WAYS
 from .formulation import COST, FUSING, Terms, formulation
 

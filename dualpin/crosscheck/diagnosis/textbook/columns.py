@@ -19,15 +19,14 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .lists import beside, orders
+from .lists import beside
 from .poses import Poses, stacked
 from .references import joined, six
 from .steps import Steps, cross
+from .walks import walks
 
 MOVING = "the axes that have a column"
-ALL = "those of all joints, also of those that do not move it"
 UNCOUNTED = " (links without one do not count)"
-CHAIN = "those of all joints with a smaller number, as in one chain"
 
 
 class Columns:
@@ -273,37 +272,7 @@ class Columns:
         return {name: np.asarray(some | ~moves) for name, some in found.items() if (moves & ~some).any()}
 
     def _walks(self, links: list[int]) -> dict[str, np.ndarray]:
-        """(points, axes): the axes that a wrong walk from a link to the root finds."""
-        right = self.poses.carries()[links]
-        base = np.array([a.base for a in self.axes], bool)
-        last = np.array([max(np.flatnonzero(r & ~base), default=-1) for r in right])[:, None]
-        numbers, own = np.arange(len(self.axes)), self.links == np.array(links)[:, None]
-        first = (self.before < 0) | base[self.before]
-        wrong = {
-            ALL: np.ones_like(right),
-            CHAIN: (numbers <= last) | (right & base),
-            "all but that of the last joint": right & (numbers != last),
-            "all but that of the first joint": right & (base | ~first),
-            "all but that of its own link": right & (base | ~own),
-            "only that of the last joint": right & (base | (numbers == last)),
-            "those of the joints, without the base": right & ~base,
-            "those of joints up to the first fixed one on the way": np.array([self._to_fixed(k) for k in links]),
-        }
-        for words, order in orders(self.poses.parent).items():
-            if words.endswith("(breadth first)"):
-                rank = np.array([order.index(k) for k in self.links])
-                ends = np.array([max([rank[i] for i in np.flatnonzero(r & ~base)], default=-1) for r in right])
-                before = (rank <= ends[:, None]) | (right & base)
-                wrong["those of all joints with a smaller number, breadth first"] = before
-        return wrong
-
-    def _to_fixed(self, link: int) -> np.ndarray:
-        """The axes that a walk to the root finds which ends at the first fixed joint."""
-        found = np.zeros(len(self.axes), bool)
-        while self.poses.of_link[link]:
-            found[self.poses.of_link[link]] = True
-            link = self.poses.parent[link]
-        return found
+        return walks(self.poses, np.array([a.base for a in self.axes], bool), self.before, links)
 
     def rates(
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], whose: str = "a frame"

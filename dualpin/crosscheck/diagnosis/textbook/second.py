@@ -15,8 +15,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import one_joint
-from .columns import ALL, CHAIN, MOVING, Columns
+from .columns import MOVING, Columns
 from .steps import cross
+from .walks import ALL, CHAIN
 
 ORDER = "the order of joints along a path"
 REVERSED = "reversed"
