@@ -27,7 +27,7 @@ from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import algorithm, made_of, share
 
-STORIES, SLIPS = 64, 800  # that are scored before the time is looked at, at most
+STORIES, SLIPS, SHORT = 64, 800, 200  # scored before the time is looked at, at most; slips of a short algorithm
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
@@ -127,7 +127,7 @@ class Catalogue:
             groups.setdefault(made_of(h.act, term), []).append(h)
         # what the subject's own answers are put together to is soon seen, and algorithms of few steps before long ones
         sizes = Counter(algorithm(same[0].act) for same in groups.values())
-        alike = sorted(groups.values(), key=lambda same: (not same[0].made_of, sizes[algorithm(same[0].act)]))
+        alike = sorted(groups.values(), key=lambda same: (not same[0].made_of, sizes[algorithm(same[0].act)] > SHORT))
         scores = list[Score]()
         for block in in_time(alike, until, SLIPS):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
