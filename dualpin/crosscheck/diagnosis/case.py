@@ -94,6 +94,7 @@ class Case:
         self._spared: dict[tuple[Any, ...], list[str]] = {}
         self._robots: dict[int, tuple[Description, Robot]] = {}
         self._edits: dict[Any, tuple[Description, Hypothesis, Description]] = {}
+        self._states: dict[Any, tuple[States, Hypothesis, States]] = {}
         self.kept: dict[Any, tuple[Description, States, np.ndarray]] = {}
         self.bytes = 0
         a = self.asking
@@ -180,8 +181,18 @@ class Case:
         view = View(self, description, *found)
         for h in story:
             if h.place == "state":
-                view = View(self, description, view.layout, h.act(view))
+                view = View(self, description, view.layout, self._stated(view, h))
         return view
+
+    def _stated(self, view: View, h: Hypothesis) -> States:
+        """The same object for the same change of what was sent, which all terms need."""
+        if view.description is not self.description:
+            found: States = h.act(view)
+            return found
+        key = h.identity, id(h.act), id(view.states)
+        if key not in self._states:
+            self._states[key] = view.states, h, h.act(view)
+        return self._states[key][2]
 
     def _edited(self, d: Description, h: Hypothesis) -> Description:
         """The same object for the same edit of what the file says, since much is kept of each description."""

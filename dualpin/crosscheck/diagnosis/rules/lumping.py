@@ -123,6 +123,13 @@ def _principal() -> Iterator[tuple[str, str, Axes, tuple[int, ...]]]:
     for column in (0, 1, 2, None):
         by = f"made right-handed by {'all axes' if column is None else f'axis {column + 1}'}"
         yield "the axes are transposed", by, partial(_transposed, column), ASCENDING
+        for words, step in (("qx qy qz qw as qw qx qy qz", -1), ("qw qx qy qz as qx qy qz qw", 1)):
+            yield (
+                f"the quaternion of the axes is read in the other order, {words}",
+                by,
+                partial(_rolled, column, step),
+                ASCENDING,
+            )
     for order in permutations(ASCENDING):
         if order != ASCENDING:
             which = ", ".join(str(i + 1) for i in order)
@@ -130,6 +137,10 @@ def _principal() -> Iterator[tuple[str, str, Axes, tuple[int, ...]]]:
     for unit in (True, False):
         words = "the axes are left-handed, and taken for a rotation"
         yield words, f"unit quaternion: {unit}", partial(_by_quaternion, unit), ASCENDING
+
+
+def _rolled(column: int | None, step: int, V: np.ndarray) -> np.ndarray:
+    return np.asarray(rotations(np.roll(quaternions(_handed(V, column)), step)))
 
 
 def _transposed(column: int | None, V: np.ndarray) -> np.ndarray:

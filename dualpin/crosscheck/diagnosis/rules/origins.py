@@ -200,18 +200,26 @@ def _register(what: str, readings: Sequence[Reading], whose: str, joints: bool, 
         own = key if joints else f"inertial_{key}"
         terms = ALL if joints else MASSIVE if what == "rpy" else INERTIAL
 
-        edits = [(r, _edit(r, joints, bodies), terms, r.cost + more) for r in some]
-        proposer(own, f"{what} of {whose} {says}", some[0].fix, late=rare)(partial(_proposed, edits))
+        alone = [(joints, False), (False, bodies)] if mine == "both" else [(joints, bodies)]
+        edits = [(r, [_edit(r, *one) for one in alone]) for r in some]
+        proposer(own, f"{what} of {whose} {says}", some[0].fix, late=rare)(partial(_proposed, edits, terms, more))
 
 
 def _proposed(
-    edits: Sequence[tuple[Reading, Edit, tuple[str, ...], float]], h: Hypothesis, case: Case
+    edits: Sequence[tuple[Reading, Sequence[Edit]]], terms: tuple[str, ...], more: float, h: Hypothesis, case: Case
 ) -> list[Hypothesis]:
+    """Of both, only where it changes both: else it is that of one."""
     d = case.description
     return [
-        replace(h, place="edit", act=edit, terms=terms, values=reading.values, cost=cost)
-        for reading, edit, terms, cost in edits if changes(d, edit(d, ()))
+        replace(h, place="edit", act=partial(_together, each), terms=terms, values=r.values, cost=r.cost + more)
+        for r, each in edits if all(changes(d, edit(d, ())) for edit in each)
     ]  # fmt: skip
+
+
+def _together(edits: Sequence[Edit], d: Description, items: Sequence[str]) -> Description:
+    for edit in edits:
+        d = edit(d, items)
+    return d
 
 
 ANGULAR = tuple(r for r in WHOLE if r.key.startswith("rpy"))

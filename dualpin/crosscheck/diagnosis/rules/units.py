@@ -1,4 +1,4 @@
-"""Numbers of the file taken in other units, another order, or for another item."""
+"""Numbers of the file that are rounded, and axes of joints with other components."""
 
 from __future__ import annotations
 
