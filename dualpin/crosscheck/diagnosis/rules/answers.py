@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -139,11 +139,24 @@ def parent_frame(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return act
 
+    def beside(step: int, names: Callable[[Description], Sequence[str]]) -> Callable[[Description], dict[str, str]]:
+        """Counted along a list from another number."""
+        return lambda d: dict(zip(names(d)[max(0, -step) :], names(d)[max(0, step) :], strict=False))
+
     h = replace(h, terms=OF_FRAMES, place="formula", cost=1.1)
+    lists: dict[str, Callable[[Description], Sequence[str]]] = {
+        "in the file": lambda d: d.links, "along the tree": lambda d: [d.root, *(p.link for p in d.parts)],
+    }  # fmt: skip
+    shifted = [
+        replace(h, act=of(beside(step, names)), says=f"frames are those of the link {which} {words}", cost=1.15,
+                fix="find the link by its name")
+        for words, names in lists.items() for step, which in ((1, "after it"), (-1, "before it"))
+    ]  # fmt: skip
     carrier = "frames on fixed joints are those of the links that carry them"
     return [
         replace(h, act=of(lambda d: {p.link: p.parent for p in d.parts})),
         replace(h, act=of(Description.carriers), says=carrier, fix="multiply the poses of fixed joints in"),
+        *shifted,
     ]
 
 

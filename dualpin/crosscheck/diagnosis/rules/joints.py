@@ -125,6 +125,11 @@ def xyz_sign(p: Part, d: Description) -> Part:
     return replace(p, position=-p.position)
 
 
+@joint_rule("origin_ignored", "the origin of joints is ignored", ORIGIN)
+def origin_ignored(p: Part, d: Description) -> Part:
+    return p.placed(np.eye(4))
+
+
 @joint_rule("origin_inverted", "the pose of joint origins is inverted", ORIGIN)
 def origin_inverted(p: Part, d: Description) -> Part:
     return p.placed(np.linalg.inv(p.pose))

@@ -25,6 +25,24 @@ def fixed_dropped(p: Part, d: Description) -> Part:
     return replace(p, body=None) if _held(p) else p
 
 
+@joint_rule("fixed_dropped", "the inertia of fixed links that hang on fixed links is dropped",
+            "count the links on fixed joints, and those behind them", INERTIAL, cost=1.05)  # fmt: skip
+def fixed_behind_dropped(p: Part, d: Description) -> Part:
+    on = d.part_of_link(p.parent)
+    return replace(p, body=None) if _held(p) and on is not None and not on.moves else p
+
+
+@joint_rule("fixed_twice", "the inertia of fixed links is counted twice", "count each link once", INERTIAL, cost=1.05)
+def fixed_twice(p: Part, d: Description) -> Part:
+    return _standing(p, lambda b: replace(b, mass=2 * b.mass, inertia=2 * b.inertia))
+
+
+@joint_rule("fixed_points", "fixed links are merged as points, without their own tensor", "add R I R^T of each link",
+            MASSIVE, cost=1.05)  # fmt: skip
+def fixed_points(p: Part, d: Description) -> Part:
+    return _standing(p, lambda b: replace(b, inertia=0 * b.inertia))
+
+
 def _standing(p: Part, change: Callable[[Body], Body]) -> Part:
     return replace(p, body=change(p.body)) if _held(p) and p.body is not None else p
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import permutations
+from itertools import permutations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +44,7 @@ class Reading(NamedTuple):
     cost: float = 1.05
 
 
+ANGLE = ("roll", "pitch", "yaw")
 ANGLES = "read rpy as Rz(yaw) Ry(pitch) Rx(roll), in radians"
 LENGTH = "read xyz as metres, in the order x y z"
 POSE = "place by xyz, in the axes of the parent, then turn by rpy"
@@ -77,6 +78,12 @@ def _euler(axes: Sequence[int], rpy: np.ndarray) -> np.ndarray:
     return np.asarray(a @ b @ c)
 
 
+def _instead(to: int, of: int, rpy: np.ndarray) -> np.ndarray:
+    angles = rpy.copy()
+    angles[to] = rpy[of]
+    return fixed_axes(angles)
+
+
 def _orders() -> Iterable[Reading]:
     """Products of the three turns, and other angles."""
     found: dict[str, Callable[[np.ndarray], np.ndarray]] = {}
@@ -94,13 +101,18 @@ def _orders() -> Iterable[Reading]:
         "pitch yaw roll in the place of roll pitch yaw": lambda rpy: fixed_axes(rpy[[1, 2, 0]]),
         "yaw roll pitch in the place of roll pitch yaw": lambda rpy: fixed_axes(rpy[[2, 0, 1]]),
     }
+    copied = [(a, b, c) for a, b, c in product(range(3), repeat=3) if sum((a == 2, b == 1, c == 0)) == 2]
+    rare |= {" ".join(f"R{'xyz'[k]}({ANGLE[k]})" for k in order): partial(_product, order) for order in copied}
+    rare |= {
+        f"{ANGLE[of]} in the place of {ANGLE[to]}": partial(_instead, to, of) for to, of in permutations(range(3), 2)
+    }  # fmt: skip
     for values, made in (found | rare).items():
         yield Reading("rpy_order", says, values, _turns(made), ANGLES, rare=values in rare)
 
 
 def _parts() -> Iterable[Reading]:
     """Angles that are left out, of the other sign, or of another size."""
-    for k, name in enumerate(("roll", "pitch", "yaw")):
+    for k, name in enumerate(ANGLE):
         e = np.eye(3)[k]
         for values, factors in ((f"without {name}", 1 - e), (f"{name} alone", e), (f"-{name}", 1 - 2 * e)):
             yield _scaled("has an angle left out, or of the other sign", values, factors)
@@ -162,7 +174,7 @@ WHOLE = (
 )
 """Mistakes of xyz or of rpy as a whole."""
 POSES = (
-    Reading("origin_ignored", "is ignored", "", lambda o: (0 * o.xyz, np.eye(3)), POSE, "i"),
+    Reading("origin_ignored", "is ignored", "", lambda o: (0 * o.xyz, np.eye(3)), POSE, "ji"),
     Reading("origin_inverted", "is inverted", "", _inverse, POSE, "j"),
     Reading("origin_exchanged", "has xyz and rpy in each other's place", "", _exchanged, POSE),
     Reading("origin_twice", "is multiplied in twice", "", _twice, POSE, "j", rare=True),
@@ -223,7 +235,8 @@ def _together(edits: Sequence[Edit], d: Description, items: Sequence[str]) -> De
 
 
 ANGULAR = tuple(r for r in WHOLE if r.key.startswith("rpy"))
+LINEAR = tuple(r for r in WHOLE if r not in ANGULAR)
 for _whose in WHOSE:
     _register("rpy", (*ANGULAR, *_orders(), *_parts()), *_whose)
-    _register("xyz", (*(r for r in WHOLE if r not in ANGULAR), *_positions()), *_whose)
+    _register("xyz", (*LINEAR, *_positions()), *_whose)
     _register("the origin", POSES, *_whose)
