@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from lxml import etree
@@ -12,6 +14,7 @@ from dualpin.crosscheck.subjects.questions import QUESTIONS
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.recursive import Recursive
 from tests.crosscheck.test_textbook import PROBE
+from tests.crosscheck.unseen_codes import rewritten
 
 TERMS = ("fk", "crba", "com", "rnea", "bias", "aba", "frame_acceleration", "kinetic_energy")
 
@@ -167,3 +170,25 @@ def test_the_origin_of_a_shape_is_taken_for_that_of_inertial(tmp_path):
     ask = asking(str(tmp_path / "shown.urdf"), 2, 0, TERMS)
     answers = ask_here(Recursive(etree.tostring(root).decode()), ask, lambda what: None)
     agree(predicted(answers, "inertial_of_shape", "xyz and rpy of the first <visual>"), answers.terms, 4)
+
+
+# --- chains of fixed links -----------------------------------------------------------------------
+
+PLACED = "R_here, p_here = R @ Rj, p + R @ pj"
+CHAINS = {
+    "fixed_order": (PLACED.replace("R @ Rj", "Rj @ R"), "has the two rotations multiplied in the other order"),
+    "fixed_parent": (PLACED.replace("p + R @ pj", "R @ pj"), "loses the fixed link's position"),
+}
+
+
+@pytest.mark.parametrize("key", CHAINS)
+def test_poses_along_a_chain_of_fixed_links_are_multiplied_wrongly(key, tmp_path):
+    new, words = CHAINS[key]
+    text = Path(PROBE).read_text()
+    for child, old, on in (("b_lid", "b", "b_box"), ("c", "b", "b_lid")):
+        joint = '<parent link="{}"/><child link="{}"/>'
+        text = text.replace(joint.format(old, child), joint.format(on, child))
+    (tmp_path / "nested.urdf").write_text(text)
+    ask = asking(str(tmp_path / "nested.urdf"), 2, 0, TERMS)
+    answers = ask_here(rewritten("newton", (PLACED, new))(ask.text), ask, lambda what: None)
+    agree(predicted(answers, key, f"a joint on a fixed link, a fixed joint too, {words}"), answers.terms, 8)

@@ -180,6 +180,12 @@ class Description:
         return replace(self, parts=tuple(order))
 
     @cached_property
+    def nests(self) -> bool:
+        """Whether a fixed link carries another one."""
+        fixed = [p for p in self.parts if not p.moves]
+        return bool({p.parent for p in fixed} & {p.link for p in fixed})
+
+    @cached_property
     def tree(self) -> tuple[tuple[str, str], ...]:
         """Which links hang on which: descriptions are built together where it is the same."""
         return tuple((p.link, p.parent) for p in self.parts)

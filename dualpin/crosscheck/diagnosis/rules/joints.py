@@ -221,20 +221,35 @@ ON_FIXED: dict[str, tuple[str, Pair, float]] = {
 }  # fmt: skip
 
 
-def _on_fixed(key: str, says: str, pair: Pair, moving: bool, cost: float) -> None:
-    """A rule about joints on fixed links."""
+def _chained(p: Part, d: Description, pair: Pair) -> np.ndarray:
+    """The pose of a joint on the link that carries it, multiplied up along a chain of fixed links."""
+    chain, on = [p], d.part_of_link(p.parent)
+    while on is not None and not on.moves:
+        chain.append(on)
+        on = d.part_of_link(on.parent)
+    whole = chain.pop().pose
+    while chain:
+        whole = pair(whole, chain.pop().pose)
+    return whole
+
+
+def _on_fixed(key: str, says: str, pair: Pair, fixed: bool, cost: float) -> None:
+    """A rule about joints on fixed links; if `fixed`, about fixed ones too, where a chain of links is."""
 
     @joint_rule(key, says, "multiply the pose of a fixed joint by that of what it carries, from the right", cost=cost)
     def placed(p: Part, d: Description) -> Part:
-        between = _between(p, d)
-        if p.moves is not moving or np.abs(between - np.eye(4)).max() < 1e-12:
+        on = d.part_of_link(p.parent)
+        if on is None or on.moves or not (d.nests if fixed else p.moves):
             return p
-        return p.placed(np.linalg.inv(between) @ pair(between, p.pose))
+        if not fixed:
+            between = _between(p, d)
+            return p.placed(np.linalg.inv(between) @ pair(between, p.pose))
+        return p.placed(np.linalg.inv(_chained(on, d, pair)) @ _chained(p, d, pair))
 
 
 for _words, (_key, _pair, _cost) in ON_FIXED.items():
-    _on_fixed(_key, f"a joint on a fixed link {_words}", _pair, True, _cost)
-    _on_fixed(_key, f"a fixed joint on a fixed link {_words}", _pair, False, _cost + 0.05)
+    _on_fixed(_key, f"a joint on a fixed link {_words}", _pair, False, _cost)
+    _on_fixed(_key, f"a joint on a fixed link, a fixed joint too, {_words}", _pair, True, _cost + 0.05)
 
 
 @joint_rule(
