@@ -151,12 +151,14 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         search.slips_besides(_causes(case, searches)[:BESIDES])
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
+    rare = "rare readings of the file and of inputs"
     merging, reading = "slips of merging fixed links", "a slip of other terms and a reading"
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
+            stage(rare, Search.readings, unknown, [term])
             if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(slips, Search.slips, unknown, [term])
@@ -170,6 +172,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
     stage(beside, besides, unknown, off)
+    stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(merging, Search.merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
@@ -177,12 +180,15 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
         stage(beside, besides, unknown, off)
-    stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), off)
-    stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), off)
+    for term in off:  # what is soon looked at comes first; what explains one of them may explain the next
+        stage(rare, Search.readings, lambda s: doubtful(s, lambda x: x.reread), [term])
+        stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
+        stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), [term])
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
     stage(beside, besides, unexplained, off)
+    stage(rare, Search.readings, lambda s: s.open and not s.reread, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
     stage(merging, Search.merging, lambda s: s.open and not s.remerged, off)
     stage(two_causes, Search.pairs, lambda s: True, off)

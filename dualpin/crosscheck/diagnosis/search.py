@@ -11,7 +11,6 @@ import time
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,12 +21,12 @@ from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
 from .rules.composed import PARTS, by_symbols
-from .rules.register import INERTIAL
+from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import algorithm, made_of, share
 
-STORIES, SLIPS, SHORT = 64, 800, 200  # scored before the time is looked at, at most; slips of a short algorithm
+STORIES, AT_ONCE, SHORT = 64, 800, 200  # scored before the time is looked at, at most; slips of a short algorithm
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
@@ -86,25 +85,19 @@ class Catalogue:
         proposed = (h for rule in RULES if not rule.late for h in rule.propose(case))
         self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
         self._kin: dict[Any, list[Hypothesis]] = {}
+        self._late: dict[int, list[Hypothesis]] = {}
 
     @property
     def late(self) -> list[Hypothesis]:
         """Those of late rules."""
-        return [*self._slips, *self._merging]
-
-    @cached_property
-    def _slips(self) -> list[Hypothesis]:
-        return self._of_rules(1)
-
-    @cached_property
-    def _merging(self) -> list[Hypothesis]:
-        return self._of_rules(2)
+        return [h for late in (SLIPS, MERGING, READINGS) for h in self._of_rules(late)]
 
     def _of_rules(self, late: int) -> list[Hypothesis]:
-        found = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
-        for h in found:
-            self._kin.setdefault(h.mistake or h.cause, []).append(h)
-        return found
+        if late not in self._late:
+            self._late[late] = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
+            for h in self._late[late]:
+                self._kin.setdefault(h.mistake or h.cause, []).append(h)
+        return self._late[late]
 
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
@@ -113,7 +106,7 @@ class Catalogue:
         """The same mistake as other formulations, or what is made of them, show it."""
         return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
 
-    def slips(self, term: str, until: float, base: Story = (), late: int = 1) -> list[Story]:
+    def slips(self, term: str, until: float, base: Story = (), late: int = SLIPS) -> list[Story]:
         """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
 
         `base` is a story that holds besides; `late` says of which rules they are.
@@ -121,7 +114,7 @@ class Catalogue:
         few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
-        for h in (h for h in (self._slips if late == 1 else self._merging) if term in h.terms and not h.afterwards):
+        for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
             if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
@@ -129,7 +122,7 @@ class Catalogue:
         sizes = Counter(algorithm(same[0].act) for same in groups.values())
         alike = sorted(groups.values(), key=lambda same: (not same[0].made_of, sizes[algorithm(same[0].act)] > SHORT))
         scores = list[Score]()
-        for block in in_time(alike, until, SLIPS):
+        for block in in_time(alike, until, AT_ONCE):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
@@ -161,7 +154,7 @@ class Search:
         self._near_slips: list[Hypothesis] = []
         self._others: set[frozenset[object]] = set()
         self._beam: list[Story] = []
-        self.tried = self.slipped = self.remerged = False
+        self.tried = self.slipped = self.remerged = self.reread = False
 
     @property
     def late(self) -> bool:
@@ -237,15 +230,21 @@ class Search:
     def slips(self) -> None:
         """Slips of textbook algorithms."""
         near = self.consider(self.catalogue.slips(self.term, self.until))
-        self._near_slips = [h for n in near for h in n.story]
+        self._near_slips += [h for n in near for h in n.story]
         self.slipped = True
 
     def merging(self) -> None:
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less."""
         if self.term in INERTIAL:
-            near = self.consider(self.catalogue.slips(self.term, self.until, late=2))
+            near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]
         self.remerged = True
+
+    def readings(self) -> None:
+        """Rare readings of the file and of inputs: few beside the slips, and one may explain all terms."""
+        near = self.consider(self.catalogue.slips(self.term, self.until, late=READINGS))
+        self._near_slips += [h for n in near for h in n.story]
+        self.reread = True
 
     def slips_besides(self, causes: Sequence[Story]) -> None:
         """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse."""

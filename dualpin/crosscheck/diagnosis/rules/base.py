@@ -14,7 +14,7 @@ from ...subjects.questions import QUESTIONS
 from ..case import Case, States, View
 from ..hypothesis import Hypothesis
 from .inputs import passed
-from .register import ALL, proposer
+from .register import ALL, READINGS, proposer
 
 Changed = Callable[[np.ndarray], np.ndarray]
 """Of x y z qw qx qy qz (n, 7)."""
@@ -133,7 +133,7 @@ VELOCITIES: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
 
 @proposer(
     "base_motion", "the base's velocity or acceleration is taken for another where it is read",
-    "use v and a as they are passed, in the axes and the order of the answers", late=True,
+    "use v and a as they are passed, in the axes and the order of the answers", late=READINGS,
 )  # fmt: skip
 def base_motion(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """Of inputs alone: answers are in the columns that the subject declares."""

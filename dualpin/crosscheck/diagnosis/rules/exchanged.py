@@ -12,7 +12,7 @@ from ..case import Case
 from ..description import Body, Description, Part, fixed_axes
 from ..hypothesis import Hypothesis
 from ..reading import shapes
-from .register import ALL, INERTIAL, Family, changed, changes, proposer
+from .register import ALL, INERTIAL, READINGS, Family, changed, changes, proposer
 
 Taken = Callable[[Part, Part], Part]
 """Of a joint, and the one whose numbers it gets."""
@@ -71,7 +71,7 @@ def _others(d: Description) -> dict[str, dict[str, Part]]:
 
 @proposer(
     "joint_exchanged", "joints have numbers of another joint",
-    "count all lists of joints from the same number, in one order", late=True,
+    "count all lists of joints from the same number, in one order", late=READINGS,
 )  # fmt: skip
 def joint_exchanged(h: Hypothesis, case: Case) -> Iterable[Hypothesis]:
     for whose in _others(case.description):
@@ -139,7 +139,7 @@ def _given(d: Description, new: Bodies) -> Description:
 
 @proposer(
     "inertial_shifted", "links have the <inertial> of other links, or part of it", "count links from the same number",
-    late=True,
+    late=READINGS,
 )  # fmt: skip
 def inertial_shifted(h: Hypothesis, case: Case) -> list[Hypothesis]:
     d, found, seen = case.description, list[Hypothesis](), list[dict[str, str]]()
@@ -168,7 +168,7 @@ SHOWN: dict[str, Callable[[Body, np.ndarray, np.ndarray], Body]] = {
 
 @proposer(
     "inertial_of_shape", "the <origin> of a shape is taken for that of <inertial>",
-    "look for <origin> in <inertial> itself, not among all of the link", late=True,
+    "look for <origin> in <inertial> itself, not among all of the link", late=READINGS,
 )  # fmt: skip
 def inertial_of_shape(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """Of <visual> or <collision>, the first or the last; a link without such keeps its own."""

@@ -14,7 +14,7 @@ from ...subjects.questions import QUESTIONS
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, reordered
-from .register import ALL, WEIGHED, proposer, rule
+from .register import ALL, READINGS, WEIGHED, proposer, rule
 from .writing import orders
 
 Change = Callable[[View, States], States]
@@ -114,7 +114,7 @@ def _places(case: Case) -> dict[tuple[int, ...], str]:
 
 @proposer(
     "input_order", "an input is read in another order than the others and the answers",
-    "count the columns of q, v, a and tau alike", late=True,
+    "count the columns of q, v, a and tau alike", late=READINGS,
 )  # fmt: skip
 def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(order: tuple[int, ...], words: str, inputs: tuple[str, ...]) -> Hypothesis:
@@ -137,7 +137,7 @@ def input_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 @proposer(
     "answer_order", "answers are written in another order than the inputs are read",
-    "write joint k's torque, or column, in place k", late=True,
+    "write joint k's torque, or column, in place k", late=READINGS,
 )  # fmt: skip
 def answer_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(order: tuple[int, ...], words: str) -> Hypothesis:
@@ -166,7 +166,9 @@ ZEROS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
 }  # fmt: skip
 
 
-@proposer("zero_position", "positions of joints are counted from their limits", "take positions as they are", late=True)
+@proposer(
+    "zero_position", "positions of joints are counted from their limits", "take positions as they are", late=READINGS
+)
 def zero_position(h: Hypothesis, case: Case) -> list[Hypothesis]:
     low, high = case.robot.lower, case.robot.upper
     finite = np.isfinite(low) & np.isfinite(high)

@@ -11,7 +11,7 @@ from ....spatial.inertia import steiner
 from ..case import Case
 from ..description import Body, Description, Part, homogeneous
 from ..hypothesis import Hypothesis
-from .register import INERTIAL, MASSIVE, changes, joint_rule, proposer
+from .register import INERTIAL, MASSIVE, READINGS, changes, joint_rule, proposer
 
 MERGE = "carry the inertia of a fixed link by the whole pose of its joint: R I R^T, then Steiner"
 
@@ -187,7 +187,7 @@ WHICH: dict[str, Callable[[Part], bool]] = {
 
 @proposer(
     "inertial_frame", "<inertial> is taken in another frame", "xyz and rpy of <inertial> are given in the link's frame",
-    late=True,
+    late=READINGS,
 )  # fmt: skip
 def inertial_frame(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """The frame of a link is that of the joint that carries it."""

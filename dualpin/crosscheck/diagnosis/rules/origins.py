@@ -14,7 +14,7 @@ from ....spatial.adjoint import cross_matrix
 from ..case import Case
 from ..description import Body, Description, Part, fixed_axes, homogeneous, turn
 from ..hypothesis import Hypothesis
-from .register import ALL, INERTIAL, MASSIVE, changes, proposer
+from .register import ALL, INERTIAL, MASSIVE, READINGS, changes, proposer
 
 
 class Origin(NamedTuple):
@@ -214,7 +214,9 @@ def _register(what: str, readings: Sequence[Reading], whose: str, joints: bool, 
 
         alone = [(joints, False), (False, bodies)] if mine == "both" else [(joints, bodies)]
         edits = [(r, [_edit(r, *one) for one in alone]) for r in some]
-        proposer(own, f"{what} of {whose} {says}", some[0].fix, late=rare)(partial(_proposed, edits, terms, more))
+        proposer(own, f"{what} of {whose} {says}", some[0].fix, late=READINGS * rare)(
+            partial(_proposed, edits, terms, more)
+        )
 
 
 def _proposed(

@@ -33,6 +33,10 @@ MASSIVE = (
 """Terms in which inertia about the centre of mass counts."""
 
 
+SLIPS, MERGING, READINGS = 1, 2, 3
+"""Late rules: slips of algorithms; of merging, tried after those; rare readings of file and inputs, before those."""
+
+
 @dataclass(frozen=True)
 class Rule:
     """A proposer of hypotheses, and its line in the table of keys."""
@@ -44,7 +48,7 @@ class Rule:
     rows: Mapping[str, str] = field(default_factory=dict)
     """Where it proposes several keys: what each says."""
     late: int = 0
-    """1 where its hypotheses are tried only where no single cause of the other rules explains a term; 2 after those."""
+    """One of those above where its hypotheses are tried only if no single cause of other rules explains a term."""
 
 
 RULES: list[Rule] = []

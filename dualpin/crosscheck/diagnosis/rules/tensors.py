@@ -12,7 +12,7 @@ import numpy as np
 from ..case import Case
 from ..description import ENTRIES, Body, Description
 from ..hypothesis import Hypothesis
-from .register import INERTIAL, MASSIVE, changes, proposer
+from .register import INERTIAL, MASSIVE, READINGS, changes, proposer
 
 Six = np.ndarray
 """ixx, ixy, ixz, iyy, iyz, izz."""
@@ -95,7 +95,7 @@ def _by_mass(power: int) -> Read:
 
 
 def _table(key: str, says: str, fix: str, reads: Mapping[str, Read], terms: tuple[str, ...] = MASSIVE,
-           cost: float = 1.05, late: bool = False) -> None:  # fmt: skip
+           cost: float = 1.05, late: int = 0) -> None:  # fmt: skip
     """One rule, of all links."""
 
     def propose(h: Hypothesis, case: Case) -> list[Hypothesis]:
@@ -114,7 +114,7 @@ def _table(key: str, says: str, fix: str, reads: Mapping[str, Read], terms: tupl
 _table("products_swapped", "products of inertia are swapped", BY_NAME, _swaps(), cost=1.0)
 _table("products_swapped", "products of inertia are read in another order", BY_NAME, {
     "ixz iyz ixy": _from(ixy="ixz", ixz="iyz", iyz="ixy"), "iyz ixy ixz": _from(ixy="iyz", ixz="ixy", iyz="ixz"),
-}, late=True)  # fmt: skip
+}, late=READINGS)  # fmt: skip
 _table("inertia_order", "the six numbers of <inertia> are read in another order", BY_NAME,
        {order: _in_order(order) for order in ORDERS}, cost=1.0)  # fmt: skip
 _table("moments_swapped", "moments of inertia are in each other's place", BY_NAME, _moments())
@@ -122,7 +122,7 @@ _table(
     "inertia_entry_copied", "an entry of every <inertia> is filled with another one", BY_NAME, _copies(True), cost=1.1
 )
 _table("inertia_entry_copied", "an entry of every <inertia> is filled with one of another kind", BY_NAME, _copies(
-    alike=False) | {"ixx stands for iyy and izz": _from(iyy="ixx", izz="ixx")}, cost=1.1, late=True)  # fmt: skip
+    alike=False) | {"ixx stands for iyy and izz": _from(iyy="ixx", izz="ixx")}, cost=1.1, late=READINGS)  # fmt: skip
 _table("inertia_entry", "an entry of every <inertia> is left out, or has the other sign", BY_NAME, {
     **{f"without {name}": _times({name: 0.0}) for name in ENTRIES},
     **{f"-{name}": _times({name: -1.0}) for name in PRODUCTS},
@@ -134,10 +134,10 @@ _table("inertia_units", "all tensors of inertia are multiplied by a number (othe
 _table("mass_units", "masses are multiplied by a number (other units)", "give <mass> in kg",
        {words: _both(k, 1.0) for words, k in MASSES.items()}, INERTIAL)  # fmt: skip
 _table("mass_units", "masses are multiplied by a number", "give <mass> in kg",
-       {words: _both(k, 1.0) for words, k in WEIGHTS.items()}, INERTIAL, 1.1, late=True)  # fmt: skip
+       {words: _both(k, 1.0) for words, k in WEIGHTS.items()}, INERTIAL, 1.1, late=READINGS)  # fmt: skip
 _table("density", "masses and tensors of inertia are multiplied by a number", "give <mass> in kg, <inertia> in kg m^2",
-       {words: _both(k, k) for words, k in (MASSES | WEIGHTS).items()}, INERTIAL, 1.1, late=True)  # fmt: skip
+       {words: _both(k, k) for words, k in (MASSES | WEIGHTS).items()}, INERTIAL, 1.1, late=READINGS)  # fmt: skip
 _table("inertial_replaced", "masses, or tensors of inertia, are not those of the file", "use the numbers of the file", {
     "masses of 1": lambda m, six: (1.0 if m else m, six), "tensors of 1": _replaced(0.0, (1, 0, 0, 1, 0, 1)),
     "tensors multiplied by the mass": _by_mass(1), "tensors divided by the mass": _by_mass(-1),
-}, INERTIAL, 1.15, late=True)  # fmt: skip
+}, INERTIAL, 1.15, late=READINGS)  # fmt: skip
