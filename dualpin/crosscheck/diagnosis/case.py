@@ -94,7 +94,7 @@ class Case:
         self._spared: dict[tuple[Any, ...], list[str]] = {}
         self._robots: dict[int, tuple[Description, Robot]] = {}
         self._edits: dict[Any, tuple[Description, Hypothesis, Description]] = {}
-        self._states: dict[Any, tuple[States, Hypothesis, States]] = {}
+        self._states: dict[Any, tuple[View, States]] = {}
         self.kept: dict[Any, tuple[Description, States, np.ndarray]] = {}
         self.bytes = 0
         a = self.asking
@@ -179,20 +179,16 @@ class Case:
         if found is None:
             return None
         view = View(self, description, *found)
-        for h in story:
-            if h.place == "state":
-                view = View(self, description, view.layout, self._stated(view, h))
+        for h in (h for h in story if h.place == "state"):
+            view = View(self, description, view.layout, self._stated(view, h))
         return view
 
     def _stated(self, view: View, h: Hypothesis) -> States:
         """The same object for the same change of what was sent, which all terms need."""
-        if view.description is not self.description:
-            found: States = h.act(view)
-            return found
-        key = h.identity, id(h.act), id(view.states)
+        key = h.identity, id(h.act), id(view.states), id(view.description)
         if key not in self._states:
-            self._states[key] = view.states, h, h.act(view)
-        return self._states[key][2]
+            self._states[key] = view, h.act(view)  # the view, so that none of it is another's place in memory
+        return self._states[key][1]
 
     def _edited(self, d: Description, h: Hypothesis) -> Description:
         """The same object for the same edit of what the file says, since much is kept of each description."""
