@@ -175,8 +175,7 @@ class Case:
                 wording = h.act(wording)
             elif h.place == "edit":
                 description = self._edited(description, h)
-        found = self.layout(wording)
-        if found is None:
+        if (found := self.layout(wording)) is None:
             return None
         view = View(self, description, *found)
         for h in (h for h in story if h.place == "state"):
