@@ -325,6 +325,11 @@ class Case:
 
     # how near they come
 
+    @cached_property
+    def wrong(self) -> frozenset[str]:
+        """The terms whose answers are not right."""
+        return frozenset(t for t in self.observed if not self.score(t).right)
+
     def score(self, term: str, story: Story = ()) -> Score:
         return self.scores(term, [story])[0]
 

@@ -85,6 +85,8 @@ def formulation(
                 return []
             touched: dict[Slip, list[str]] = {}
             asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
+            if not case.wrong.intersection(asked):
+                return []
             slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, asked))}
             for term in asked:
                 for slip in filter(only, slips[like(term)]):
