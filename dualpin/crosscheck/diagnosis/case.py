@@ -16,6 +16,7 @@ from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question
 from .description import Description, Part, built, merged
 from .evaluation import evaluate
+from .forces import by_velocity, forces_of
 from .hypothesis import Hypothesis, Story, Wording, identity
 from .reading import describe
 from .scores import FAR, Score, in_forces, limit, scaled, scored
@@ -33,8 +34,6 @@ KEPT = 512
 """How many robots of edited descriptions are kept."""
 KEPT_BYTES = 2**26
 """Of intermediate results that many stories need."""
-STEP = 2.0**-12
-"""Of velocities: small beside those at which a force changes its sign, and large beside their rounding."""
 
 
 class View:
@@ -64,6 +63,10 @@ class View:
             return evaluate(self.robot, QUESTIONS[term], given, self.frames, reference)[0]
 
         return self.once((term, reference, *((k, x.tobytes()) for k, x in states.items())), answer)
+
+    def at(self, **states: np.ndarray) -> View:
+        """The same with some states replaced."""
+        return View(self.case, self.description, self.layout, {**self.states, **states})
 
     def once(self, what: Hashable, make: Callable[[], np.ndarray]) -> np.ndarray:
         """What many stories need of the same robot and states: made once, not to be written to."""
@@ -270,10 +273,10 @@ class Case:
         """Forward dynamics under additional forces: they are taken from tau."""
         if QUESTIONS[term].source != "aba":
             return view
-        forces = _forces(story, view, term)
+        forces = forces_of(story, view, term)
         if forces is None:
             return view
-        return View(self, view.description, view.layout, {**view.states, "tau": view.states["tau"] - forces})
+        return view.at(tau=view.states["tau"] - forces)
 
     def _batch(self, question: Question, views: Sequence[View]) -> list[np.ndarray]:
         """The term for many views in one pass, for each reference that is meant, and each tree."""
@@ -294,11 +297,11 @@ class Case:
         """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
         if x is None:
             return None
-        forces = _forces(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
+        forces = forces_of(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
         if forces is not None:
             x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)
         if term == "rnea_derivatives":
-            x = x + _by_velocity(story, view)
+            x = x + by_velocity(story, view)
         for h in story:
             if h.place == "change" and term in h.terms:
                 x = h.act(view, term, x)
@@ -380,26 +383,3 @@ def _tried(f: Callable[..., Any], *args: Any) -> Any:
         return f(*args)
     except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
         return None
-
-
-def _forces(story: Story, view: View, term: str) -> np.ndarray | None:
-    forces = [h.act(view) for h in story if h.place == "force" and term in h.terms]
-    return sum(forces[1:], forces[0]) if forces else None
-
-
-def _by_velocity(story: Story, view: View) -> np.ndarray | float:
-    """What forces of a story add to the derivatives of tau; they depend on velocities, piecewise linearly."""
-    forces = [h for h in story if h.place == "force"]
-    if not forces:
-        return 0.0
-    n, nv = view.states["v"].shape
-    out = np.zeros((n, 3, nv, nv))
-    for j in range(nv):
-        step = np.zeros(nv)
-        step[j] = STEP
-        ahead, behind = (
-            View(view.case, view.description, view.layout, {**view.states, "v": view.states["v"] + s})
-            for s in (step, -step)
-        )
-        out[:, 1, :, j] = sum((h.act(ahead) - h.act(behind)) / (2 * STEP) for h in forces)
-    return out
