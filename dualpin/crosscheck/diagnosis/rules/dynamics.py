@@ -121,11 +121,16 @@ def later(case: Case) -> bool:
     return "rnea" in case.observed
 
 
+def of_mass(case: Case) -> bool:
+    """Whether slips of M are looked for in M first."""
+    return "crba" in case.observed
+
+
 def _shown(run: object, terms: Sequence[str], case: Case) -> Sequence[str]:
     """The terms that slips can change: C from Christoffel's symbols of M is wrong only where M is."""
-    of_mass = isinstance(run, Dynamics) and isinstance(run.matrix, Symbols)
-    right = "crba" in case.observed and case.score("crba").right
-    return [t for t in terms if t != "coriolis"] if of_mass and right else terms
+    by_mass = isinstance(run, Dynamics) and isinstance(run.matrix, Symbols)
+    right = of_mass(case) and case.score("crba").right
+    return [t for t in terms if t != "coriolis"] if by_mass and right else terms
 
 
 def _itself(term: str) -> str:
@@ -163,7 +168,10 @@ for _name, _forces in {
     }[_forces]  # fmt: skip
     _inside = Dynamics(_forces, right(spatial.mass), pushed=_pushed)
     register(_name, _inside, PUSHED, "the wrench in the recursion", lambda term: "rnea", later)
-    register(_name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}")
+    register(
+        _name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}",
+        after=of_mass,
+    )  # fmt: skip
 register(
     "Newton-Euler with external wrenches",
     Dynamics(right(world_axes.forces), right(spatial.mass), pushed=right(world_axes.pushed)), PUSHED,

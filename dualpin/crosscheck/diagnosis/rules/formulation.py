@@ -83,18 +83,17 @@ def formulation(
         def propose(case: Case) -> list[Hypothesis]:
             if not when(case):
                 return []
-            touched: dict[Slip, list[str]] = {}
             asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
-            if not case.wrong.intersection(asked):
-                return []
-            slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, asked))}
-            for term in asked:
+            wrong = [t for t in asked if t in case.wrong]
+            touched: dict[Slip, set[str]] = {}
+            slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, wrong))}
+            for term in wrong:
                 for slip in filter(only, slips[like(term)]):
-                    touched.setdefault(slip, []).append(term)
+                    touched.setdefault(slip, set(asked) - set(wrong)).add(term)  # of right ones `spared` finds out
             return [
                 Hypothesis(
-                    (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(shown), "formula",
-                    Slipped(run, (slip,), batched), slip.fix, variant=variant,
+                    (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(t for t in asked if t in shown),
+                    "formula", Slipped(run, (slip,), batched), slip.fix, variant=variant,
                     cost=cost + LIKELY.get(slip.how, 0.0) + rarer, afterwards=afterwards(case),
                     mistake=_mistake(slip, (known or {}).get(slip), alike),
                 )

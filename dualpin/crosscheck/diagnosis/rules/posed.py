@@ -19,7 +19,8 @@ FORCES = ("gravity", "bias", "rnea", "aba")
 FRAMES = ("frame_velocity", "frame_acceleration")
 OF_POSES = (*transforms.OF_FRAMES, *transforms.OF_BODIES)
 Algorithms = dict[str, tuple[Any, tuple[str, ...]]]
-FIRST: Algorithms = {"transforms": (transforms.Transforms(), ("fk",))}
+FK = ("fk",)
+FIRST: Algorithms = {"transforms": (transforms.Transforms(), FK)}
 """Where slips in rotations show first, if poses are products of transforms."""
 LINKS: Algorithms = {
     "transforms": (transforms.Transforms(), OF_POSES),
@@ -48,16 +49,17 @@ def _asked(terms: tuple[str, ...], case: Case) -> bool:
 
 def _register(name: str, of: Any, terms: tuple[str, ...], variant: str, way: str, alike: str = "") -> None:
     like = shown_in(rotations(way)) if alike else (lambda term: terms[0])
-    for fused in (False, True):
+    for fused in (False, True)[: 1 + (terms != FK)]:  # poses are the same, whatever is merged
         values, when = (f"{variant}, {FUSED}", merges) if fused else (variant, lambda case: True)
         cost, later = COST + 0.05 + FUSING * fused, partial(_asked, terms)
         add = formulation(name, partial(_known, terms), KNOWN, values, when, cost, None, True, like, later, alike)
         add(Posed(replace(of, fused=fused), way))
 
 
+BY_PRODUCTS = frozenset(way for way in WAYS if "vectors by products" in way)
 for _variant, (_of, _terms) in WORLD.items():
     _register("forward kinematics", _of, _terms, _variant, "")
 for _way in (*PLAIN, *WAYS):
-    for _algorithms in (FIRST, LINKS, WORLD):
+    for _algorithms in (FIRST, LINKS, WORLD)[_way in BY_PRODUCTS :]:  # no transform turns vectors by quaternions
         for _variant, (_of, _terms) in _algorithms.items():
             _register(_way, _of, _terms, _variant, _way, _way if _way in WAYS else "")
