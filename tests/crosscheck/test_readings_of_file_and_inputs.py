@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from dualpin.crosscheck.diagnosis import RULES, Case
+from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.questions import QUESTIONS
 from dualpin.crosscheck.subjects.running import ask_here
@@ -192,3 +192,16 @@ def test_poses_along_a_chain_of_fixed_links_are_multiplied_wrongly(key, tmp_path
     ask = asking(str(tmp_path / "nested.urdf"), 2, 0, TERMS)
     answers = ask_here(rewritten("newton", (PLACED, new))(ask.text), ask, lambda what: None)
     agree(predicted(answers, key, f"a joint on a fixed link, a fixed joint too, {words}"), answers.terms, 8)
+
+
+def test_accelerations_under_other_torques_are_not_taken_for_those_under_the_torques_sent():
+    """tau in the place of v: forces under which the answer is right are those of tau, not of v in its place too."""
+    ask = asking(PROBE, 8, 0, ("aba", "crba", "bias"))
+
+    class Wrong(Recursive):
+        def aba(self, q, v, tau):
+            return np.linalg.solve(self.crba(q), tau - self.bias(q, tau))
+
+    (finding,) = diagnose(Case(ask_here(Wrong(ask.text), ask, lambda what: None))).findings
+    assert "tau in the place of v" in finding.says
+    assert finding.after < 1e-9

@@ -15,6 +15,7 @@ from dualpin.crosscheck.diagnosis.rules.dynamics import Seen
 from dualpin.crosscheck.diagnosis.rules.formulation import possible
 from dualpin.crosscheck.diagnosis.search import Catalogue
 from dualpin.crosscheck.diagnosis.textbook import (
+    about_centres,
     articulated,
     body_coriolis,
     composite,
@@ -44,6 +45,7 @@ RUNS = {
     "spatial": Dynamics(spatial.forces, by_columns(spatial.forces)),
     "composite": Dynamics(spatial.forces, spatial.mass),
     "lumps": Dynamics(spatial.forces, composite.mass),
+    "composites about centres": Dynamics(spatial.forces, about_centres.mass),
     "energy": composite.Energy(),
     "seen in world axes": Seen(world_axes.accelerations),
     "seen in link axes": Seen(link_axes.accelerations, True),

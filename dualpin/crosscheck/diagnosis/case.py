@@ -336,6 +336,13 @@ class Case:
     def score(self, term: str, story: Story = ()) -> Score:
         return self.scores(term, [story])[0]
 
+    def _under_tau(self, story: Story) -> bool:
+        """Whether the accelerations are those of the torques that were sent: not if other inputs stand for them."""
+        if not any(h.place == "state" for h in story):
+            return True
+        taken, given = self.view(story), self.view([h for h in story if h.place != "state"])
+        return taken is not None and given is not None and np.array_equal(taken.states["tau"], given.states["tau"])
+
     def scores(self, term: str, stories: Sequence[Story]) -> list[Score]:
         """Forward dynamics is scored in forces: there one wrong entry moves all accelerations."""
         x, found = self.observed[term], self.predictions(term, stories)
@@ -346,7 +353,7 @@ class Case:
                 limits = [limit(M, len(self.robot), self.tolerance) for M in masses]
             return [FAR if p is None else scored(x, p, x, p, limit) for p, limit in zip(found, limits, strict=True)]
         weights = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
-        plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s)]
+        plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s) and self._under_tau(s)]
         biases = dict(zip(plain, self.predictions("bias", [stories[k] for k in plain]), strict=True))
         out = []
         for k, (p, M) in enumerate(zip(found, weights, strict=True)):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from ..case import Case
-from ..textbook import body_jacobians, composite, lagrange, link_axes, spatial, sums, world_axes
+from ..textbook import about_centres, body_jacobians, composite, lagrange, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
 from ..textbook.lagrange import Lagrange
@@ -186,6 +186,10 @@ register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")
 register(
     "composite bodies by mass, moment and inertia",
     Dynamics(right(spatial.forces), composite.mass, symbols(composite.mass)), (*MASSES, *FORWARD),
+)  # fmt: skip
+register(
+    "composite bodies about their centres",
+    Dynamics(right(spatial.forces), about_centres.mass, symbols(about_centres.mass)), (*MASSES, *FORWARD),
 )  # fmt: skip
 register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",))
 _lagrange = Lagrange(spatial.forces, lagrange.mass)

@@ -267,7 +267,10 @@ class Sums:
         wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
         m = self.masses("the mass in the potential energy") * self.every("the potential energies")
-        return np.asarray(self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)}))
+        V = self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)})
+        more = 1 + self.grounded / self.total
+        wrong = {"that of all links, also of those that cannot move": V * more} if self.grounded else {}
+        return np.asarray(self.steps.pick("the mass whose height is that of the centre of mass", V, **wrong))
 
     # the equations of motion
 
