@@ -340,7 +340,7 @@ class Case:
         """Whether the accelerations are those of the torques that were sent: not if other inputs stand for them."""
         if not any(h.place == "state" for h in story):
             return True
-        taken, given = self.view(story), self.view([h for h in story if h.place != "state"])
+        taken, given = self.view(story), self.view(tuple(h for h in story if h.place != "state"))
         return taken is not None and given is not None and np.array_equal(taken.states["tau"], given.states["tau"])
 
     def scores(self, term: str, stories: Sequence[Story]) -> list[Score]:
