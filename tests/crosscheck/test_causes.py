@@ -19,6 +19,7 @@ from dualpin.crosscheck.diagnosis.search import Explanation
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.kinematic import Kinematic
+from tests.crosscheck.recursive import Recursive
 from tests.crosscheck.test_blind import PROBE
 
 BODY = (
@@ -151,3 +152,18 @@ def test_another_cause_than_those_of_other_terms_must_explain_nearly_all():
 
     assert told(0.96, ()) and told(0.995, known) and told(0.96, {other.cause})
     assert not told(0.96, known) and not told(0.96, known, (replace(other, key="known"), other))
+
+
+def test_a_mass_matrix_without_a_factor_says_why_there_is_no_inverse():
+    ask = asking(PROBE, 3, 0, ("crba", "minv"))
+
+    class Indefinite(Recursive):
+        def crba(self, q):
+            return super().crba(q) - 5 * np.eye(len(q))
+
+        def minv(self, q):
+            return np.full((len(q), len(q)), np.nan)  # as Cholesky's factors of such a matrix are
+
+    found = diagnose(Case(ask_here(Indefinite(ask.text), ask, lambda what: None))).findings
+    (said,) = [f for f in found if f.terms == ["minv"]]
+    assert said.key == "follows" and "positive definite" in said.says

@@ -15,7 +15,7 @@ from .apart import told_apart
 from .case import Case
 from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
-from .locate import located, partly, precision
+from .locate import located, no_factor, partly, precision
 from .rules.composed import follows_from
 from .rules.register import DERIVED, PUSHED
 from .scores import scaled
@@ -266,7 +266,7 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
     known = {h.cause for story in picked.values() for h in story if h.key != "follows"}
     for term, e in told.items():
         if not e.named:
-            rounded = precision(case, term, e)
+            rounded = no_factor(case, term) or precision(case, term, e)
             where = located(case, term, Explanation(term, e.before))
             finding = rounded or partly(case, term, e, located(case, term, e), known)
             if finding:

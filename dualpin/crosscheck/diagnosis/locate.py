@@ -7,7 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ..findings import Finding
-from ..subjects.layout import product
+from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
 from .case import Case, evaluate
 from .hypothesis import ESTIMATED
@@ -18,7 +18,9 @@ NEARLY = 1e-2
 MOST = 0.5
 """A story that puts this share of the wrong entries right, and leaves at most this of the rest, explains part."""
 NEARLY_ALL = 0.99
-"""The share of entries that another cause than those of other terms must put right: a few come right by chance."""
+"""The share of entries that a slip, or another cause than those of other terms, must put right.
+
+A few come right by chance; what was read wrongly of some links shows in their entries alone."""
 SINGLE = (1e-9, 1e-5)
 """Where errors of single precision lie."""
 
@@ -41,9 +43,10 @@ def partly(
     """The nearest story, where it explains a good part; beside causes that are `known`, nearly all if it is another."""
     if not e.nearest or e.left is None:
         return None
-    nearly = e.left.error < NEARLY * e.before.error
+    nearly = e.left.error < NEARLY * min(1.0, e.before.error)  # 1 is the scale of the right answer
     others = [h for h in e.nearest if h.key != "follows" and h.cause not in known]
-    if known and others and not nearly and e.left.share < NEARLY_ALL:
+    claims = others if known else [h for h in others if h.place == "formula"]
+    if claims and not nearly and e.left.share < NEARLY_ALL:
         return None
     righted = (e.left.share - e.before.share) / max(1e-300, 1 - e.before.share)
     mostly = righted >= MOST and e.left.rms <= MOST * e.before.rms and e.left.error <= e.before.error
@@ -70,6 +73,18 @@ def partly(
         fix=fix,
         evidence={term: [e.before.error, e.left.error]},
     )
+
+
+def no_factor(case: Case, term: str) -> Finding | None:
+    """No finite inverse of a mass matrix, which the subject answers too, and which is not positive definite."""
+    M = case.observed.get("crba")
+    if term != "minv" or M is None or np.isfinite(case.observed[term]).all(axis=(1, 2)).any():
+        return None
+    if not np.isfinite(M).all() or (np.linalg.eigvalsh((M + transposed(M)) / 2).min(axis=1) > 0).any():
+        return None
+    says = "no finite number: the subject's mass matrix is not positive definite, so it has no Cholesky factor"
+    error = float("inf")
+    return Finding("follows", says, [term], error, error, fix="repair crba first", evidence={term: [error, error]})
 
 
 def precision(case: Case, term: str, e: Explanation) -> Finding | None:
