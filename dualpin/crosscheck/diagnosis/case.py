@@ -144,13 +144,14 @@ class Case:
         return self._at(slice(samples))
 
     def complete(self) -> Case:
-        """The same subject at the states for which every term has a finite answer, of the terms that have any."""
+        """The same subject at the states for which all terms have a finite answer, but for those that have few."""
         answered = [
             np.isfinite(x).reshape(len(x), x.shape[1] if QUESTIONS[term].framed else 1, -1).all(2).any(1)
             for term, x in self.observed.items()
         ]
-        have = np.all([rows for rows in answered if rows.any()], axis=0)
-        return self if have.all() or not have.any() else self._at(have)
+        most = max((rows.sum() for rows in answered), default=0)
+        have = np.all([rows for rows in answered if 2 * rows.sum() >= most], axis=0)
+        return self if not most or have.all() or 2 * have.sum() < most else self._at(have)
 
     def _at(self, samples: Any) -> Case:
         a = self.answers
