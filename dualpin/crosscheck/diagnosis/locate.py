@@ -152,7 +152,7 @@ def located(case: Case, term: str, e: Explanation) -> str:
         return f"off in {len(columns)} of {len(names)} columns" + _some(columns)
     if d.ndim == 2 and d.shape[1] == len(names):
         rows = [n for n, y in zip(names, np.nanmax(d, axis=0), strict=True) if y > limit]
-        return f"off in {len(rows)} of {len(names)} rows" + _some(rows)
+        return f"{'forces M da ' if term == 'aba' else ''}off in {len(rows)} of {len(names)} rows" + _some(rows)
     return ""
 
 

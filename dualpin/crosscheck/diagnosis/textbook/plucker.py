@@ -238,15 +238,21 @@ def of_body(steps: Steps, mass: float, c: np.ndarray, I: np.ndarray) -> np.ndarr
     upper = steps.pick("the block m [c x] of the inertia", h, **wrong)
     wrong = {"m [c x], not transposed": h, "left out": 0 * h, "without the mass": transposed(K)}
     lower = steps.pick("the block m [c x]^T of the inertia", mass * transposed(K), **wrong)
-    last = steps.pick("the block m 1 of the inertia", mass * one, **{"1, without the mass": one, "left out": 0 * one})
+    last = steps.pick("the block m 1 of the inertia", mass * one, **_blocks(mass))
     return spatial([[about, upper], [lower, last]])
+
+
+def _blocks(mass: float) -> dict[str, np.ndarray]:
+    """What may stand in the place of m 1."""
+    one = np.eye(3)[None, None]
+    return {"1, without the mass": one, "left out": 0 * one, "m in every entry": mass * np.ones_like(one)}
 
 
 def _central(steps: Steps, k: Link) -> np.ndarray:
     """The spatial inertia about the centre of mass."""
     one = np.eye(3)[None, None]
     I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin})
-    last = steps.pick("the block m 1 of the inertia", k.mass * one, **{"1, without the mass": one, "left out": 0 * one})
+    last = steps.pick("the block m 1 of the inertia", k.mass * one, **_blocks(k.mass))
     G = spatial([[I, 0 * I], [0 * I, last]])
     whole = {"that about the link's origin, with m [c x]": lambda: inertia(Steps(), k)}
     return np.asarray(steps.pick("the spatial inertia, about the centre of mass,", G, **whole))

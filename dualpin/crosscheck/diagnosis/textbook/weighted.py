@@ -286,7 +286,12 @@ class Sums:
 
     def gravity(self, g: np.ndarray) -> np.ndarray:
         m = self.masses("the mass in gravity's torques") * self.every("the torques of gravity")
-        torques = -((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) * g[:, None]).sum(-2)
+        wrong = {
+            "turned into the link's axes": lambda: product(transposed(self.R), g + 0 * self.c),
+            "turned by the link's matrix": lambda: product(self.R, g + 0 * self.c),
+        }
+        weight = m[..., None] * self.steps.pick("gravity, in the weight of a body", g + 0 * self.c, **wrong)
+        torques = -(self.jacobians[..., 3:, :] * weight[..., None]).sum((-3, -2))
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
     @cached_property

@@ -126,7 +126,7 @@ RIGHT = {
     "what a link hands on": "its force and its moment, to its parent",
     "gravity at the first link that moves": "turned into the link's axes by all of its orientation",
     "gravity as a six-vector": "in the linear rows alone, [0; g]",
-    "S of a turning joint": "[z; 0]",
+    "S of a turning joint": "[z; p x z], p a point of its axis in these coordinates ([z; 0] in the link's own)",
     "S of a sliding joint": "[0; z]",
     "the block -E [r x] of X": "-E [r x], with E = R^T",
     "E of X": "R^T, which turns vectors of the parent's axes into the link's",
