@@ -142,7 +142,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         return not (looked_at(search) or search.open) and search.doubtful(explained, examined)
 
     def one_more(search: Search) -> None:
-        search.added(_causes(case, searches))
+        together = [s for s in _picked(case, searches).values() if len(s) > 1]
+        search.added([*_united(together), *_causes(case, searches)])
 
     def one_more_reading(search: Search) -> None:
         search.added_readings(_causes(case, searches))
@@ -158,6 +159,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
+            if not any(_sure(s) for s in searches.values()):  # a library's own forces, beside what it makes of the file
+                stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
             stage(rare, Search.readings, unknown, [term])
             if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
@@ -169,7 +172,6 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(merging, Search.merging, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
     if not catalogue.settled:
-        stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
     stage(beside, besides, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
@@ -200,6 +202,11 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     return _grounded({t: s.explanation() for t, s in searches.items()})
 
 
+def _sure(search: Search) -> bool:
+    """Whether a term is explained, not by numbers that are estimated."""
+    return any(not any(h.key in DOUBTFUL for h in s) for s in search.held)
+
+
 def _grounded(told: dict[str, Explanation]) -> dict[str, Explanation]:
     """Of two terms that would each follow from the other, the first has no cause."""
 
@@ -222,10 +229,14 @@ def _settle(settled: set[str], searches: Mapping[str, Search]) -> None:
 
 def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
     """The cheapest common causes of the terms that are explained so far, those of most terms first."""
-    options = {t: s.stories for t, s in searches.items() if not s.open}
-    picked = cheapest(options, _price(case, options))
-    told = Counter((h,) for story in picked.values() for h in story if h.key != "follows")
+    picked = _picked(case, searches).values()
+    told = Counter((h,) for story in picked for h in story if h.key != "follows")
     return [story for story, _ in told.most_common()]
+
+
+def _picked(case: Case, searches: Mapping[str, Search]) -> dict[str, Story]:
+    options = {t: s.stories for t, s in searches.items() if not s.open}
+    return cheapest(options, _price(case, options))
 
 
 def _together(causes: Sequence[Story]) -> list[Story]:

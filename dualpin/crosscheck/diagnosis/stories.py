@@ -49,7 +49,7 @@ def reads(story: Iterable[Hypothesis]) -> bool:
 
 def numbers_in(h: Hypothesis, story: Story) -> bool:
     """Whether other terms must not contradict it: numbers, and several readings of the file, imitate much."""
-    return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story) > 1)
+    return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story if g.single) > 1)
 
 
 def joins(h: Hypothesis, story: Story) -> bool:

@@ -46,7 +46,7 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
 def _to_fixed(poses: Poses, link: int) -> np.ndarray:
     """The axes that a walk finds which ends at the first fixed joint."""
     found = np.zeros(len(poses.axes), bool)
-    while poses.of_link[link]:
+    while link >= 0 and poses.of_link[link]:
         found[poses.of_link[link]] = True
         link = poses.parent[link]
     return found
