@@ -44,6 +44,7 @@ SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
 """Forms of which one state tells enough to look at slips first."""
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
+PAIRED = 0.25  # of the time that is left, for two causes of the whole robot: slips come after them
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -305,7 +306,9 @@ class Search:
         if self.before.error >= SMALL:
             beam = kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
-            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))])
+            begun = time.process_time()
+            until = begun + max(0.0, self.until - begun) * PAIRED
+            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))], until)
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
@@ -355,16 +358,12 @@ class Search:
     def _with(self, story: Story, more: Iterable[Hypothesis]) -> list[Story]:
         return [ordered((*story, h)) for h in more if joins(h, story)]
 
-    def consider(self, stories: Iterable[Story]) -> list[Near]:
+    def consider(self, stories: Iterable[Story], until: float | None = None) -> list[Near]:
         """Score stories, in blocks so that time can run out between; those that do not explain all come back."""
-        fresh = {}
-        for s in stories:
-            key = identity(s)
-            if s and key not in self.seen:
-                self.seen.add(key)
-                fresh[key] = s
+        fresh = {key: s for s in stories if s and (key := identity(s)) not in self.seen}
         found = []
-        for block in in_time(list(fresh.values()), self.until, STORIES):
+        for block in in_time(list(fresh.values()), until or self.until, STORIES):
+            self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 if score.right and not any(self.case.spared(h) for h in story if numbers_in(h, story)):
                     self.good[identity(story)] = story

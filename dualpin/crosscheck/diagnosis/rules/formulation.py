@@ -33,6 +33,8 @@ COST = 1.15
 RARE = ("quaternions", "products of exponentials", "about centres of mass", "body Jacobians")
 RARER = 0.02
 """What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
+USUAL = 0.001
+"""What a slip costs less that has a key of its own: these are known from codes, and told first of those that are equal."""
 FUSING = 0.0005
 """What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""
 
@@ -94,7 +96,8 @@ def formulation(
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(t for t in asked if t in shown),
                     "formula", Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + LIKELY.get(slip.how, 0.0) + rarer, afterwards=afterwards(case),
+                    cost=cost + LIKELY.get(slip.how, 0.0) + rarer - USUAL * (slip in (known or {})),
+                    afterwards=afterwards(case),
                     mistake=_mistake(slip, (known or {}).get(slip), alike),
                 )
                 for slip, shown in touched.items()

@@ -13,7 +13,7 @@ from ..textbook.posed import Posed
 from ..textbook.ways import PLAIN, WAYS
 from .dynamics import FUSED, MASSES, merges
 from .formulation import COST, FUSING, formulation
-from .kinematics import KNOWN, off, rotations, shown_in
+from .kinematics import KNOWN, rotations, shown_in
 
 FORCES = ("gravity", "bias", "rnea", "aba")
 FRAMES = ("frame_velocity", "frame_acceleration")
@@ -39,7 +39,7 @@ WORLD: Algorithms = {
 
 
 def _known(terms: tuple[str, ...], case: Case) -> tuple[str, ...]:
-    return terms if off("fk")(case) else ()
+    return terms if "fk" in case.wrong or terms == FK else ()
 
 
 def _asked(terms: tuple[str, ...], case: Case) -> bool:
