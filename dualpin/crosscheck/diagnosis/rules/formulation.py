@@ -34,7 +34,7 @@ RARE = ("quaternions", "products of exponentials", "about centres of mass", "bod
 RARER = 0.02
 """What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
 USUAL = 0.001
-"""What a slip costs less that has a key of its own: these are known from codes, and told first of those that are equal."""
+"""What a slip costs less that has a key of its own: codes have these, and of equal ones they are told first."""
 FUSING = 0.0005
 """What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""
 
