@@ -99,7 +99,8 @@ class Made:
     def rigid(self) -> bool:
         """Whether the rotations that the subject returns are some: those of quaternions of another length are not."""
         R = self.view.case.observed.get("fk", np.eye(3))[..., :3, :3]
-        return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
+        with np.errstate(invalid="ignore"):  # of poses that were not answered
+            return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
 
     def columns(self, tree: Poses) -> Columns:
         how = self.view.layout.how
