@@ -26,7 +26,7 @@ from .scores import Score
 from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import algorithm, made_of, share
 
-STORIES, AT_ONCE, SHORT = 64, 800, 200  # scored before the time is looked at, at most; slips of a short algorithm
+STORIES, AT_ONCE, SHORT = 64, 800, 600  # scored before the time is looked at, at most; slips of a short algorithm
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
