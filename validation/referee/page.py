@@ -32,7 +32,8 @@ libraries, each in a file that shows it: [bugs](bugs); what releases changed: [h
 def page(reports: Reports) -> str:
     """The whole page."""
     machine = versions()
-    lines = [HEAD, f"dualpin {machine['dualpin']}, {machine['machine']}, {machine['date']}.", "", *summary(reports), ""]
+    made = f"dualpin {machine['dualpin']}, {machine['machine']}; written {machine['date']}"
+    lines = [HEAD, f"{made}. Cells that were not judged again stand as they were.", "", *summary(reports), ""]
     for title, robots in reports.items():
         lines += [*library(title, robots), ""]
     return "\n".join(lines)

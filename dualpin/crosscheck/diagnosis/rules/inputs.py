@@ -68,8 +68,10 @@ def inputs_swapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
 @proposer("input_instead", "an input is another, or has the other sign", "pass the input that it is a function of")
 def input_instead(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(words: str, change: Change, terms: tuple[str, ...]) -> Hypothesis:
-        act = lambda view: passed(view, change)  # noqa: E731
-        return replace(h, terms=terms, place="state", act=act, values=words, cost=1.15, of_a_call=True)
+        return replace(
+            h, terms=terms, place="state", act=lambda view: passed(view, change), values=words, cost=1.15,
+            of_a_call=True,
+        )  # fmt: skip
 
     def another(of: str, what: str) -> Change:
         return lambda view, s: {what: _taken(of, what, view.layout.how, s)}
