@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -16,10 +16,11 @@ from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question
 from .description import Description, Part, built, merged
 from .evaluation import evaluate
-from .forces import by_velocity, forces_of
+from .finishing import finish, tried
+from .forces import forces_of
 from .hypothesis import Hypothesis, Story, Wording, identity
 from .reading import describe
-from .scores import FAR, Score, in_forces, limit, scaled, scored
+from .scores import FAR, Score, errors, in_forces, limits, scaled, scored
 from .shared import shared
 from .textbook.slipped import Slipped, alike, in_one, predicted
 
@@ -241,16 +242,18 @@ class Case:
     def _predict(self, term: str, stories: Sequence[Story]) -> None:
         self.tried += len(stories)
         with np.errstate(all="ignore"):
-            views = [_tried(self.view, s) for s in stories]
+            views = [tried(self.view, s) for s in stories]
             together = [(s, v) for s, v in zip(stories, views, strict=True) if v is not None]
             for s in stories:
                 self._predictions[term, identity(s)] = None
-            evaluated = _tried(self._evaluated, term, together)
+            evaluated = tried(self._evaluated, term, together)
             if evaluated is None:  # one of them makes no sense: each by itself
-                alone = [_tried(self._evaluated, term, [one]) or ([None], [None]) for one in together]
+                alone = [tried(self._evaluated, term, [one]) or ([None], [None]) for one in together]
                 evaluated = [x for (x,), _ in alone], [other for _, (other,) in alone]
-            for (story, view), x, other in zip(together, *evaluated, strict=True):
-                self._predictions[term, identity(story)] = _tried(self._finished, term, story, view, x, other)
+            xs, others = evaluated
+            finished = finish(term, together, xs, others, self.observed.get(term))
+            for (story, _), x in zip(together, finished, strict=True):
+                self._predictions[term, identity(story)] = x
 
     def _evaluated(self, term: str, together: Sequence[tuple[Story, View]]) -> tuple[list[Any], list[Any]]:
         """The term for every story, and the mass matrix or Jacobian that its layout needs besides."""
@@ -292,28 +295,6 @@ class Case:
             _fill(out, at, evaluate(robot, question, inputs, self.frames, reference))
         return out
 
-    def _finished(
-        self, term: str, story: Story, view: View, x: np.ndarray | None, other: np.ndarray | None
-    ) -> np.ndarray | None:
-        """What remains after the term itself: forces, changes, the subject's columns, changes of those."""
-        if x is None:
-            return None
-        forces = forces_of(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
-        if forces is not None:
-            x = x + (forces[:, None] if QUESTIONS[term].pushes else forces)
-        if term == "rnea_derivatives":
-            x = x + by_velocity(story, view)
-        for h in story:
-            if h.place == "change" and term in h.terms:
-                x = h.act(view, term, x)
-        x = view.layout.answer(QUESTIONS[term].form, x, view.states, other)
-        for h in story:
-            if h.place == "answer" and term in h.terms:
-                x = h.act(view, term, x)
-            elif h.place == "relation" and term in h.terms:
-                x = h.act(view, term, x, self.observed[term])
-        return x
-
     def spared(self, h: Hypothesis) -> list[str]:
         """Terms that a hypothesis would have changed, and that are right without it."""
         if h.of_a_call:
@@ -347,25 +328,28 @@ class Case:
     def scores(self, term: str, stories: Sequence[Story]) -> list[Score]:
         """Forward dynamics is scored in forces: there one wrong entry moves all accelerations."""
         x, found = self.observed[term], self.predictions(term, stories)
-        if term != "aba":
-            limits = [self.tolerance] * len(found)
-            if QUESTIONS[term].solves:
-                masses = found if term == "minv" else self.predictions("crba", stories)
-                limits = [limit(M, len(self.robot), self.tolerance) for M in masses]
-            return [FAR if p is None else scored(x, p, x, p, limit) for p, limit in zip(found, limits, strict=True)]
-        weights = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
+        if term == "aba":
+            return self._in_forces(x, found, stories)
+        if not QUESTIONS[term].solves:
+            return scored(x, found, np.full(len(found), self.tolerance))
+        masses = found if term == "minv" else self.predictions("crba", stories)
+        return scored(x, found, limits(masses, len(self.robot), self.tolerance))
+
+    def _in_forces(self, x: np.ndarray, found: Sequence[np.ndarray | None], stories: Sequence[Story]) -> list[Score]:
+        masses = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
         plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s) and self._under_tau(s)]
         biases = dict(zip(plain, self.predictions("bias", [stories[k] for k in plain]), strict=True))
-        out = []
-        for k, (p, M) in enumerate(zip(found, weights, strict=True)):
-            if p is None or M is None or not (np.isfinite(M).all() and np.isfinite(p).all()):
-                out.append(FAR)
-                continue
-            h = biases.get(k)
+        both = {k: (p, M) for k, (p, M) in enumerate(zip(found, masses, strict=True)) if _finite(p) and _finite(M)}
+        out = [FAR] * len(found)
+        if both:
+            P, M = (np.stack(some) for some in zip(*both.values(), strict=True))
             # M a + h = tau needs no inverse: right answers fulfil it, however M is conditioned
-            needed = product(M, p) if h is None or not np.isfinite(h).all() else self.sent["tau"] - h
+            needed = product(M, P)
+            for row, k in enumerate(both):
+                if _finite(h := biases.get(k)):
+                    needed[row] = self.sent["tau"] - h
             load = product(np.abs(M), np.abs(x)) + np.abs(needed)
-            out.append(in_forces(scaled(x, p), product(M, x), needed, load, self.tolerance))
+            _fill(out, list(both), in_forces(errors(x, P), product(M, x), needed, load, self.tolerance))
         return out
 
 
@@ -373,9 +357,9 @@ def _by_formulas(term: str, acts: Sequence[Callable[..., Any] | None], views: Se
     """What the acts predict, many in one run; None where there is none, or where it makes no sense."""
     xs: list[Any] = [None] * len(acts)
     for at in alike(acts, views):
-        found = _tried(predicted, [acts[k] for k in at], views[at[0]], term)
+        found = tried(predicted, [acts[k] for k in at], views[at[0]], term)
         if found is None:  # one of them makes no sense: each by itself
-            found = [(_tried(predicted, [acts[k]], views[at[0]], term) or [None])[0] for k in at]
+            found = [(tried(predicted, [acts[k]], views[at[0]], term) or [None])[0] for k in at]
         _fill(xs, at, found)
     return xs
 
@@ -385,9 +369,5 @@ def _fill(out: list[Any], at: Sequence[int], values: Iterable[Any]) -> None:
         out[k] = x
 
 
-def _tried(f: Callable[..., Any], *args: Any) -> Any:
-    """None where a story makes no sense for this robot."""
-    try:
-        return f(*args)
-    except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
-        return None
+def _finite(x: np.ndarray | None) -> TypeGuard[np.ndarray]:
+    return x is not None and bool(np.isfinite(x).all())

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from ..subjects.convention import Convention
@@ -102,11 +103,16 @@ class Hypothesis:
     of_a_call: bool = False
     made_of: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def identity(self) -> tuple[Any, ...]:
         return *self.cause, self.variant
 
-    @property
+    @cached_property
+    def alone(self) -> frozenset[Any]:
+        """The identity of the story that says nothing else."""
+        return frozenset((self.identity,))
+
+    @cached_property
     def cause(self) -> tuple[Any, ...]:
         """What is told: variants of one cause claim no more than one of them."""
         return self.key, self.says, self.items, self.values
@@ -128,7 +134,7 @@ def ordered(story: Iterable[Hypothesis]) -> Story:
 
 
 def identity(story: Story) -> frozenset[Any]:
-    return frozenset(h.identity for h in story)
+    return story[0].alone if len(story) == 1 else frozenset(h.identity for h in story)
 
 
 def cost(story: Iterable[Hypothesis]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,45 +28,67 @@ ROUNDINGS = 64 * float(np.finfo(float).eps)
 """What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
 
 
-def limit(M: np.ndarray | None, joints: int, tolerance: float) -> float:
-    """How far a right answer may be off: more where a matrix that must be inverted is ill-conditioned."""
-    if M is None or not np.isfinite(M).all():
-        return tolerance
-    sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
-    least, most = sizes.min(axis=-1), sizes.max(axis=-1)
-    condition = float((most / least).max()) if least.all() else float("inf")
-    return max(tolerance, min(1e-3, ROUNDINGS * (joints + 1) * condition))
+def limits(Ms: Sequence[np.ndarray | None], joints: int, tolerance: float) -> np.ndarray:
+    """How far right answers may be off: more where matrices (n, nv, nv) that must be inverted are ill-conditioned."""
+    out = np.full(len(Ms), tolerance)
+    at = [k for k, M in enumerate(Ms) if M is not None and np.isfinite(M).all()]
+    if at:
+        M = np.stack([x for x in (Ms[k] for k in at) if x is not None])
+        sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
+        least, most = sizes.min(axis=-1), sizes.max(axis=-1)
+        condition = np.divide(most, least, out=np.full_like(most, np.inf), where=least > 0).max(axis=-1)
+        out[at] = np.maximum(tolerance, np.minimum(1e-3, ROUNDINGS * (joints + 1) * condition))
+    return out
 
 
-def in_forces(error: float, x: np.ndarray, reference: np.ndarray, load: np.ndarray, tolerance: float) -> Score:
-    """Forces that accelerations need against those that they had; `load` is what adds up in them."""
-    have = np.isfinite(x).all(axis=1)
-    if not have.any():
-        return FAR
-    apart, scale = np.abs(x - reference)[have], np.maximum(1.0, load[have].max(axis=1, keepdims=True))
-    share = float((apart <= tolerance * scale).mean())
-    return Score(error, share, float(np.sqrt(np.mean(apart**2))), share == 1.0)
+def in_forces(errors: np.ndarray, x: np.ndarray, P: np.ndarray, load: np.ndarray, tolerance: float) -> list[Score]:
+    """Forces (runs, n, nv) that accelerations need against those that they had; `load` is what adds up in them."""
+    have = np.isfinite(x).all(axis=2)
+    apart, scale = np.abs(x - P), np.maximum(1.0, load.max(axis=2, keepdims=True))
+    found = []
+    for error, rows, off, most in zip(errors.tolist(), have, apart, scale, strict=True):
+        if not rows.any():
+            found.append(FAR)
+            continue
+        share = float((off[rows] <= tolerance * most[rows]).mean())
+        found.append(Score(error, share, float(np.sqrt(np.mean(off[rows] ** 2))), share == 1.0))
+    return found
 
 
-def scored(x: np.ndarray, p: np.ndarray, y: np.ndarray, z: np.ndarray, tolerance: float) -> Score:
-    """The error of x against p, and share and rms of y against z."""
-    if x.shape != p.shape or not np.isfinite(p).all():
-        return FAR
-    error = scaled(x, p)
-    return Score(error, *_near(y, z, min(tolerance, 1e-7)), error <= tolerance)
+def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: np.ndarray) -> list[Score]:
+    """How near each of many predictions comes to one answer."""
+    out = [FAR] * len(predictions)
+    alike = [k for k, p in enumerate(predictions) if p is not None and p.shape == x.shape]
+    if not alike:
+        return out
+    P = np.stack([p for p in (predictions[k] for k in alike) if p is not None])
+    finite = np.isfinite(P.reshape(len(P), -1)).all(axis=1)
+    if not finite.all():
+        P, alike = P[finite], [k for k, good in zip(alike, finite, strict=True) if good]
+    at = tolerances[alike]
+    found = errors(x, P), *_near(x, P, np.minimum(at, 1e-7)), at
+    for k, error, share, rms, most in zip(alike, *(values.tolist() for values in found), strict=True):
+        out[k] = Score(error, share, rms, error <= most)
+    return out
 
 
 def scaled(x: np.ndarray, reference: np.ndarray) -> float:
     """The largest over the samples (and frames) of max|x - ref| / max(1, max|ref|); unanswered ones are left out."""
-    lead = x.ndim - _tail(x)
-    a, b = x.reshape(int(np.prod(x.shape[:lead])), -1), reference.reshape(int(np.prod(x.shape[:lead])), -1)
+    return float(errors(x, reference[None])[0])
+
+
+def errors(x: np.ndarray, references: np.ndarray) -> np.ndarray:
+    """The error `scaled` of x against each of many references (runs, ...)."""
+    rows = int(np.prod(x.shape[: x.ndim - _tail(x)]))
+    a, b = x.reshape(rows, -1), references.reshape(len(references), rows, -1)
     have = ~np.isnan(a).all(axis=1)
     if not have.any():
-        return float("nan")
+        return np.full(len(references), np.nan)
+    a, b = a[have], b[:, have]
     with np.errstate(all="ignore"):
         apart = np.where(np.isnan(a), 0.0, np.abs(a - b))  # of some frames there may be no answer
-        e = apart[have].max(axis=1, initial=0.0) / np.maximum(1.0, np.abs(b)[have].max(axis=1, initial=0.0))
-    return float(np.where(np.isfinite(e), e, np.inf).max())
+        e = apart.max(axis=2, initial=0.0) / np.maximum(1.0, np.abs(b).max(axis=2, initial=0.0))
+    return np.asarray(np.where(np.isfinite(e), e, np.inf).max(axis=1))
 
 
 def _tail(x: np.ndarray) -> int:
@@ -73,14 +96,16 @@ def _tail(x: np.ndarray) -> int:
     return x.ndim - 2 if x.ndim == 4 else x.ndim - 1
 
 
-def _near(x: np.ndarray, reference: np.ndarray, tolerance: float) -> tuple[float, float]:
-    axes = tuple(range(x.ndim - _tail(x), x.ndim))
-    have = ~np.isnan(x)
+def _near(x: np.ndarray, references: np.ndarray, tolerances: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The share of right entries, and the root mean square, against each of many references."""
+    rows = int(np.prod(x.shape[: x.ndim - _tail(x)]))
+    a, b = x.reshape(rows, -1), references.reshape(len(references), rows, -1)
+    have = ~np.isnan(a)
     if not have.any():
-        return 0.0, float("inf")
+        return np.zeros(len(b)), np.full(len(b), np.inf)
     with np.errstate(all="ignore"):
         # of the smaller one: a prediction that is far too large must not make everything look near
-        size = np.fmin(np.abs(x), np.abs(reference))
-        scale = np.maximum(1.0, size.max(axis=axes, keepdims=True) if axes else size)
-        apart = np.abs(x - reference)
-        return float((apart <= tolerance * scale)[have].mean()), float(np.sqrt(np.mean(apart[have] ** 2)))
+        scale = np.maximum(1.0, np.fmin(np.abs(a), np.abs(b)).max(axis=2, keepdims=True))
+        apart = np.abs(a - b)
+        right = (apart <= tolerances[:, None, None] * scale)[:, have]
+        return right.mean(axis=1), np.sqrt(np.mean(apart[:, have] ** 2, axis=1))

@@ -49,6 +49,19 @@ class Change:
         """G^-1, in the sense of least squares where G has more rows."""
         return np.linalg.pinv(self.G) if self._known is None else self._known
 
+    @cached_property
+    def back(self) -> Change:
+        """w = G^-1 u, of a square G."""
+        H = np.linalg.inv(self.G)
+        return Change(H, None if self.D is None else -H @ self.D @ H, inverse=self.G)
+
+    def times(self, runs: int) -> Change:
+        """The same for so many runs of samples, one after another."""
+        if self.G.ndim == 2:
+            return self
+        G, D, inverse = (None if x is None else np.tile(x, (runs, 1, 1)) for x in (self.G, self.D, self._known))
+        return self if G is None else Change(G, D, inverse)
+
     def columns(self, x: np.ndarray) -> np.ndarray:
         """x G, of the last axis."""
         if self.runs:

@@ -152,16 +152,21 @@ class Layout:
 
         `other` is the mass matrix for the forms "bias" and "coriolis", and the Jacobian for "six_rate".
         """
+        return self.answers(form, x[None], ours, None if other is None else other[None])[0]
+
+    def answers(self, form: str, x: np.ndarray, ours: States, other: np.ndarray | None = None) -> np.ndarray:
+        """Many of them, (runs, n, ...) or (runs, n, frames, ...), at the same states."""
         x, other = (_ordered(y, form, self.rows) for y in (x, other))
         if form in UNCHANGED:
             return x
         if form == "derivatives" and self.turns:
             raise ArgumentError("derivatives are compared where the base's velocity is in its own axes")
         x = x @ self.bodies if form == "regressor" else x
-        to = self.change(ours)
-        H = np.linalg.inv(to.G)
-        back = Change(H, None if to.D is None else -H @ to.D @ H, inverse=to.G)
-        return REWRITINGS[form](back, x, product(to.G, ours["v"]), other)
+        to, runs = self.change(ours), len(x)
+        back, w = to.back.times(runs), np.tile(product(to.G, ours["v"]), (runs, 1))
+        others = None if other is None else other.reshape(-1, *other.shape[2:])
+        out = REWRITINGS[form](back, x.reshape(-1, *x.shape[2:]), w, others)
+        return out.reshape(runs, x.shape[1], *out.shape[1:])
 
     def read(self, form: str, x: np.ndarray, ours: States, other: np.ndarray | None = None) -> np.ndarray:
         """The subject's answer in dualpin's form; `other` is the subject's."""
@@ -171,8 +176,15 @@ class Layout:
 
     def change(self, ours: States) -> Change:
         """v_s = G v, for dualpin's states."""
-        G, D = self.matrices(ours["q"], ours["v"])
-        return Change(G, D if self.turns else None)
+        if not self.turns:
+            return self._constant
+        return Change(*self.matrices(ours["q"], ours["v"]))
+
+    @cached_property
+    def _constant(self) -> Change:
+        """Where no axes turn, at any state."""
+        q = np.zeros((1, self.robot.nq))
+        return Change(self.matrices(q, np.zeros((1, self.nv)))[0][0])
 
     @cached_property
     def bodies(self) -> np.ndarray:

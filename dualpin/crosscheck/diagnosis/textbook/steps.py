@@ -73,8 +73,13 @@ EVERYWHERE = "every equation where it belongs"
 HAVE = "the sum so far (its own and of earlier children)"
 """What a child's share is added to."""
 Words = Mapping[tuple[str, str], Sequence[tuple[str, str]]]
-_Row = Callable[[Any], Any]
-_Mine = tuple[int, "Slip"]
+_Of = Callable[[Any], Any]
+"""Some rows of an array."""
+_Rows = tuple[Any, _Of]
+_Kinds = Sequence[tuple[str, str]]
+"""What a slip is with, and how."""
+_Alike = dict[tuple["Slip", ...], list[int]]
+"""Slips that are made together, and the rows in which they are."""
 
 
 class Steps:
@@ -121,10 +126,11 @@ class Steps:
 
     def _take(self, rows: Sequence[Sequence[Slip]]) -> None:
         self._rows = rows
-        self._at: dict[str, list[_Mine]] = {}
+        self._at: dict[str, list[tuple[int, Slip]]] = {}
         for k, slips in enumerate(rows):
             for slip in slips:
                 self._at.setdefault(slip.site, []).append((k, slip))
+        self._plans: dict[Any, Any] = {}
 
     @property
     def found(self) -> dict[Slip, None]:
@@ -154,53 +160,68 @@ class Steps:
 
     def add(self, site: str, **terms: Any) -> Any:
         """The sum of the terms, which are named as in the book: `add("the force", **{"m a": ma, "m g": mg})`."""
-        here = self._here(site, lambda: [(name, how) for name in terms for how in _WEIGHTS], "sum")
-        mine = [m for m in here if m[1].how in _WEIGHTS and m[1].what in terms]
-        mine = [*mine, *(m for m in self._at.get(EVERYWHERE, ()) if m[1].what in terms)]
-
-        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
-            weights = {slip.what: _WEIGHTS[slip.how] for slip in slips}
-            return sum(weights.get(name, 1.0) * of(x) for name, x in terms.items())
-
         first, *more = terms.values()
-        return self._done(sum(more, first), mine, wrong)
+        right = sum(more, first)
+
+        def possible() -> _Kinds:
+            return [(name, how) for name in terms for how in _WEIGHTS]
+
+        def weighted(alike: _Alike) -> tuple[_Rows, list[Any]]:
+            """The rows of all slips at once, and the weight of each term there."""
+            each = [({slip.what: _WEIGHTS[slip.how] for slip in slips}, ks) for slips, ks in alike.items()]
+            weights = [np.array([w.get(name, 1.0) for w, ks in each for _ in ks]) for name in terms]
+            return self._chosen([k for _, ks in each for k in ks]), weights
+
+        made = self._planned(site, "sum", tuple(terms), possible, weighted, (EVERYWHERE,))
+        if made is None:
+            return right
+        (at, of), weights = made
+        axes = [1] * (np.ndim(right) - 1)
+        each = zip(weights, terms.values(), strict=True)
+        parts = [(w.reshape(-1, *axes) if self.rows > 1 else w[0]) * of(x) for w, x in each]
+        return self._placed(right, [(at, sum(parts))])
 
     def cross(self, site: str, a: Any, b: Any) -> Any:
         """a x b, alone in its place; a product that is a term of a sum needs none, since its sign is turned there."""
         x = cross(a, b)
-        return self._done(x, self._here(site, lambda: [("", "step_swapped")]), lambda slips, of: -of(x))
+        return self._done(x, site, "", (), lambda: [("", "step_swapped")], lambda slips, of: -of(x))
 
     def turn(self, site: str, R: Any, x: Any, **others: Callable[[], Any]) -> Any:
         """R x, of vectors or six-vectors; `others` are other matrices, by what they do ("by the inverse")."""
-        possible = [("", how) for how in _TURNS]
 
-        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+        def possible() -> _Kinds:
+            return [*(("", how) for how in _TURNS), *((name, "step_other_turn") for name in others)]
+
+        def wrong(slips: Sequence[Slip], of: _Of) -> Any:
             slip = slips[0]
             if slip.how == "step_unturned":
                 return of(x)
             return product(of(others[slip.what]()) if slip.how == "step_other_turn" else transposed(of(R)), of(x))
 
-        mine = self._here(site, lambda: possible + [(name, "step_other_turn") for name in others])
-        mine = [m for m in mine if m[1].how in _TURNS or m[1].what in others]
-        return self._done(product(R, x), mine, wrong)
+        return self._done(product(R, x), site, "", tuple(others), possible, wrong)
 
     def congruent(self, site: str, R: Any, I: Any) -> Any:
         """R I R^T."""
 
-        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+        def possible() -> _Kinds:
+            return [
+                ("", "step_unturned"),
+                *(("", x) if x.startswith("step_") else (x, "step_other") for x in _PRODUCTS),
+            ]
+
+        def wrong(slips: Sequence[Slip], of: _Of) -> Any:
             A, J, slip = of(R), of(I), slips[0]
             if slip.how == "step_unturned":
                 return J + np.zeros_like(A)
             return _PRODUCTS[slip.what or slip.how](A, J, transposed(A))
 
-        kinds = [("", "step_unturned"), *(("", x) if x.startswith("step_") else (x, "step_other") for x in _PRODUCTS)]
-        mine = [m for m in self._here(site, lambda: kinds) if not m[1].what or m[1].what in _PRODUCTS]
-        return self._done(R @ I @ transposed(R), mine, wrong)
+        return self._done(R @ I @ transposed(R), site, "", ("R I R^T",), possible, wrong)
 
     def transpose(self, site: str, A: Any) -> Any:
         """A^T."""
-        mine = self._here(site, lambda: [("", "step_untransposed")])
-        return self._done(transposed(A), mine, lambda slips, of: of(A))
+        return self._done(
+            transposed(A), site, "", ("A^T",), lambda: [("", "step_untransposed")], lambda slips, of: of(A)
+        )
 
     def pick(self, site: str, right: Any, **wrong: Any) -> Any:
         """The right quantity; `wrong` are others that may stand in its place, by name, or functions that make them.
@@ -217,30 +238,25 @@ class Steps:
         """What a child adds; `alone` is what is left of it where the children replace each other's."""
         return self._replaced(site, "step_overwritten", right, alone)
 
+    def _replaced(self, site: str, how: str, right: Any, others: Mapping[str, Any]) -> Any:
+        def wrong(slips: Sequence[Slip], of: _Of) -> Any:
+            x = others[slips[0].what]
+            return of(x() if callable(x) else x)
+
+        return self._done(right, site, how, tuple(others), lambda: [(name, how) for name in others], wrong)
+
     def components(self, site: str, x: np.ndarray) -> Any:
         """A vector (..., 3) whose components may have another sign, be left out, or change places."""
 
-        def wrong(slips: Sequence[Slip], of: _Row) -> Any:
+        def wrong(slips: Sequence[Slip], of: _Of) -> Any:
             return of(x) @ _COMPONENTS[slips[0].what]
 
-        mine = self._here(site, lambda: [(name, "step_other") for name in _COMPONENTS], "components")
-        return self._done(x, [m for m in mine if m[1].what in _COMPONENTS], wrong)
-
-    def _replaced(self, site: str, how: str, right: Any, wrong: Mapping[str, Any]) -> Any:
-        def other(slips: Sequence[Slip], of: _Row) -> Any:
-            what = slips[0].what
-            if what not in made:
-                x = wrong[what]
-                made[what] = x() if callable(x) else x
-            return of(made[what])
-
-        made: dict[str, Any] = {}  # of all rows at once
-        mine = self._here(site, lambda: [(name, how) for name in wrong], how)
-        return self._done(right, [m for m in mine if m[1].how == how and m[1].what in wrong], other)
+        return self._done(x, site, "components", (), lambda: [(name, "step_other") for name in _COMPONENTS], wrong)
 
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
         """All items; slips leave out the first or the last.  Of many runs in one, use `part`."""
-        for _, slip in self._here(site, lambda: [("", "step_first"), ("", "step_last")]):
+        ends = [("", "step_first"), ("", "step_last")]
+        for slip in self._done((), site, "", ("each",), lambda: ends, lambda slips, of: slips):
             items = items[1:] if slip.how == "step_first" else items[:-1]
         return items
 
@@ -249,39 +265,69 @@ class Steps:
         left_out = {"step_first": k == 0, "step_last": k == count - 1}
         if alone and count > 1:
             left_out |= {"step_last_alone": k != count - 1, "step_first_alone": k != 0}
-        mine = self._here(site, lambda: [("", how) for how in left_out])
-        return self._done(x, [m for m in mine if left_out.get(m[1].how)], lambda slips, of: 0 * of(x))
+        here = tuple(how for how, out in left_out.items() if out or self._right)
+        return self._done(x, site, "", here, lambda: [("", how) for how in here], lambda slips, of: 0 * of(x))
 
     # what they share
 
-    def _here(self, site: str, possible: Callable[[], Sequence[tuple[str, str]]], of: str = "") -> Sequence[_Mine]:
-        """The slips to be made at this step; where none is made at all, what is possible is noted once.
+    def _planned(
+        self, site: str, of: str, names: tuple[str, ...], possible: Callable[[], _Kinds],
+        plan: Callable[[_Alike], Any], groups: Sequence[str] = (),
+    ) -> Any:  # fmt: skip
+        """The plan of the slips to be made at this step, which is made once; None where there are none.
 
-        `of` tells several steps at one site apart.
+        Where none is made at all, what is `possible` is noted once.  `of` tells several steps at one site apart.
         """
-        if self._right and (site, of) not in self._seen:
-            self._seen.add((site, of))
-            self._found |= {Slip(site, what, how): None for what, how in possible()}
-        return [mine for group in _groups(site) for mine in self._at.get(group, ())]
+        if self._right:
+            if (site, of) not in self._seen:
+                self._seen.add((site, of))
+                self._found |= {Slip(site, what, how): None for what, how in possible()}
+            return None
+        key = site, of, names
+        if key not in self._plans:
+            kinds, rows = set(possible()), dict[int, list[Slip]]()
+            for k, slip in (mine for group in (*_groups(site), *groups) for mine in self._at.get(group, ())):
+                if (slip.what, slip.how) in kinds:
+                    rows.setdefault(k, []).append(slip)
+            alike: _Alike = {}
+            for k, slips in rows.items():
+                alike.setdefault(tuple(slips), []).append(k)
+            self._plans[key] = plan(alike) if alike else None
+        return self._plans[key]
 
-    def _done(self, right: Any, mine: Sequence[_Mine], wrong: Callable[[Sequence[Slip], _Row], Any]) -> Any:
-        """The right result, with a wrong one in the rows that make a slip here."""
-        if not mine:
+    def _done(
+        self, right: Any, site: str, of: str, names: tuple[str, ...], possible: Callable[[], _Kinds],
+        wrong: Callable[[Sequence[Slip], _Of], Any],
+    ) -> Any:  # fmt: skip
+        """The right result, with a wrong one in the rows that make a slip here; `names` tell what is possible."""
+        made = self._planned(site, of, names, possible, self._each)
+        if made is None:
             return right
+        return self._placed(right, [(at, wrong(slips, of_rows)) for slips, (at, of_rows) in made])
+
+    def _each(self, alike: _Alike) -> list[tuple[tuple[Slip, ...], _Rows]]:
+        return [(slips, self._chosen(ks)) for slips, ks in alike.items()]
+
+    def _chosen(self, ks: list[int]) -> _Rows:
+        """Rows, and those of any array whose first axis is that of the runs, or has length 1."""
+        count = self.rows
+        if count == 1:
+            return slice(None), _same
+        at = slice(ks[0], ks[0] + 1) if len(ks) == 1 else np.array(ks)
+        return at, lambda x: x[at] if getattr(x, "ndim", 0) and len(x) == count else x
+
+    def _placed(self, right: Any, parts: Sequence[tuple[Any, Any]]) -> Any:
+        """The right result but in these rows."""
         if self.rows == 1:
-            return wrong([slip for _, slip in mine], lambda x: x)
-        rows: dict[int, list[Slip]] = {}
-        for k, slip in mine:
-            rows.setdefault(k, []).append(slip)
-        alike: dict[tuple[Slip, ...], list[int]] = {}
-        for k, slips in rows.items():
-            alike.setdefault(tuple(slips), []).append(k)
-        others = [(ks, wrong(slips, _rows(ks, self.rows))) for slips, ks in alike.items()]
-        shape = np.broadcast_shapes(np.shape(right)[1:], *(np.shape(x)[1:] for _, x in others))
-        out = np.empty((self.rows, *shape), np.result_type(right, *(x for _, x in others)))
+            return parts[0][1]
+        shape, dtype = np.shape(right)[1:], getattr(right, "dtype", None)
+        if any(np.shape(x)[1:] != shape or x.dtype != dtype for _, x in parts):
+            shape = np.broadcast_shapes(shape, *(np.shape(x)[1:] for _, x in parts))
+            dtype = np.result_type(right, *(x for _, x in parts))
+        out = np.empty((self.rows, *shape), dtype)
         out[:] = right
-        for ks, x in others:
-            out[ks] = x
+        for at, x in parts:
+            out[at] = x
         return out
 
 
@@ -291,10 +337,8 @@ def _groups(site: str) -> list[str]:
     return list(accumulate(site.split(": "), lambda group, one: f"{group}: {one}"))
 
 
-def _rows(ks: list[int], count: int) -> _Row:
-    """These rows of arrays whose first axis is that of the runs, or has length 1."""
-    at = slice(ks[0], ks[0] + 1) if len(ks) == 1 else ks
-    return lambda x: x if np.ndim(x) == 0 or len(x) != count else x[at]
+def _same(x: Any) -> Any:
+    return x
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
