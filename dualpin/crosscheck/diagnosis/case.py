@@ -251,7 +251,7 @@ class Case:
                 alone = [tried(self._evaluated, term, [one]) or ([None], [None]) for one in together]
                 evaluated = [x for (x,), _ in alone], [other for _, (other,) in alone]
             xs, others = evaluated
-            finished = finish(term, together, xs, others, self.observed.get(term))
+            finished = finish(term, together, xs, others, self.observed)
             for (story, _), x in zip(together, finished, strict=True):
                 self._predictions[term, identity(story)] = x
 
@@ -339,7 +339,9 @@ class Case:
         masses = self.predictions("crba", [tuple(h for h in s if h.place in PLAIN) for s in stories])
         plain = [k for k, s in enumerate(stories) if all(h.place in PLAIN for h in s) and self._under_tau(s)]
         biases = dict(zip(plain, self.predictions("bias", [stories[k] for k in plain]), strict=True))
-        both = {k: (p, M) for k, (p, M) in enumerate(zip(found, masses, strict=True)) if _finite(p) and _finite(M)}
+        shapes = x.shape, (*x.shape, x.shape[-1])
+        pairs = enumerate(zip(found, masses, strict=True))
+        both = {k: (p, M) for k, (p, M) in pairs if _finite(p) and _finite(M) and (p.shape, M.shape) == shapes}
         out = [FAR] * len(found)
         if both:
             P, M = (np.stack(some) for some in zip(*both.values(), strict=True))

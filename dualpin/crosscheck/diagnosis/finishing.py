@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,11 @@ BEFORE = ("word", "edit", "state", "formula")
 
 
 def finish(
-    term: str, together: Sequence[tuple[Story, View]], xs: Sequence[Any], others: Sequence[Any], observed: Any
+    term: str,
+    together: Sequence[tuple[Story, View]],
+    xs: Sequence[Any],
+    others: Sequence[Any],
+    observed: Mapping[str, np.ndarray],
 ) -> list[np.ndarray | None]:
     """Predictions, from the evaluated term and the mass matrix or Jacobian that its layout needs besides."""
     out: list[np.ndarray | None] = [None] * len(together)
@@ -42,7 +46,12 @@ def finish(
 
 
 def _alone(
-    term: str, story: Story, view: View, x: np.ndarray, other: np.ndarray | None, observed: np.ndarray
+    term: str,
+    story: Story,
+    view: View,
+    x: np.ndarray,
+    other: np.ndarray | None,
+    observed: Mapping[str, np.ndarray],
 ) -> np.ndarray:
     forces = forces_of(story, view, term) if QUESTIONS[term].source in ("gravity", "bias", "rnea") else None
     if forces is not None:
@@ -57,7 +66,7 @@ def _alone(
         if h.place == "answer" and term in h.terms:
             x = h.act(view, term, x)
         elif h.place == "relation" and term in h.terms:
-            x = h.act(view, term, x, observed)
+            x = h.act(view, term, x, observed[term])
     return x
 
 

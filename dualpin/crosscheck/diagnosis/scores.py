@@ -31,13 +31,16 @@ ROUNDINGS = 64 * float(np.finfo(float).eps)
 def limits(Ms: Sequence[np.ndarray | None], joints: int, tolerance: float) -> np.ndarray:
     """How far right answers may be off: more where matrices (n, nv, nv) that must be inverted are ill-conditioned."""
     out = np.full(len(Ms), tolerance)
-    at = [k for k, M in enumerate(Ms) if M is not None and np.isfinite(M).all()]
-    if at:
-        M = np.stack([x for x in (Ms[k] for k in at) if x is not None])
-        sizes = np.abs(np.linalg.eigvalsh((M + np.swapaxes(M, -1, -2)) / 2))
+    alike: dict[tuple[int, ...], dict[int, np.ndarray]] = {}
+    for k, M in enumerate(Ms):
+        if M is not None and M.ndim == 3 and M.shape[1] == M.shape[2] and np.isfinite(M).all():
+            alike.setdefault(M.shape, {})[k] = M
+    for some in alike.values():
+        stacked = np.stack(list(some.values()))
+        sizes = np.abs(np.linalg.eigvalsh((stacked + np.swapaxes(stacked, -1, -2)) / 2))
         least, most = sizes.min(axis=-1), sizes.max(axis=-1)
         condition = np.divide(most, least, out=np.full_like(most, np.inf), where=least > 0).max(axis=-1)
-        out[at] = np.maximum(tolerance, np.minimum(1e-3, ROUNDINGS * (joints + 1) * condition))
+        out[list(some)] = np.maximum(tolerance, np.minimum(1e-3, ROUNDINGS * (joints + 1) * condition))
     return out
 
 
