@@ -32,6 +32,7 @@ from ..textbook.answers import (
     Made,
 )  # fmt: skip
 from ..textbook.assembly import Dynamics
+from ..textbook.in_place import GROWING
 from ..textbook.lists import branched
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
@@ -194,6 +195,10 @@ def _for_all_joints(slip: Slip) -> bool:
     return slip.what == ALL
 
 
+def _in_place(slip: Slip) -> bool:
+    return slip.how == "step_other" and slip.what == GROWING
+
+
 def _heavy_root(case: Case) -> bool:
     """Whether a link that nothing moves has a mass."""
     d = case.description
@@ -270,6 +275,14 @@ _register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
+formulation(
+    "forward kinematics",
+    ("kinetic_energy",),
+    variant="arrays changed in place",
+    like=shown_in(poses),
+    batched=True,
+    only=_in_place,
+)(poses)
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)

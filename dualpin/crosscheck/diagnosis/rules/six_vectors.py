@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -27,11 +27,21 @@ MERGING = (
     "E of X", "the centre of mass of a body",
 )  # fmt: skip
 """Sites where it matters that bodies are merged in six-vectors."""
+BLOCKS = (
+    "the block", "the inertia about the world's origin", "m (c.c 1 - c c^T)", "the inertia of a body",
+    "the place of a body's centre", "the arm to the centre of mass",
+)  # fmt: skip
+"""Sites of an inertia that is put together in the world."""
 
 
 def _elsewhere(slip: Slip) -> bool:
     """Whether a slip is another one in other coordinates: sums of the same six-vectors are the same there."""
-    return slip.how not in SUMMED or slip.site.startswith(PARTS)
+    same = slip.how in SUMMED or slip.site.startswith(spatial.OF_FIXED)
+    return not same or slip.site.startswith(PARTS)
+
+
+def _of_blocks(slip: Slip) -> bool:
+    return slip.site.startswith(BLOCKS)
 
 
 def _of_wrenches(slip: Slip) -> bool:
@@ -69,6 +79,11 @@ for _chained in (False, True):
     _poses(True, _chained, plucker.merged_links)
 
 
+@cache
+def _pushed(of: plucker.Coordinates) -> Callable[..., np.ndarray]:
+    return partial(spatial.pushed, of=of)
+
+
 def _outside(name: str, pushed: Callable[..., np.ndarray], variant: str, as_they_are: bool = True) -> None:
     """How wrenches enter a recursion."""
     run = Dynamics(right(spatial.forces), right(spatial.mass), pushed=pushed)
@@ -77,15 +92,15 @@ def _outside(name: str, pushed: Callable[..., np.ndarray], variant: str, as_they
 
 def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool], as_they_are: bool) -> None:
     """What codes in other coordinates answer; about centres of mass M is made by columns, and accelerations of M."""
-    forces, mass, pushed, matrix, energy = (
-        partial(f, of=of) for f in (spatial.forces, spatial.mass, spatial.pushed, body_coriolis.matrix, spatial.energy)
+    forces, mass, matrix, energy = (
+        partial(f, of=of) for f in (spatial.forces, spatial.mass, body_coriolis.matrix, spatial.energy)
     )
+    pushed = _pushed(of)
     by_body = of is plucker.centres
     by = partial(register, name, only=only, as_they_are=as_they_are)
     by(Dynamics(forces, by_columns(forces) if by_body else mass, matrix), OTHERWISE, variant)
     inside = Dynamics(forces, right(spatial.mass), pushed=pushed)
     by(inside, PUSHED, f"{variant}, the wrench in the recursion", lambda term: "rnea", later)
-    _outside(name, pushed, variant, as_they_are)
     by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies")
     if not by_body:
         by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
@@ -93,6 +108,11 @@ def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip],
 
 _outside(SPATIAL, spatial.pushed, "links")
 _outside("Newton-Euler in link axes", link_axes.pushed, "links")
+CENTRES, WORLD = f"{SPATIAL} about centres of mass", f"{SPATIAL} in world coordinates"
 _in(plucker.merged_links, SPATIAL, MERGED, _of_merging, False)
-_in(plucker.centres, f"{SPATIAL} about centres of mass", "about centres", _elsewhere, True)
-_in(plucker.world, f"{SPATIAL} in world coordinates", "in the world", _elsewhere, True)
+_in(plucker.centres, CENTRES, "about centres", _elsewhere, True)
+_in(plucker.world, WORLD, "in the world", _elsewhere, True)
+_in(plucker.world_blocks, WORLD, "inertias put together there", _of_blocks, True)
+_outside(SPATIAL, _pushed(plucker.merged_links), MERGED, False)
+_outside(CENTRES, _pushed(plucker.centres), "about centres")
+_outside(WORLD, _pushed(plucker.world), "in the world")

@@ -87,8 +87,12 @@ def _joined(steps: Steps, up: Lump, mine: Lump) -> Lump:
     (M, C, T), (m, c, I) = up, mine
     total = steps.add("the composite mass", **{HAVE: M, "the child's m": m})
     by = steps.pick(
-        "the divisor of a composite's centre", total, **{"the link's mass": M, "the child's mass": m, "2": 0 * M + 2}
-    )
+        "the divisor of a composite's centre", total,
+        **{
+            "the link's mass": M, "the child's mass": m, "2": 0 * M + 2,
+            "the link's mass and twice the child's, which was added before": M + 2 * m,
+        },
+    )  # fmt: skip
     moments = steps.add("the first moment of a composite", **{"m c of the link": M * C, "m c of the child": m * c})
     centre = moments / np.where(by == 0, 1.0, by)
     centre = steps.pick(
@@ -111,7 +115,17 @@ def _steiner(
     m = steps.pick(f"the mass in Steiner's term: {which}", m, **{"that of the other": other, "that of both": m + other})
     d = steps.pick(f"the arm in Steiner's term: {which}", d, **{"that between both centres": apart})
     square, outer = (d * d).sum(-1)[..., None, None] * ONE, d[..., :, None] * d[..., None, :]
+    outer = steps.pick("d d^T in Steiner's term", outer, **_instead_of_outer(d))
     return m[..., None] * steps.add(f"d.d 1 - d d^T in Steiner's term: {which}", **{"d.d 1": square, "-d d^T": -outer})
+
+
+def _instead_of_outer(d: np.ndarray) -> dict[str, np.ndarray]:
+    entries, shape = d * d, (*d.shape, 3)
+    return {
+        "d * d, the squares of its entries in every row": np.broadcast_to(entries[..., None, :], shape),
+        "its diagonal alone": entries[..., None, :] * ONE,
+        "d.d in every entry": entries.sum(-1)[..., None, None] + 0 * ONE,
+    }
 
 
 def _unit(
@@ -119,7 +133,8 @@ def _unit(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Moment about the centre, and force, for a unit acceleration of a joint."""
     m, c, I = lump
-    m = steps.pick("the mass that a unit acceleration moves", m, **{"the link's own": own[0]})
+    kind = "of a sliding joint" if slides else "of a turning joint"
+    m = steps.pick(f"the mass that a unit acceleration moves: {kind}", m, **{"the link's own": own[0]})
     if slides:
         n = steps.pick("the moment of a sliding joint's unit acceleration", 0 * c, **{"I z": product(I, z)})
         return n, m * z

@@ -18,10 +18,11 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
+from .in_place import array, repeated
 from .link_axes import gathered, of_joint
 from .plucker import Coordinates, Model, brought, links, to_parent, to_parent_inertia
 from .products import crf, crm
-from .spatial import gravity, next_velocity
+from .spatial import OF_FIXED, gravity, hand_on, start, velocities
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
@@ -52,16 +53,16 @@ def forward(
 def _first(
     steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
-    vs, c = [base + zero if tree.floating else zero], [zero]
+    vs, c = velocities(steps, tree, m, v, zero), [zero]
     for k in tree.links[1:]:
-        v_k, c_k = next_velocity(steps, tree, k, m, vs[k.parent], v), zero
+        c_k = zero
         if k.moves:
             S_qd = m.S[k.number] * v[..., k.column, None]
-            v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": vs[k.parent]})
+            v_c = steps.pick("the velocity in v x S qd", vs[k.number], **{"the parent's, in its axes": vs[k.parent]})
             c_k = crm(steps, "v x S qd", v_c, S_qd)
-        vs.append(v_k)
         c.append(c_k)
+    whole = repeated([c[k.number] for k in tree.links if k.moves])
+    c = [steps.pick(array("v x S qd"), x, **whole) for x in c]
     I = [x + np.zeros((*zero.shape[:-1], 6, 6)) for x in m.I]
     p = []
     for k in tree.links:
@@ -79,7 +80,12 @@ def _inward(
 ) -> None:  # fmt: skip
     IA, pA, own_inertia, X = I[k.number], p[k.number], m.I[k.number], m.X[k.number]
     Ia, pa = IA, pA
-    if k.moves:
+    if not k.moves:
+        Ia, pa = (
+            steps.pick(f"{OF_FIXED}: its {what}", x, nothing=0 * x)
+            for what, x in (("articulated inertia", IA), ("articulated bias force", pA))
+        )  # fmt: skip
+    else:
         S = m.S[k.number]
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
@@ -91,7 +97,8 @@ def _inward(
         square = U[..., :, None] * U[..., None, :]
         outer = steps.pick("U D^-1 U^T", square / D[..., None], **{"not divided by D": square})
         Ia = steps.add("the articulated inertia I^a", **{"I^A": IA, "-U D^-1 U^T": -outer})
-        I_c = steps.pick("the articulated inertia in I^a c", Ia, **{"I^A": IA, "the link's own": own_inertia + 0 * IA})
+        others = {"I^A": IA, "the link's own": own_inertia + 0 * IA, "1": np.eye(6) + 0 * IA}
+        I_c = steps.pick("the articulated inertia in I^a c", Ia, **others)
         pa = steps.add(
             "the articulated bias force p^a",
             **{
@@ -107,8 +114,11 @@ def _inward(
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
     p_up = steps.summed("the bias force that children hand on", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
-    I[k.parent] = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[k.parent], "X^T I^a X": I_up})
-    p[k.parent] = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[k.parent], "X^T p^a": p_up})
+    up = k.parent
+    I_whole = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[up], "X^T I^a X": I_up})
+    p_whole = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[up], "X^T p^a": p_up})
+    hand_on(steps, k, "inertia and bias force", I, I_whole, I_up)
+    hand_on(steps, k, "inertia and bias force", p, p_whole, p_up)
 
 
 def _last(
@@ -127,7 +137,8 @@ def _last(
         acc, base = [product(S, a0)], [steps.add("the base's acceleration", **{"I^-1 (tau - p)": a0, "g": -up})]
     columns: dict[int, np.ndarray] = {}
     for k in tree.links[1:]:
-        a_k = brought(steps, "the parent's acceleration", m.X[k.number], acc[k.parent])
+        a_up = start(steps, tree, k, acc, "acceleration")
+        a_k = brought(steps, "the parent's acceleration", m.X[k.number], a_up)
         if k.moves:
             b = bodies[k.number]
             a_up = a_k

@@ -12,6 +12,8 @@ the velocity mapping for a serial kinematic chain, Mechanism and Machine Theory 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
@@ -48,7 +50,7 @@ def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: b
     site = "the bodies of dM/dq_k"
     m = m * sums.every(f"{site}: m Jv^T Jv")
     spin, turning = (sums.every(f"{site}: {of}")[..., None, None] for of in ("Jw^T I Jw", "dI/dq_k"))
-    I_w = w @ transposed(spin * I)
+    I_w = w @ transposed(spin * steps.pick("the inertia in dw_i . I w_j", I, **_turned_wrongly(sums)))
     parts = {
         "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, m[..., None, None] * u)),
         "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, I_w)),
@@ -61,6 +63,7 @@ def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: b
         axes = steps.pick(
             "the axes that turn tensors", cols.turns[order, None] * z, **{"those of sliding joints too": z}
         )
+    I = steps.pick("the inertia in dI/dq_k", I, **_turned_wrongly(sums))
     W, T = cross_matrix(moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
     terms = {
         "[w_k] I": steps.pick("[w_k] I in dI/dq_k", W @ T, **other_products(W, T)),
@@ -80,6 +83,14 @@ def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: b
     }  # fmt: skip
     columns = sorted(range(count), key=order.__getitem__)
     return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0], columns)
+
+
+def _turned_wrongly(sums: Sums) -> dict[str, Callable[[], np.ndarray]]:
+    back = transposed(sums.R)
+    return {
+        "that in its link's axes, not turned into the world's": lambda: sums.tensors + 0 * sums.R,
+        "turned by the transposed matrix, R^T I R": lambda: back @ sums.tensors @ sums.R,
+    }
 
 
 def _by_rates(sums: Sums, order: list[int], apart: bool) -> tuple[np.ndarray, np.ndarray]:

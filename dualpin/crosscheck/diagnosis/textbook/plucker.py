@@ -2,7 +2,8 @@
 
     links:    every link in its own axes, about its origin
     centres:  in its own axes, about its centre of mass: I = diag(I_c, m 1), S = [z; z x c]
-    world:    all in world axes, about the world's origin: X = 1, S = [z; p x z], I = X_0^T I X_0
+    world:    all in world axes, about the world's origin: X = 1, S = [z; p x z], I = X_0^T I X_0,
+              or [R I R^T + m [c x] [c x]^T, m [c x]; m [c x]^T, m 1]
 
 Six-vectors are [angular; linear], X = [E 0; -E [r x]  E] brings motions from the parent's coordinates into the link's.
 
@@ -42,6 +43,11 @@ class Model:
         steps, *on
     )
     """X from the coordinates of a link to a frame that stands on it, in world axes."""
+
+    @property
+    def common(self) -> bool:
+        """Whether all links have the same coordinates, so that what the parent has may be taken as it is."""
+        return all(X is None for X in self.X)
 
 
 Coordinates = Callable[[Steps, Tree, np.ndarray], Model]
@@ -84,11 +90,21 @@ def world(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
     """All about the world's origin, in its axes."""
     poses = tree.poses(q)
     whole = [transform(steps, pose.R0, pose.p0, "of links in the world") for pose in poses]
-    S = {k.number: _in_world(steps, k, poses) for k in tree.links if k.moves}
     I = [
         steps.congruent("a body's inertia, X^T I X, in the world", transposed(X), inertia(steps, k))
         for k, X in zip(tree.links, whole, strict=True)
     ]
+    return _about_world(steps, tree, poses, I)
+
+
+def world_blocks(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
+    """The same, with inertias put together there: of R I R^T, and of the place of the centre in the world."""
+    poses = tree.poses(q)
+    return _about_world(steps, tree, poses, [_placed(steps, k, poses[k.number]) for k in tree.links])
+
+
+def _about_world(steps: Steps, tree: Tree, poses: Sequence[Pose], I: list[np.ndarray]) -> Model:
+    S = {k.number: _in_world(steps, k, poses) for k in tree.links if k.moves}
     base = np.linalg.inv(transform(Steps(), poses[0].R0, poses[0].p0)) if tree.floating else None
 
     def framed(steps: Steps, k: Link, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
@@ -230,19 +246,40 @@ def inertia(steps: Steps, k: Link) -> np.ndarray:
 def of_body(steps: Steps, mass: float, c: np.ndarray, I: np.ndarray) -> np.ndarray:
     """The spatial inertia of a mass, about a point from which its centre is at c."""
     c = steps.components("the centre of mass of a body, in its link's axes,", c)
+    return _blocks(steps, mass, c, I, "a link's origin")
+
+
+def _placed(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
+    """The spatial inertia about the world's origin, in its axes."""
+    local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+    arm = steps.turn("the arm to the centre of mass", pose.R0, local)
+    c = steps.add("the place of a body's centre", **{"the link's origin": pose.p0, "R c": arm})
+    I = steps.congruent("the inertia of a body", pose.R0, k.tensor(steps))
+    return _blocks(steps, k.mass, c, I, "the world's origin")
+
+
+def _blocks(steps: Steps, mass: float, c: np.ndarray, I: np.ndarray, about: str) -> np.ndarray:
+    """[I + m [c x] [c x]^T, m [c x]; m [c x]^T, m 1]."""
     K, one = skew(steps, c), np.eye(3)[None, None]
-    terms = {"I of the centre": I, "m (c.c 1 - c c^T)": mass * (K @ transposed(K))}
-    about = steps.add("the inertia about a link's origin", **terms)
-    h = mass * K
-    wrong = {"-m [c x]": -h, "left out": 0 * h, "without the mass": K}
-    upper = steps.pick("the block m [c x] of the inertia", h, **wrong)
-    wrong = {"m [c x], not transposed": h, "left out": 0 * h, "without the mass": transposed(K)}
-    lower = steps.pick("the block m [c x]^T of the inertia", mass * transposed(K), **wrong)
-    last = steps.pick("the block m 1 of the inertia", mass * one, **_blocks(mass))
-    return spatial([[about, upper], [lower, last]])
+    square, right = K @ transposed(K), c[..., :, None] * c[..., None, :]
+    wrong = {
+        "without the mass": square, "m c.c 1, without c c^T": mass * (square + right), "-m c c^T, without c.c 1":
+        -mass * right, "m [c x] [c x]^T with the two multiplied entry by entry": mass * K * transposed(K),
+    }  # fmt: skip
+    arms = steps.pick("m (c.c 1 - c c^T) in a spatial inertia", mass * square, **wrong)
+    first = steps.add(f"the inertia about {about}", **{"I of the centre": I, "m (c.c 1 - c c^T)": arms})
+    upper, lower = (
+        steps.pick(
+            f"the block m [c x] of the inertia: {which}", mass * x,
+            **{"of the other sign, which is its transpose": -mass * x, "left out": 0 * x, "without the mass": x},
+        )
+        for which, x in (("the upper right one", K), ("the lower left one", transposed(K)))
+    )  # fmt: skip
+    last = steps.pick("the block m 1 of the inertia", mass * one, **_masses(mass))
+    return spatial([[first, upper], [lower, last]])
 
 
-def _blocks(mass: float) -> dict[str, np.ndarray]:
+def _masses(mass: float) -> dict[str, np.ndarray]:
     """What may stand in the place of m 1."""
     one = np.eye(3)[None, None]
     return {"1, without the mass": one, "left out": 0 * one, "m in every entry": mass * np.ones_like(one)}
@@ -252,7 +289,7 @@ def _central(steps: Steps, k: Link) -> np.ndarray:
     """The spatial inertia about the centre of mass."""
     one = np.eye(3)[None, None]
     I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin})
-    last = steps.pick("the block m 1 of the inertia", k.mass * one, **_blocks(k.mass))
+    last = steps.pick("the block m 1 of the inertia", k.mass * one, **_masses(k.mass))
     G = spatial([[I, 0 * I], [0 * I, last]])
     whole = {"that about the link's origin, with m [c x]": lambda: inertia(Steps(), k)}
     return np.asarray(steps.pick("the spatial inertia, about the centre of mass,", G, **whole))

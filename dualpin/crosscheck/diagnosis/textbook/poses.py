@@ -24,6 +24,7 @@ from ...subjects.layout import product, transposed
 from ..description import Body, Description, Part, merged
 from .attitudes import PLAIN, Ways
 from .axes import Axis, Placed
+from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .lists import branched, by_levels
 from .lumps import listed
 from .steps import Steps, cross
@@ -84,6 +85,8 @@ class Poses:
         joints = {j.name: j for j in robot}
         for part in d.parts:
             self._add(part, joints.get(part.joint))
+        if self.qd is not None:
+            self.w, self.v = afterwards(steps, SPIN, self.w), afterwards(steps, SPEED, self.v)
 
     def _base(self, joint: Joint) -> None:
         self.attitudes[0] = self._quaternion(joint, "the base")
@@ -247,10 +250,10 @@ class Poses:
         else:
             T, before = ways.of_axis(steps, about, x), A
             self._motions[link] = T, 0 * axis
-            moved = {"that of its origin moved along the axis by q": lambda: (
-                p + product(ways.matrix(before), axis + 0 * p) * x[..., None]
-            )}  # fmt: skip
-            p = steps.pick("the position of a turning link", p, **moved)
+            away = lambda: p + product(ways.matrix(before), axis + 0 * p) * x[..., None]  # noqa: E731
+            p = steps.pick(
+                "the position of a turning link", p, **{"that of its origin moved along the axis by q": away}
+            )
             A = steps.pick(
                 "the rotation of a link", ways.then(A, T),
                 **{
@@ -298,7 +301,7 @@ class Poses:
         if self.fused and not self.of_link[link]:
             self._carried(link, up, r)
             return
-        which = "of fixed links" if not self.of_link[link] else "of links that move"
+        which = "of links that move" if self.of_link[link] else "of fixed links"
         assert qd is not None
         turning = sliding = np.zeros_like(r)
         up_w, up_v = self._start(link, up)
@@ -311,16 +314,14 @@ class Poses:
         rate = steps.pick("the rate that turns a link", turning, **{"that of a sliding joint too": turning + sliding})
         own = steps.add("the angular velocity of a link", **{"that of the parent": w_up, "z qd": rate})
         self.w.append(own)
-        carrying = self._near(link, self.w)
         site = f"the angular velocity that carries a link's origin: {which}"
-        w = steps.pick(site, up_w, **{"the link's own": own}, **carrying)
+        w = steps.pick(site, up_w, **{"the link's own": own}, **self._near(link, self.w))
         others = {
-            "that from the world's origin": self.p[link] + 0 * r,
-            "the sum of both positions": self.p[link] + self.p[up],
+            "that from the world's origin": self.p[link] + 0 * r, "the sum of both positions": r + 2 * self.p[up],
             "in the parent's axes": lambda: product(transposed(self.R[up]), r),
             "in the link's axes": lambda: product(transposed(self.R[link]), r),
             "without the travel of a sliding joint": lambda: r - self.travel.get(link, 0 * r),
-        }
+        }  # fmt: skip
         arm = steps.pick(f"the arm to a link's origin: {which}", r, **others)
         v_up = steps.pick("the parent's velocity", up_v, **self._near(link, self.v))
         slid = steps.pick("the rate that slides a link", sliding, **{"that of a turning joint too": turning + sliding})
@@ -349,7 +350,8 @@ class Poses:
         both = [np.concatenate(np.broadcast_arrays(w, v), -1) for w, v in zip(self.w, self.v, strict=True)]
         six = self.steps.pick("the motion that a link starts from", both[up], **self._near(link, both))
         w = self.steps.pick("the angular velocity that a link starts from", six[..., :3], **self._near(link, self.w))
-        return w, six[..., 3:]
+        w = self.steps.pick(array(SPIN), w, **{GROWING: self.w[self._before(link)]})
+        return w, self.steps.pick(array(SPEED), six[..., 3:], **{GROWING: self.v[self._before(link)]})
 
     def _near(self, link: int, of: list[np.ndarray]) -> dict[str, np.ndarray]:
         """What the link before in the list has."""

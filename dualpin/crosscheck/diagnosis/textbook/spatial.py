@@ -16,12 +16,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .in_place import GROWING, WHOLE, afterwards, array
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .plucker import Coordinates, Model, brought, links, to_frame, to_parent, to_parent_inertia
 from .products import crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Tree, filled, spatial
+
+OF_FIXED = "what a fixed link hands on"
 
 
 def forces(
@@ -76,11 +79,19 @@ def _motions(
     elif tree.floating:
         speed, acc = _base(steps, m, v, a, down)
     vs, accs = [speed], [acc]
+    whole = _whole(tree, m, v, speed)
     for k in tree.links[1:]:
-        v_k, a_k = _next(steps, tree, k, m, vs, accs, q, v, a)
+        v_k, a_k = _next(steps, tree, k, m, vs, accs, whole, q, v, a)
         vs.append(v_k)
         accs.append(a_k)
+    if m.common:
+        vs, accs = afterwards(steps, "velocity", vs, lambda: whole), afterwards(steps, "acceleration", accs)
     return vs, accs
+
+
+def _whole(tree: Tree, m: Model, v: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """The velocity of the base and those of all joints."""
+    return base + sum(m.S[k.number] * v[..., k.column, None] for k in tree.links if k.moves)
 
 
 def _base(steps: Steps, m: Model, v: np.ndarray, a: np.ndarray, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -126,23 +137,37 @@ def _inward(steps: Steps, tree: Tree, m: Model, f: list[np.ndarray], q: np.ndarr
             columns[k.column] = _along(steps, tree, m, k, f[k.number], own[k.number])
         if k.parent >= 0:
             handed = to_parent(steps, "the force that is handed on, X^T f,", m.X[k.number], f[k.number])
+            if not k.moves:
+                handed = steps.pick(f"{OF_FIXED}: its force", handed, nothing=0 * handed)
             handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
             handed = steps.part("the links that hand on their force", handed, k.number - 1, len(tree.links) - 1)
-            f[k.parent] = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
+            whole = steps.add("the force at a joint", **{HAVE: f[k.parent], "the child's X^T f": handed})
+            hand_on(steps, k, "force", f, whole, handed)
     base = f[0] if m.base is None else product(transposed(m.base), f[0])
     return gathered(columns, [base] if tree.floating else [], q)
 
 
+def hand_on(
+    steps: Steps, k: Link, what: str, of_links: list[np.ndarray], whole: np.ndarray, handed: np.ndarray
+) -> None:  # fmt: skip
+    """Give the parent the sum of both; slips give what is handed on to the link before."""
+    up, before = k.parent, k.number - 1
+    if before != up:
+        site, chain = f"the link that a link hands its {what} on to", "the link before in the list, as in a chain"
+        whole = steps.pick(site, whole, **{chain: of_links[up]})
+        of_links[before] = steps.pick(site, of_links[before], **{chain: of_links[before] + handed})
+    of_links[up] = whole
+
+
 def _next(
-    steps: Steps, tree: Tree, k: Link, m: Model, vs: list[np.ndarray], accs: list[np.ndarray], q: np.ndarray,
-    v: np.ndarray, a: np.ndarray,
+    steps: Steps, tree: Tree, k: Link, m: Model, vs: list[np.ndarray], accs: list[np.ndarray], whole: np.ndarray,
+    q: np.ndarray, v: np.ndarray, a: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    known, X = len(vs), m.X[k.number]
-    v_up, a_up = vs[k.parent], accs[k.parent]
-    others = tree.near(k, lambda x: vs[x.number] if x.number < known else v_up)
-    v_up = steps.pick("the velocity that a link starts from", v_up, **others)
-    others = tree.near(k, lambda x: accs[x.number] if x.number < known else a_up)
-    a_up = steps.pick("the acceleration that a link starts from", a_up, **others)
+    X = m.X[k.number]
+    v_up, a_up = start(steps, tree, k, vs), start(steps, tree, k, accs, "acceleration")
+    if m.common:
+        v_up = steps.pick(array("velocity"), v_up, **{GROWING: vs[-1]})
+        a_up = steps.pick(array("acceleration"), a_up, **{GROWING: accs[-1]})
     v_k = next_velocity(steps, tree, k, m, v_up, v)
     a_k = brought(steps, "the parent's acceleration", X, a_up)
     if k.number in tree.first and X is not None:
@@ -154,6 +179,8 @@ def _next(
     S_qdd = S * own_rates(steps, tree, k, q, v, a)[1]
     S_qd = S * rate_in_cross(steps, tree, k, q, v, a)
     v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
+    if m.common:
+        v_c = steps.pick(array("velocity"), v_c, **{WHOLE: whole})
     turning = crm(steps, "v x S qd", v_c, S_qd)
     terms = {"X a of the parent": a_k, "v x S qd": turning, "S qdd": S_qdd}
     return v_k, steps.add(f"the acceleration of a link: {_rank(tree, k)}", **terms)
@@ -179,8 +206,16 @@ def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarr
     base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
     vs = [base + zero if tree.floating else zero]
     for k in tree.links[1:]:
-        vs.append(next_velocity(steps, tree, k, m, vs[k.parent], v))
-    return vs
+        vs.append(next_velocity(steps, tree, k, m, start(steps, tree, k, vs), v))
+    whole = {WHOLE: _whole(tree, m, v, vs[0])} if m.common else {}
+    return [steps.pick(array("velocity"), x, **whole) for x in vs] if whole else vs
+
+
+def start(steps: Steps, tree: Tree, k: Link, found: list[np.ndarray], what: str = "velocity") -> np.ndarray:
+    """What the parent has, of links so far."""
+    up = found[k.parent]
+    others = tree.near(k, lambda x: found[x.number] if x.number < len(found) else up)
+    return np.asarray(steps.pick(f"the {what} that a link starts from", up, **others))
 
 
 def _needed(
@@ -228,8 +263,11 @@ def composites(steps: Steps, tree: Tree, m: Model, own: list[np.ndarray]) -> lis
         whole = steps.pick("the inertia of a child", I[k.number], **{"its own, without its children's": own[k.number]})
         x = to_parent_inertia(steps, "a child's inertia, X^T I X,", m.X[k.number], whole)
         x = steps.summed("the inertia that children hand on", x, **tree.alone(k, x))
+        if not k.moves:
+            x = steps.pick(f"{OF_FIXED}: its composite inertia", x, nothing=0 * x)
         x = steps.part("the links that hand on their inertia", x, k.number - 1, len(tree.links) - 1)
-        I[k.parent] = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+        sum_of_both = steps.add("the composite inertia", **{HAVE: I[k.parent], "X^T I X of the child": x})
+        hand_on(steps, k, "inertia", I, sum_of_both, x)
     return I
 
 

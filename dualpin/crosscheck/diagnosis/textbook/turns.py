@@ -110,16 +110,29 @@ def by_square(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndar
 
 def entry_by_entry(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np.ndarray:
     """The nine entries of a quaternion's rotation, each a sum of two or three products."""
-    x, y, z = np.moveaxis(u, -1, 0)
-    one = np.ones_like(w)
-    table: list[list[dict[str, np.ndarray]]] = [
-        [{"1": one, "2 yy": -2 * y * y, "2 zz": -2 * z * z}, {"2 xy": 2 * x * y, "2 wz": -2 * w * z},
-         {"2 xz": 2 * x * z, "2 wy": 2 * w * y}],
-        [{"2 xy": 2 * x * y, "2 wz": 2 * w * z}, {"1": one, "2 xx": -2 * x * x, "2 zz": -2 * z * z},
-         {"2 yz": 2 * y * z, "2 wx": -2 * w * x}],
-        [{"2 xz": 2 * x * z, "2 wy": -2 * w * y}, {"2 yz": 2 * y * z, "2 wx": 2 * w * x},
-         {"1": one, "2 xx": -2 * x * x, "2 yy": -2 * y * y}],
-    ]  # fmt: skip
+    v = dict(zip("wxyz", (w, *np.moveaxis(u, -1, 0)), strict=True))
+    products = {a + b: v[a] * v[b] for a, b in ("wx", "wy", "wz", "xy", "xz", "yz", "xx", "yy", "zz")}
+    squares, mixed, scaled = ("xx", "yy", "zz"), ("xy", "xz", "yz"), ("wx", "wy", "wz")
+
+    def one_of(entry: str, right: str, family: tuple[str, ...], beside: str = "") -> np.ndarray:
+        others = {what: products[what] for what in family if what not in (right, beside)}
+        return np.asarray(steps.pick(f"{right} in entry {entry} of the rotation of {whose}", products[right], **others))
+
+    def diagonal(i: str, a: str, b: str) -> dict[str, np.ndarray]:
+        entry = f"{'xyz'.index(i) + 1}" * 2
+        first, second = one_of(entry, a, squares, b), one_of(entry, b, squares, a)
+        return {"1": np.ones_like(w), f"2 {a}": -2 * first, f"2 {b}": -2 * second}
+
+    def off(i: str, j: str, k: str, sign: float) -> dict[str, np.ndarray]:
+        entry, both = f"{'xyz'.index(i) + 1}{'xyz'.index(j) + 1}", min(i, j) + max(i, j)
+        first, second = one_of(entry, both, mixed), one_of(entry, "w" + k, scaled)
+        return {f"2 {both}": 2 * first, f"2 w{k}": 2 * sign * second}
+
+    table = [
+        [diagonal("x", "yy", "zz"), off("x", "y", "z", -1), off("x", "z", "y", 1)],
+        [off("y", "x", "z", 1), diagonal("y", "xx", "zz"), off("y", "z", "x", -1)],
+        [off("z", "x", "y", -1), off("z", "y", "x", 1), diagonal("z", "xx", "yy")],
+    ]
     return _matrix(steps, table, f"of the rotation of {whose}")
 
 

@@ -92,6 +92,7 @@ KINDS = {
     ),
 }  # fmt: skip
 
+NEW = "a new one, or a copy of the parent's before anything is added: w = w_p + z qd, not w = w_p; w += z qd"
 RIGHT = {
     "the angular velocity that carries a link's origin": "that of the parent, on which the origin is fixed",
     "the angular acceleration that carries a link's origin": "that of the parent, on which the origin is fixed",
@@ -108,6 +109,12 @@ RIGHT = {
     "the acceleration in m a": "that of the centre of mass",
     "the motion that a link starts from": "that of its parent",
     "the link that a link hands its force on to": "its parent",
+    "the link that a link hands its inertia on to": "its parent",
+    "the link that a link hands its inertia and bias force on to": "its parent",
+    "the array of a link's velocity": NEW, "the array of a link's acceleration": NEW,
+    "the array of a link's angular velocity": NEW, "the array of a link's linear velocity": NEW,
+    "the array of a link's angular acceleration": NEW, "the array of a link's linear acceleration": NEW,
+    "the array of a link's v x S qd": "one of its own in the list, set anew for every link and every call",
     "the force in r x f": "the child's",
     "w x (w x r)": "made of w and r, with the cross product twice",
     "the velocity in Christoffel's sum": "v_k, of the index that is summed over",

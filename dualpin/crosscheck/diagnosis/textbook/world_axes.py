@@ -17,10 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .in_place import SPIN, Whole, afterwards, array, found
 from .link_axes import RESTING, axes, centripetal, felt, gathered, own_rates, rate_in_cross
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
+
+RATE, ACCELERATION = "angular acceleration", "linear acceleration"
 
 
 @dataclass
@@ -117,9 +120,19 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
     moving = [Motion(zero, zero, zero, zero)]
     if tree.floating:
         moving = [_base(steps, tree, poses[0].R0, v + 0 * q[..., :1], a + 0 * q[..., :1])]
+
+    def whole() -> np.ndarray:
+        turning = (k for k in tree.links if k.moves and not k.slides)
+        return moving[0].w + sum(product(poses[k.number].R0, k.z) * v[..., k.column, None] for k in turning)
+
     for k in tree.links[1:]:
-        moving.append(_next(steps, tree, k, poses, moving, q, v, a))
-    return moving
+        moving.append(_next(steps, tree, k, poses, moving, whole, q, v, a))
+    w = afterwards(steps, SPIN, [m.w for m in moving], whole)
+    alpha, acc = (
+        afterwards(steps, RATE, [m.alpha for m in moving]),
+        afterwards(steps, ACCELERATION, [m.a for m in moving]),
+    )
+    return [Motion(x, y, z, m.z) for x, y, z, m in zip(w, alpha, acc, moving, strict=True)]
 
 
 def _base(steps: Steps, tree: Tree, R: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
@@ -153,15 +166,9 @@ def kind(k: Link) -> str:
 
 
 def _next(
-    steps: Steps,
-    tree: Tree,
-    k: Link,
-    poses: list[Pose],
-    moving: list[Motion],
-    q: np.ndarray,
-    v: np.ndarray,
-    a: np.ndarray,
-) -> Motion:
+    steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], whole: Whole, q: np.ndarray,
+    v: np.ndarray, a: np.ndarray,
+) -> Motion:  # fmt: skip
     which = kind(k)
     up, pose, on = moving[k.parent], poses[k.number], poses[k.parent]
     known = len(moving)
@@ -169,7 +176,7 @@ def _next(
     def others(of: Callable[[Motion], np.ndarray]) -> dict[str, np.ndarray]:
         return tree.near(k, lambda x: of(moving[x.number] if x.number < known else up))
 
-    up = _parent(steps, tree, k, moving, up)
+    up = _parent(steps, tree, k, moving, up, whole)
     ws, alphas = others(lambda x: x.w), others(lambda x: x.alpha)
     w = steps.pick("the parent's angular velocity: in that of the link", up.w, **ws)
     alpha = steps.pick("the parent's angular acceleration: in that of the link", up.alpha, **alphas)
@@ -184,11 +191,9 @@ def _next(
         there = rate_in_cross(steps, tree, k, q, v, a)
         turning = cross(steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws), z * there)
     if k.slides:
-        r = steps.pick(
-            "the arm to a sliding link",
-            r,
-            **{"without its travel": product(on.R0, k.p), "its travel alone": r - product(on.R0, k.p)},
-        )
+        place = product(on.R0, k.p)
+        parts = {"without its travel": place, "its travel alone": r - place}
+        r = steps.pick("the arm to a sliding link", r, **parts)
         w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
         alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
     elif k.moves:
@@ -232,7 +237,7 @@ def _of_other_joints(
     return Motion(w, alpha, acc, right.z)
 
 
-def _parent(steps: Steps, tree: Tree, k: Link, moving: list[Motion], up: Motion) -> Motion:
+def _parent(steps: Steps, tree: Tree, k: Link, moving: list[Motion], up: Motion, whole: Whole) -> Motion:
     """What a link takes its motion from."""
 
     known = len(moving)
@@ -242,7 +247,9 @@ def _parent(steps: Steps, tree: Tree, k: Link, moving: list[Motion], up: Motion)
 
     others = tree.near(k, lambda x: six(moving[x.number] if x.number < known else up))
     w, alpha, acc = np.split(steps.pick("the motion that a link starts from", six(up), **others), 3, -1)
-    return Motion(w, alpha, acc, up.z)
+    w = steps.pick(array(SPIN), w, **found(moving[-1].w, whole))
+    alpha = steps.pick(array(RATE), alpha, **found(moving[-1].alpha))
+    return Motion(w, alpha, steps.pick(array(ACCELERATION), acc, **found(moving[-1].a)), up.z)
 
 
 def _axis(steps: Steps, k: Link, pose: Pose, on: Pose, which: str) -> np.ndarray:
