@@ -59,7 +59,12 @@ RUNS = {
     "energy in six-vectors": composite.Energy(True, spatial.energy),
     **{
         f"{kind} {name}": run
-        for name, of in (("about centres", plucker.centres), ("in the world", plucker.world), ("merged", MERGED))
+        for name, of in (
+            ("about centres", plucker.centres),
+            ("in the world", plucker.world),
+            ("merged", MERGED),
+            ("of blocks in the world", plucker.world_blocks),
+        )
         for kind, run in (
             ("six-vectors", Dynamics(*(partial(f, of=of) for f in PASSES_OF), fused=of is MERGED)),
             ("energy", composite.Energy(of is MERGED, partial(spatial.energy, of=of))),

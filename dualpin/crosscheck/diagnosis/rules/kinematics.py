@@ -275,14 +275,12 @@ _register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
-formulation(
-    "forward kinematics",
-    ("kinetic_energy",),
-    variant="arrays changed in place",
-    like=shown_in(poses),
-    batched=True,
-    only=_in_place,
-)(poses)
+IN_PLACE = "arrays changed in place"
+for _rooted in (False, True):  # a root that turns with all others has an energy too
+    formulation(
+        "forward kinematics", ("kinetic_energy",), variant=IN_PLACE + ", the root link counts" * _rooted,
+        when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=_in_place,
+    )(_of(poses, rooted=_rooted))  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)

@@ -1,0 +1,193 @@
+"""Slips of textbook algorithms predict what a code of another author answers that makes the same mistake."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+import pytest
+
+from dualpin.crosscheck.diagnosis import Case
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.rules import kinematics
+from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, plucker, spatial, world_axes
+from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
+from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
+from dualpin.crosscheck.diagnosis.textbook.slipped import Run, Slipped
+from dualpin.crosscheck.diagnosis.textbook.steps import Slip
+from dualpin.crosscheck.subjects import Asking, asking
+from dualpin.crosscheck.subjects.running import ask_here
+from tests.crosscheck.test_textbook import PROBE
+from tests.crosscheck.unseen_codes import source
+
+OTHER = "step_other"
+BLOCKS = {"aba": Articulated(of=plucker.world_blocks)}
+WORLD = {"aba": Articulated(of=plucker.world)}
+COMPOSITES = {t: Dynamics(spatial.forces, about_centres.mass) for t in ("crba", "minv")}
+MOVING = {
+    "frame_velocity": kinematics.velocities, "jacobian_dot": kinematics.poses,
+    "kinetic_energy": partial(kinematics.poses, rooted=True),
+}  # fmt: skip
+NEWTON = {
+    "bias": Dynamics(world_axes.forces, by_columns(world_axes.forces)),
+    "frame_acceleration": Seen(world_axes.accelerations),
+}
+SPIN = ("wk = wk + z[k] * v[b.dof]", "wk += z[k] * v[b.dof]")
+IN_THE_LOOP, UP = "                up = up + ", "                up += "
+CHAIN = "the link before in the list, as in a chain"
+BEFORE = "that of the link before in the list (depth first)"
+
+
+def handed(of: str) -> Slip:
+    return Slip(f"what a fixed link hands on{of}", "nothing", OTHER)
+
+
+def array(of: str, what: str) -> Slip:
+    return Slip(in_place.array(of), what, OTHER)
+
+
+def block(of: str, what: str) -> Slip:
+    return Slip(f"the block m {of} of the inertia", what, OTHER)
+
+
+PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
+    "sign of the parallel axes in the spatial inertia": (
+        BLOCKS,
+        Slip("the inertia about the world's origin", "m (c.c 1 - c c^T)", "step_sign"),
+        [("C @ C.T, b.mass * C]", "C @ C, b.mass * C]")],
+    ),
+    "blocks of the spatial inertia exchanged": (
+        BLOCKS,
+        block("[c x]", "of the other sign, which is its transpose"),
+        [("b.mass * C], [b.mass * C.T,", "b.mass * C.T], [b.mass * C,")],
+    ),
+    "lower block as the upper one": (
+        BLOCKS,
+        block("[c x]", "of the other sign, which is its transpose")._replace(
+            site="the block m [c x] of the inertia: the lower left one"
+        ),
+        [("[b.mass * C.T, b.mass * np", "[b.mass * C, b.mass * np")],
+    ),
+    "a scalar in every entry": (
+        BLOCKS,
+        block("1", "m in every entry"),
+        [("b.mass * np.eye(3)]", "b.mass * np.ones((3, 3))]")],
+    ),
+    "tensor turned on one side": (
+        BLOCKS,
+        Slip("the inertia of a body", "", "step_from_left"),
+        [("np.block([[I[k]", "np.block([[R[k] @ b.inertia")],
+    ),
+    "fixed links not handed on": (WORLD, handed(""), [("A[i], P[i] = A[i] + A[k], P[i] + P[k]\n", "")]),
+    "their bias forces not": (
+        WORLD,
+        handed(": its articulated bias force"),
+        [("A[i], P[i] = A[i] + A[k], P[i] + P[k]", "A[i] = A[i] + A[k]")],
+    ),
+    "handed on along the list": (
+        WORLD,
+        Slip("the link that a link hands its inertia and bias force on to", CHAIN, OTHER),
+        [
+            (
+                'i = b.parent\n            if b.kind == "fixed":\n                A',
+                'i = k - 1\n            if b.kind == "fixed":\n                A',
+            )
+        ],
+    ),
+    "accelerations in one array": (
+        WORLD,
+        Slip("the acceleration that a link starts from", BEFORE, OTHER),
+        [(IN_THE_LOOP + "bias", UP + "bias"), (IN_THE_LOOP + "S[k]", UP + "S[k]")],
+    ),
+    "velocities in one array": (
+        WORLD,
+        Slip("the velocity that a link starts from", BEFORE, OTHER),
+        [("V[k] = V[b.parent] + S[k] * v[b.dof]", "V[k] += S[k] * v[b.dof]")],
+    ),
+    "velocity products summed in one array": (
+        WORLD,
+        array("v x S qd", in_place.ADDED),
+        [("bias[k] = self.motion_cross", "bias[k] += self.motion_cross")],
+    ),
+    "velocity products written into one array": (
+        WORLD,
+        array("v x S qd", in_place.LAST),
+        [("bias[k] = self.motion_cross", "bias[k][:] = self.motion_cross")],
+    ),
+    "c without I^a": (WORLD, Slip("the articulated inertia in I^a c", "1", OTHER), [("Aa @ bias[k]", "bias[k]")]),
+    "d * d for the outer product": (
+        COMPOSITES,
+        Slip("d d^T in Steiner's term", "d * d, the squares of its entries in every row", OTHER),
+        [("np.outer(d, d))", "d * d)")],
+    ),
+    "the child's mass twice in the divisor": (
+        COMPOSITES,
+        Slip(
+            "the divisor of a composite's centre",
+            "the link's mass and twice the child's, which was added before",
+            OTHER,
+        ),
+        [("* c[k]) / total", "* c[k]) / (m[i] + m[k] + m[k])")],
+    ),
+    "a sliding joint moves its own link alone": (
+        COMPOSITES,
+        Slip("the mass that a unit acceleration moves: of a sliding joint", "the link's own", OTHER),
+        [("F, N = m[k] * z[k]", "F, N = b.mass * z[k]")],
+    ),
+    "angular velocities in one array": (MOVING, array("angular velocity", in_place.GROWING), [SPIN]),
+    "linear velocities in one array": (
+        MOVING,
+        array("linear velocity", in_place.GROWING),
+        [
+            ("uk = u[i] + cross(w[i], p[k] - p[i])", "uk = u[i]; uk += cross(w[i], p[k] - p[i])"),
+            ("uk = uk + z[k]", "uk += z[k]"),
+        ],
+    ),
+    "angular velocities in one array, found behind the loop": (
+        NEWTON,
+        array("angular velocity", in_place.WHOLE),
+        [SPIN],
+    ),
+    "angular accelerations in one array": (
+        NEWTON,
+        array("angular acceleration", in_place.GROWING),
+        [("alk = alk + z[k] * a[b.dof] +", "alk += z[k] * a[b.dof] +")],
+    ),
+    "linear accelerations in one array": (
+        NEWTON,
+        array("linear acceleration", in_place.GROWING),
+        [
+            ("ack = ac[i] + cross(al[i], r) +", "ack = ac[i]; ack += cross(al[i], r) +"),
+            ("ack = ack + z[k]", "ack += z[k]"),
+        ],
+    ),
+}
+
+
+@cache
+def asked() -> Asking:
+    return asking(PROBE, 2, 0, tuple(dict.fromkeys(t for runs, _, _ in PLANTED.values() for t in runs)))
+
+
+def answered(changes: list[tuple[str, str]]) -> Case:
+    text = source("arm")
+    for old, new in changes:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    made: dict[str, object] = {"__name__": "arm"}
+    exec(compile(text, "arm", "exec"), made)
+    return Case(ask_here(made["Code"](asked().text), asked(), lambda what: None))
+
+
+def test_without_a_change_the_other_code_is_right():
+    case = answered([])
+    assert case.wrong == frozenset() and set(case.observed) == set(asked().terms)
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_a_slip_predicts_what_another_code_answers(name):
+    runs, slip, changes = PLANTED[name]
+    case = answered(changes)
+    for term, run in runs.items():
+        planted = Hypothesis("step_other", slip.says, (term,), "formula", Slipped(run, (slip,), True))
+        assert not case.score(term).right, term
+        assert case.score(term, (planted,)).right, term
