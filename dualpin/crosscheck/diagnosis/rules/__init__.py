@@ -27,6 +27,7 @@ from . import (  # noqa: F401
     screws,
     six_vectors,
     tensors,
+    twists,
     units,
     writing,
     zeros,

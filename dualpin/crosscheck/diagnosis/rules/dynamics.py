@@ -140,7 +140,8 @@ def _itself(term: str) -> str:
 def register(
     name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = "",
     like: Callable[[str], str] = _itself, after: Callable[[Case], bool] = lambda case: False,
-    only: Callable[[Slip], bool] = lambda slip: True, as_they_are: bool = True,
+    only: Callable[[Slip], bool] = lambda slip: True, as_they_are: Callable[[Case], bool] = lambda case: True,
+    when: Callable[[Case], bool] = lambda case: True,
 ) -> None:  # fmt: skip
     """A formulation, of the links `as_they_are` and of bodies merged from fixed links."""
     cost = COST + 0.05 * bool(variant)
@@ -148,10 +149,9 @@ def register(
         formulation, name, partial(_shown, run, terms), KNOWN, says=SAYS, batched=True, like=like, afterwards=after,
         only=only,
     )  # fmt: skip
-    if as_they_are:
-        made(variant, cost=cost)(run)
+    made(variant, lambda case: when(case) and as_they_are(case), cost)(run)
     values = ", ".join(x for x in (FUSED, variant) if x)
-    made(values, merges, cost + FUSING)(replace(run, fused=True))
+    made(values, lambda case: when(case) and merges(case), cost + FUSING)(replace(run, fused=True))
 
 
 register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))

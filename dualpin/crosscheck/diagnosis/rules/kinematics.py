@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ..case import Case, View
-from ..textbook import exponentials
 from ..textbook.answers import (
     CARRIED,
     DIFFERENTIATED,
@@ -309,13 +308,6 @@ _register("bodies", reading, _terms(tensors=not_large))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))
-for _fused, _in_bodies in ((False, False), (True, False), (False, True), (True, True)):
-    _values = ("of bodies merged from fixed links" * _fused, "by Jacobians in bodies' axes" * _in_bodies)
-    formulation(
-        "products of exponentials", exponentials.OF_BODIES if _in_bodies else exponentials.TERMS, KNOWN,
-        ", ".join(x for x in _values if x), partial(_both, fixed, fuses) if _fused else fixed,
-        COST + FUSING * _fused, batched=True,
-    )(partial(exponentials.run, fused=_fused, by_bodies=_in_bodies))  # fmt: skip
 for _name in WAYS:
     _run = rotations(_name)
     _register(_name, _run, _terms(posed=off("fk")))

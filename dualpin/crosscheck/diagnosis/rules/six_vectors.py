@@ -7,9 +7,11 @@ from functools import cache, partial
 
 import numpy as np
 
+from ..case import Case
 from ..textbook import body_coriolis, composite, link_axes, plucker, products, spatial, transforms
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right
+from ..textbook.link_axes import FIRST
 from ..textbook.steps import Slip
 from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
 from .formulation import formulation
@@ -20,8 +22,14 @@ MOMENTUM = ("centroidal_momentum_matrix", "com_jacobian")
 SUMMED = ("step_left_out", "step_sign", "step_half", "step_twice", "step_overwritten", "step_first", "step_last")
 OTHERWISE = ("gravity", "bias", "rnea", "rnea_f_ext", "crba", "coriolis")
 """In other coordinates; kinetic energies are those of bodies there, accelerations follow from these."""
-PARTS = ("the linear part of", "the angular part of", "the inertia about", "the place of")
+PARTS = ("the linear part of", "the angular part of", "the place of")
 """Sites of sums that other coordinates split in another way."""
+ALIKE = (
+    "the tensor of <inertial>", "a fixed link's tensor", "d d^T in Steiner's term", "the centre of mass of a body, in",
+    "the inertia about a link's origin", "the block m [c x]", "a joint's velocity", "a joint's acceleration",
+    "the velocity of a joint", "the acceleration of a joint", FIRST, "the axis along which",
+)  # fmt: skip
+"""Sites whose slips are the same in all coordinates, or show in those of links alone."""
 MERGING = (
     products.SKEW, "the block", "a fixed link's spatial inertia", "the inertia about a link's origin",
     "E of X", "the centre of mass of a body",
@@ -34,10 +42,10 @@ BLOCKS = (
 """Sites of an inertia that is put together in the world."""
 
 
-def _elsewhere(slip: Slip) -> bool:
+def elsewhere(slip: Slip) -> bool:
     """Whether a slip is another one in other coordinates: sums of the same six-vectors are the same there."""
     same = slip.how in SUMMED or slip.site.startswith(spatial.OF_FIXED)
-    return not same or slip.site.startswith(PARTS)
+    return not slip.site.startswith(ALIKE) and (not same or slip.site.startswith(PARTS))
 
 
 def _of_blocks(slip: Slip) -> bool:
@@ -84,13 +92,27 @@ def _pushed(of: plucker.Coordinates) -> Callable[..., np.ndarray]:
     return partial(spatial.pushed, of=of)
 
 
-def _outside(name: str, pushed: Callable[..., np.ndarray], variant: str, as_they_are: bool = True) -> None:
+def _always(case: Case) -> bool:
+    return True
+
+
+def _never(case: Case) -> bool:
+    return False
+
+
+def outside(
+    name: str, pushed: Callable[..., np.ndarray], variant: str, as_they_are: Callable[[Case], bool] = _always,
+    when: Callable[[Case], bool] = _always,
+) -> None:  # fmt: skip
     """How wrenches enter a recursion."""
     run = Dynamics(right(spatial.forces), right(spatial.mass), pushed=pushed)
-    register(name, run, PUSHED, f"{variant}, the wrench alone", only=_of_wrenches, as_they_are=as_they_are)
+    register(name, run, PUSHED, f"{variant}, the wrench alone", only=_of_wrenches, as_they_are=as_they_are, when=when)
 
 
-def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool], as_they_are: bool) -> None:
+def _in(
+    of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip], bool],
+    as_they_are: Callable[[Case], bool] = _always,
+) -> None:  # fmt: skip
     """What codes in other coordinates answer; about centres of mass M is made by columns, and accelerations of M."""
     forces, mass, matrix, energy = (
         partial(f, of=of) for f in (spatial.forces, spatial.mass, body_coriolis.matrix, spatial.energy)
@@ -106,13 +128,13 @@ def _in(of: plucker.Coordinates, name: str, variant: str, only: Callable[[Slip],
         by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
 
 
-_outside(SPATIAL, spatial.pushed, "links")
-_outside("Newton-Euler in link axes", link_axes.pushed, "links")
+outside(SPATIAL, spatial.pushed, "links")
+outside("Newton-Euler in link axes", link_axes.pushed, "links")
 CENTRES, WORLD = f"{SPATIAL} about centres of mass", f"{SPATIAL} in world coordinates"
-_in(plucker.merged_links, SPATIAL, MERGED, _of_merging, False)
-_in(plucker.centres, CENTRES, "about centres", _elsewhere, True)
-_in(plucker.world, WORLD, "in the world", _elsewhere, True)
-_in(plucker.world_blocks, WORLD, "inertias put together there", _of_blocks, True)
-_outside(SPATIAL, _pushed(plucker.merged_links), MERGED, False)
-_outside(CENTRES, _pushed(plucker.centres), "about centres")
-_outside(WORLD, _pushed(plucker.world), "in the world")
+_in(plucker.merged_links, SPATIAL, MERGED, _of_merging, _never)
+_in(plucker.centres, CENTRES, "about centres", elsewhere)
+_in(plucker.world, WORLD, "in the world", elsewhere)
+_in(plucker.world_blocks, WORLD, "inertias put together there", _of_blocks)
+outside(SPATIAL, _pushed(plucker.merged_links), MERGED, _never)
+outside(CENTRES, _pushed(plucker.centres), "about centres")
+outside(WORLD, _pushed(plucker.world), "in the world")

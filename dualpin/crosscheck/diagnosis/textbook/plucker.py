@@ -13,8 +13,8 @@ Robotics (2017), section 8.3; Featherstone (2008), section 2.10, for world coord
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -24,6 +24,7 @@ from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from .lumps import Piece, tensor
 from .products import skew
+from .pushes import Push
 from .steps import Steps, cross
 from .tree import Link, Pose, Tree, spatial
 
@@ -39,10 +40,18 @@ class Model:
     I: list[np.ndarray]
     base: np.ndarray | None = None
     """The columns of a floating base's velocity, where these are not its own coordinates."""
-    to_frame: Callable[[Steps, Link, Pose, np.ndarray, np.ndarray], np.ndarray] = lambda steps, _, *on: to_frame(
-        steps, *on
+    to_frame: Callable[[Steps, Link, Pose, Push], np.ndarray] = lambda steps, _, pose, push: to_frame(
+        steps, pose, push.on(pose), push.R, push.reference == "local"
     )
-    """X from the coordinates of a link to a frame that stands on it, in world axes."""
+    """X from the coordinates of a link to those in which a wrench on it is given."""
+    others: Mapping[int, Mapping[str, np.ndarray]] = field(default_factory=dict)
+    """Of links that move: axes that are mistaken for S, by name."""
+
+    def axis(self, steps: Steps, k: Link, where: str) -> np.ndarray:
+        """S of a link, as it is used there."""
+        return np.asarray(
+            steps.pick(f"the axis of a joint, {where},", self.S[k.number], **self.others.get(k.number, {}))
+        )
 
     @property
     def common(self) -> bool:
@@ -78,10 +87,11 @@ def centres(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
         place = steps.add("the place of a link's frame, at its centre, on that of its parent", **terms)
         X.append(transform(steps, pose.R, place, "of joints"))
     S = {k.number: _about_centre(steps, k) for k in tree.links if k.moves}
-    I = [inertia(steps, tree.links[0]), *(_central(steps, k) for k in tree.links[1:])]
+    I = [inertia(steps, tree.links[0]), *(at_centre(steps, k) for k in tree.links[1:])]
 
-    def framed(steps: Steps, k: Link, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
-        return transform(steps, transposed(pose.R0), r - (k.c if k.number else 0 * k.c))
+    def framed(steps: Steps, k: Link, pose: Pose, push: Push) -> np.ndarray:
+        R = push.R if push.reference == "local" else transposed(pose.R0)
+        return transform(steps, R, push.on(pose) - (k.c if k.number else 0 * k.c))
 
     return Model(X, S, I, to_frame=framed)
 
@@ -107,8 +117,9 @@ def _about_world(steps: Steps, tree: Tree, poses: Sequence[Pose], I: list[np.nda
     S = {k.number: _in_world(steps, k, poses) for k in tree.links if k.moves}
     base = np.linalg.inv(transform(Steps(), poses[0].R0, poses[0].p0)) if tree.floating else None
 
-    def framed(steps: Steps, k: Link, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
-        return transform(steps, np.eye(3)[None, None], pose.p0 + product(pose.R0, r))
+    def framed(steps: Steps, k: Link, pose: Pose, push: Push) -> np.ndarray:
+        R = pose.R0 @ push.R if push.reference == "local" else np.eye(3)[None, None]
+        return transform(steps, R, pose.p0 + push.at)
 
     return Model([None for _ in tree.links], S, I, base, framed)
 
@@ -150,8 +161,10 @@ def _inverse(E: np.ndarray, p: np.ndarray) -> np.ndarray:
     return cross_matrix(product(E, p))
 
 
-def to_frame(steps: Steps, pose: Pose, r: np.ndarray, R: np.ndarray) -> np.ndarray:
-    """From the axes of a body to a frame that stands on it at r and R, in world axes."""
+def to_frame(steps: Steps, pose: Pose, r: np.ndarray, R: np.ndarray, local: bool = False) -> np.ndarray:
+    """From the axes of a body to a frame that stands on it at r and R, in world axes or (`local`) in its own."""
+    if local:
+        return transform(steps, R, r)
     turn = pose.R0 @ R
     return spatial([[turn, 0 * turn], [0 * turn, turn]]) @ transform(steps, R, r)
 
@@ -285,10 +298,12 @@ def _masses(mass: float) -> dict[str, np.ndarray]:
     return {"1, without the mass": one, "left out": 0 * one, "m in every entry": mass * np.ones_like(one)}
 
 
-def _central(steps: Steps, k: Link) -> np.ndarray:
-    """The spatial inertia about the centre of mass."""
+def at_centre(steps: Steps, k: Link, I: np.ndarray | None = None) -> np.ndarray:
+    """The spatial inertia about the centre of mass; I is the tensor there, by default in the link's axes."""
     one = np.eye(3)[None, None]
-    I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin})
+    if I is None:
+        wrong = {"that about the origin": k.about_origin}
+        I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **wrong)
     last = steps.pick("the block m 1 of the inertia", k.mass * one, **_masses(k.mass))
     G = spatial([[I, 0 * I], [0 * I, last]])
     whole = {"that about the link's origin, with m [c x]": lambda: inertia(Steps(), k)}

@@ -5,6 +5,8 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), equations 2.23,
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from .steps import Steps, cross
 
 LINEAR = "the product of the linear velocity"
 SKEW = "[r x], the matrix of a cross product,"
+AD = "the matrix of v x"
+"""Codes often make it once, and take its transpose with the other sign for forces."""
 
 
 def _flipped(i: int, j: int) -> np.ndarray:
@@ -57,7 +61,8 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
         "with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m),
         "its transpose, v x^T": lambda: -crf(Steps(), "", v, m),
     }  # fmt: skip
-    return np.asarray(steps.pick(f"the cross product of motions, v x: in {site}", x, **others))
+    x = steps.pick(f"the cross product of motions, v x: in {site}", x, **others)
+    return np.asarray(steps.pick(AD, x, **_of_blocks(v, m, False)))
 
 
 def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -71,4 +76,36 @@ def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
         "with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f),
         "its transpose, v x*^T": lambda: -crm(Steps(), "", v, f),
     }  # fmt: skip
-    return np.asarray(steps.pick(f"the cross product of forces, v x*: in {site}", x, **others))
+    x = steps.pick(f"the cross product of forces, v x*: in {site}", x, **others)
+    return np.asarray(steps.pick(AD, x, **_of_blocks(v, f, True)))
+
+
+def _of_blocks(v: np.ndarray, m: np.ndarray, transposed: bool) -> dict[str, Callable[[], np.ndarray]]:
+    """What wrong blocks of [w x 0; u x w x] make of v x m, or of v x* m = -(v x)^T m."""
+    w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
+
+    def made(of_w: np.ndarray, of_u: np.ndarray) -> np.ndarray:
+        blocks = of_w[..., None] * w[..., None, None, :] + of_u[..., None] * u[..., None, None, :]
+        if transposed:
+            blocks = np.swapaxes(blocks, -3, -2)
+        (p, q), (r, s) = (tuple(np.moveaxis(row, -2, 0)) for row in np.moveaxis(blocks, -3, 0))
+        halves = cross(p, a) + cross(q, b), cross(r, a) + cross(s, b)
+        return np.concatenate(np.broadcast_arrays(*halves), -1)
+
+    return {what: partial(made, *(np.array(x) for x in of)) for what, of in _BLOCKS.items()}
+
+
+_W, _U, _NONE = [[1, 0], [0, 1]], [[0, 0], [1, 0]], [[0, 0], [0, 0]]
+_BLOCKS = {
+    "that with u x in the upper right": (_W, [[0, 1], [0, 0]]),
+    "that without w x in the upper left": ([[0, 0], [0, 1]], _U),
+    "that without w x in the lower right": ([[1, 0], [0, 0]], _U),
+    "that with the other sign of w x in the upper left": ([[-1, 0], [0, 1]], _U),
+    "that with the other sign of w x in the lower right": ([[1, 0], [0, -1]], _U),
+    "that with w x in the place of u x": ([[1, 0], [1, 1]], _NONE),
+    "that with u x in the upper left": ([[0, 0], [0, 1]], [[1, 0], [1, 0]]),
+    "that with u x in the lower right": ([[1, 0], [0, 0]], [[0, 0], [1, 1]]),
+    "its transpose": ([[-1, 0], [0, -1]], [[0, -1], [0, 0]]),
+    "of the other sign": ([[-1, 0], [0, -1]], [[0, 0], [-1, 0]]),
+}  # fmt: skip
+"""Where w x stands, and u x, with their factors."""

@@ -119,7 +119,7 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coor
             return zero
         push, pose = wrenches[k.number], poses[k.number]
         back = transposed(pose.R0)
-        X = m.to_frame(steps, k, pose, product(back, push.at), push.R)
+        X = m.to_frame(steps, k, pose, push)
         others = {
             "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
             "into the link's axes alone": lambda: spatial([[back, 0 * back], [0 * back, back]]),
@@ -175,9 +175,8 @@ def _next(
         a_k = steps.pick(FIRST, a_k, **{what: np.concatenate([0 * x, x], -1) for what, x in wrong.items()})
     if not k.moves:
         return v_k, a_k
-    S = m.S[k.number]
-    S_qdd = S * own_rates(steps, tree, k, q, v, a)[1]
-    S_qd = S * rate_in_cross(steps, tree, k, q, v, a)
+    S_qdd = m.axis(steps, k, "in S qdd") * own_rates(steps, tree, k, q, v, a)[1]
+    S_qd = m.axis(steps, k, "in v x S qd") * rate_in_cross(steps, tree, k, q, v, a)
     v_c = steps.pick("the velocity in v x S qd", v_k, **{"the parent's, in its axes": v_up})
     if m.common:
         v_c = steps.pick(array("velocity"), v_c, **{WHOLE: whole})
@@ -196,7 +195,7 @@ def next_velocity(steps: Steps, tree: Tree, k: Link, m: Model, v_up: np.ndarray,
     v_k = brought(steps, "the parent's velocity", m.X[k.number], v_up)
     if not k.moves:
         return v_k
-    S_qd = m.S[k.number] * v[..., k.column, None]
+    S_qd = m.axis(steps, k, "in S qd") * v[..., k.column, None]
     terms = {"X v of the parent": v_k, "S qd": S_qd}
     return np.asarray(steps.add(f"the velocity of a link: {_rank(tree, k)}", **terms))
 
@@ -215,7 +214,7 @@ def start(steps: Steps, tree: Tree, k: Link, found: list[np.ndarray], what: str 
     """What the parent has, of links so far."""
     up = found[k.parent]
     others = tree.near(k, lambda x: found[x.number] if x.number < len(found) else up)
-    return np.asarray(steps.pick(f"the {what} that a link starts from", up, **others))
+    return np.asarray(steps.pick(f"the motion that a link starts from: its {what}", up, **others))
 
 
 def _needed(
@@ -229,6 +228,8 @@ def _needed(
         for x, y in (("its first", first), ("its second", second))
     )
     spin = crf(steps, "v x* I v", first, product(I, second))
+    inside = {"I (v x* v), with I before the product": lambda: product(I, crf(Steps(), "", first, second))}
+    spin = steps.pick("v x* I v", spin, **inside)
     others = {"the parent's": accs[max(0, k.parent)], **tree.near(k, lambda x: accs[x.number])}
     a_k = steps.pick("the acceleration in I a", accs[k.number], **others)
     a_k = steps.mistaken("a in I a", a_k, v=v_k)
@@ -239,7 +240,7 @@ def _needed(
 def _along(steps: Steps, tree: Tree, m: Model, k: Link, f: np.ndarray, own: np.ndarray | None = None) -> np.ndarray:
     """S^T f; `own` is the force that the link itself needs."""
     half, other = (f[..., 3:], f[..., :3]) if k.slides else (f[..., :3], f[..., 3:])
-    S = m.S[k.number]
+    S = m.axis(steps, k, "in S^T f")
     z = S[..., 3:] if k.slides else S[..., :3]
     right = (S * f).sum(-1)
     others = {"taken from the other half of f": (z * other).sum(-1), "zero": 0 * right}

@@ -21,10 +21,10 @@ ONE = np.eye(3)
 Turn = Callable[[Steps, np.ndarray, np.ndarray], np.ndarray]
 
 
-def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """R = 1 + sin q K + (1 - cos q) K^2; axis (..., 3), q (...)."""
+def rodrigues(steps: Steps, axis: np.ndarray, q: np.ndarray, K: np.ndarray | None = None) -> np.ndarray:
+    """R = 1 + sin q K + (1 - cos q) K^2; axis (..., 3), q (...), K by default [axis x]."""
     s, c = _sin_cos(steps, q)
-    K, x = cross_matrix(axis), q[..., None, None]
+    K, x = cross_matrix(axis) if K is None else K, q[..., None, None]
     K = steps.pick("K in Rodrigues' formula", K, **_skews(K))
     f = steps.pick(
         "the factor of K in Rodrigues' formula", s, **{"cos q": c, "1 - cos q": 1 - c, "q": x, "1": 0 * x + 1}

@@ -23,6 +23,10 @@ Pose = tuple[np.ndarray, np.ndarray]
 """An attitude, in the way in which these are kept, and a position."""
 
 
+def itself(T: Pose) -> Callable[[], Pose]:
+    return lambda: T
+
+
 def times(ways: Ways, one: Pose, other: Pose) -> Pose:
     R = ways.matrix(one[0])
     return ways.then(one[0], other[0]), one[1] + product(R, other[1] + 0 * R[..., 0])

@@ -120,8 +120,6 @@ RIGHT = {
     "the velocity in Christoffel's sum": "v_k, of the index that is summed over",
     "the velocity in v x* I v": "that of the link itself",
     "the acceleration in I a": "that of the link itself",
-    "the velocity that a link starts from": "that of its parent",
-    "the acceleration that a link starts from": "that of its parent",
     "the point at which weight acts": "the centre of mass",
     "the inertia about the centre of mass": "the tensor of <inertial>, before m (c.c 1 - c c^T) is added",
     "the inertia in w x I w": "R I R^T about the centre of mass, as in I alpha",

@@ -1,0 +1,73 @@
+"""Jacobians of products of exponentials, seen from the frame that is moved.
+
+    B_k = Ad(M^-1) S_k       M the pose of the frame at home
+    J_k = Ad(exp(-B_n q_n) ... exp(-B_(k+1) q_(k+1))) B_k       in the axes of the frame, about its origin
+
+References: Lynch and Park, Modern Robotics (2017), sections 4.1.2 and 5.1.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...subjects.layout import transposed
+from ..case import View
+from .attitudes import PLAIN
+from .body_twists import Frames, frame_at_home
+from .exponentials import IN_BODIES, Exponentials
+from .screws import START, adjoint, exponential, inverted
+from .steps import Steps
+from .tree import Link, tree_of
+from .wholes import Pose, itself, multiplied, times
+
+TERMS = ("jacobian", "frame_velocity", *IN_BODIES)
+
+
+def run(
+    view: View, term: str, steps: Steps, fused: bool = False, frames: Frames = Frames.AT_CENTRES
+) -> np.ndarray | None:
+    """The term (runs, samples, ...); `fused` as of `Tree`."""
+    tree = tree_of(view, fused)
+    if tree.floating or (view.layout.how.reference == "world" and term in TERMS[:2]):
+        return None
+    return BodyForm(view, tree, steps, frames).term(term)
+
+
+class BodyForm(Exponentials):
+    """A tree at many states."""
+
+    def in_frame(self, number: int, M: Pose) -> np.ndarray:
+        """The Jacobian (runs, n, nv, 6) of what stands at M at home, on a link."""
+        steps, columns = self.steps, dict[int, np.ndarray]()
+        back, T, last = adjoint(steps, *inverted(steps, M)), START, START
+        turned = {"by Ad(M), with M not inverted": lambda: adjoint(Steps(), *M)}
+        for k in reversed(self.tree.joints_of(self.tree.links[number])):
+            S = self.screws[k.number] + 0 * back[..., 0]
+            B = steps.turn("a screw in the frame whose Jacobian it is, B = Ad(M^-1) S,", back, S, **turned)
+            others = {
+                "by the inverse": lambda T=T: adjoint(Steps(), *inverted(Steps(), T)),
+                "without the last exponential": lambda last=last: adjoint(Steps(), *last),
+            }  # fmt: skip
+            A = adjoint(steps, *T)
+            columns[k.column] = steps.turn("B in a column of the body Jacobian, Ad B,", A, B + 0 * A[..., 0], **others)
+            q = self.q[..., k.place]
+            x = steps.pick("-q in exp(-B q) of the body Jacobian", -q, **{"q, with the other sign": q})
+            E, last = exponential(steps, B, x), T
+            site = "the product of exponentials of the body Jacobian, those of the joints behind times a joint's own,"
+            made = times(PLAIN, T, E)
+            T = multiplied(steps, PLAIN, site, ("those behind", T), ("its own", itself(E)), made)
+        return self.filled(columns)
+
+    def of_frame(self, name: str, term: str) -> np.ndarray:
+        """The Jacobian of a frame (runs, n, 6, nv)."""
+        J = self.in_frame(*self.at_home(name))
+        if self.view.layout.how.reference == "local":
+            return transposed(J)
+        R = self.frame(name)[0][..., None, :, :]
+        halves = (("angular", J[..., :3]), ("linear", J[..., 3:]))
+        w, v = (self.steps.turn(f"the body Jacobian, in world axes: its {half} part", R, x) for half, x in halves)
+        return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
+
+    def body(self, k: Link) -> np.ndarray:
+        """(runs, n, nv, 6), in the frame of a body."""
+        return self.in_frame(k.number, frame_at_home(self.steps, k, self.home[k.number], self.frames))
