@@ -17,13 +17,14 @@ from dualpin.crosscheck.diagnosis.rules.formulation import possible
 from dualpin.crosscheck.diagnosis.search import Catalogue
 from dualpin.crosscheck.diagnosis.textbook import (
     about_centres,
+    answers,
     articulated,
     body_coriolis,
     body_form,
     body_twists,
     composite,
     exponentials,
-    lagrange,
+    habits,
     link_axes,
     plucker,
     spatial,
@@ -77,8 +78,9 @@ RUNS = {
         )
     },
     "articulated": articulated.Articulated(),
-    "lagrange": lagrange.Lagrange(spatial.forces, lagrange.mass),
-    "habits": Dynamics(world_axes.forces, lagrange.mass_of_habits),
+    "lagrange": partial(kinematics.jacobians, how=answers.LAGRANGE),
+    "lagrange, with M by its factor": partial(kinematics.jacobians, how=answers.LAGRANGE, factored=True, fused=True),
+    "habits": Dynamics(world_axes.forces, habits.mass),
     "sums": sums.run,
     "body coriolis": Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix),
     "jacobians": kinematics.jacobians,
@@ -110,9 +112,12 @@ PREDICTS = {
     "recursion of body twists": ("gravity", "rnea", "crba", "coriolis"),
     "seen": ("frame_acceleration",), "pushed": ("rnea_f_ext", "aba_f_ext"), "jacobians, symbolic": ("coriolis",),
     "jacobians": (*kinematics.SEEN, *kinematics.MOVED),
+    "lagrange": (*kinematics.SEEN, *kinematics.MOVED, "rnea_f_ext", "aba_f_ext"),
 }  # fmt: skip
 """The terms of those that begin so, if not all."""
-FIXED = ("jacobians, symbolic", "exponentials", "recursion of body twists", "energy of body", "pushed of body")
+FIXED = (
+    "jacobians, symbolic", "exponentials", "recursion of body twists", "energy of body", "pushed of body", "lagrange",
+)  # fmt: skip
 """Of fixed bases only."""
 
 
@@ -205,7 +210,7 @@ def test_a_formulation_that_does_not_cover_a_joint_proposes_nothing(tmp_path):
     ask = asked(str(path))
     assert possible(RUNS["link"], answering(ask), "rnea") == []
     proposed = hypotheses(answering(ask, {"gravity": np.zeros((2, ask.robot.nv))}))
-    assert not any("Newton-Euler" in h.says or "Lagrange" in h.says for h in proposed)  # others cover every joint
+    assert not any("Newton-Euler" in h.says for h in proposed)  # others cover every joint
 
 
 def named_by_itself(ask: Asking, h: Hypothesis, term: str) -> bool | None:

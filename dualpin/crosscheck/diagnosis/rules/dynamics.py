@@ -7,10 +7,10 @@ from dataclasses import replace
 from functools import partial
 
 from ..case import Case
-from ..textbook import about_centres, body_jacobians, composite, lagrange, link_axes, spatial, sums, world_axes
+from ..textbook import about_centres, body_jacobians, composite, habits, link_axes, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
-from ..textbook.lagrange import Lagrange
+from ..textbook.lumps import OF_LINKS, OUTER
 from ..textbook.steps import EVERYWHERE, Slip
 from .formulation import COST, FUSING, formulation
 
@@ -98,10 +98,6 @@ KNOWN = {
     ("gravity", "added at every link", "step_other"): "gravity_each_link",
     ("gravity", "turned with the base", "step_other"): "gravity_in_base",
 }  # fmt: skip
-KNOWN |= {
-    ("Christoffel's symbols", what, how): "coriolis_symbols"
-    for what in ("dM_ij/dq_k", "dM_ik/dq_j", "-dM_jk/dq_i") for how in HOW
-}  # fmt: skip
 FORCES = ("gravity", "bias", "rnea", "rnea_f_ext")
 MASSES = ("crba", "minv", "kinetic_energy", "coriolis")
 PUSHED = ("rnea_f_ext", "aba_f_ext")
@@ -137,17 +133,25 @@ def _itself(term: str) -> str:
     return term
 
 
+def but_tensors(slip: Slip) -> bool:
+    """Whether it is none of reading and merging tensors."""
+    return slip.site not in OF_LINKS and slip.site != OUTER
+
+
 def register(
     name: str, run: Dynamics | Articulated | composite.Energy | Seen, terms: tuple[str, ...], variant: str = "",
     like: Callable[[str], str] = _itself, after: Callable[[Case], bool] = lambda case: False,
     only: Callable[[Slip], bool] = lambda slip: True, as_they_are: Callable[[Case], bool] = lambda case: True,
-    when: Callable[[Case], bool] = lambda case: True,
+    when: Callable[[Case], bool] = lambda case: True, tensors: bool = False,
 ) -> None:  # fmt: skip
-    """A formulation, of the links `as_they_are` and of bodies merged from fixed links."""
-    cost = COST + 0.05 * bool(variant)
+    """A formulation, of the links `as_they_are` and of bodies merged from fixed links.
+
+    Slips in reading `tensors` are the same in all formulations; they are those of the plain ones.
+    """
+    cost, tensors = COST + 0.05 * bool(variant), tensors or not variant
     made = partial(
         formulation, name, partial(_shown, run, terms), KNOWN, says=SAYS, batched=True, like=like, afterwards=after,
-        only=only,
+        only=lambda slip: only(slip) and (tensors or but_tensors(slip)),
     )  # fmt: skip
     made(variant, lambda case: when(case) and as_they_are(case), cost)(run)
     values = ", ".join(x for x in (FUSED, variant) if x)
@@ -162,7 +166,7 @@ for _name, _forces in {
 }.items():  # fmt: skip
     _by_columns = Dynamics(_forces, by_columns(_forces))
     register(_name, _by_columns, ALL if _name != SPATIAL else (*MASSES, *FORWARD), "" if _name != SPATIAL else COLUMNS)
-    register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right")
+    register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right", tensors=_forces is world_axes.forces)
     _pushed = {
         world_axes.forces: world_axes.pushed, link_axes.forces: link_axes.pushed, spatial.forces: spatial.pushed,
     }[_forces]  # fmt: skip
@@ -178,27 +182,20 @@ register(
 )  # fmt: skip
 register(
     "Newton-Euler in world axes",
-    Dynamics(world_axes.forces, lagrange.mass_of_habits, symbols(lagrange.mass_of_habits)), (*MASSES, "aba"),
-    "M from Jacobians",
+    Dynamics(world_axes.forces, habits.mass, symbols(habits.mass)), (*MASSES, "aba"),
+    "M from Jacobians", only=lambda slip: (slip.site, slip.what) in habits.IN_JACOBIANS,
 )  # fmt: skip
 _masses = Dynamics(right(spatial.forces), spatial.mass, symbols(spatial.mass))
 register(SPATIAL, _masses, (*FORWARD, "coriolis"), f"M alone, {SYMBOLS}")
 register(
     "composite bodies by mass, moment and inertia",
-    Dynamics(right(spatial.forces), composite.mass, symbols(composite.mass)), (*MASSES, *FORWARD),
+    Dynamics(right(spatial.forces), composite.mass, symbols(composite.mass)), (*MASSES, *FORWARD), only=but_tensors,
 )  # fmt: skip
 register(
     "composite bodies about their centres",
     Dynamics(right(spatial.forces), about_centres.mass, symbols(about_centres.mass)), (*MASSES, *FORWARD),
 )  # fmt: skip
-register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",))
-_lagrange = Lagrange(spatial.forces, lagrange.mass)
-register("Lagrange", _lagrange, (*FORCES, *MASSES, *FORWARD, "potential_energy"))
-register("Lagrange", replace(_lagrange, factored=True), ("minv", *FORWARD), "M by its Cholesky factor")
-register(
-    "Lagrange", Dynamics(right(spatial.forces), lagrange.mass), ("aba", "aba_f_ext"),
-    "M in itself and in forward dynamics",
-)  # fmt: skip
+register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",), only=but_tensors)
 formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)
 
 
@@ -213,5 +210,5 @@ for _fused in (False, True):
         _values = ", ".join([FUSED] * _fused + ["of the world's columns"] * _by_world)
         formulation(
             "body Jacobians", body_jacobians.TERMS, KNOWN, _values, partial(_small, _fused),
-            COST + FUSING * _fused + 0.05 * _by_world, batched=True,
+            COST + FUSING * _fused + 0.05 * _by_world, batched=True, only=but_tensors,
         )(partial(body_jacobians.run, fused=_fused, by_world=_by_world))  # fmt: skip

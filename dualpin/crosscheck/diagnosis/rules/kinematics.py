@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import Any
 
-import numpy as np
-
-from ..case import Case, View
+from ..case import Case
 from ..textbook.answers import (
     CARRIED,
     DIFFERENTIATED,
     GRADIENTS,
     JACOBIANS,
+    KINDS,
+    LAGRANGE,
     LARGE,
     LINKS,
+    MASS,
     MOVED,
     MOVING,
     OF_FRAMES,
@@ -28,21 +29,28 @@ from ..textbook.answers import (
     SECOND,
     SEEN,
     SYMBOLIC,
-    Made,
 )  # fmt: skip
-from ..textbook.assembly import Dynamics
+from ..textbook.assembly import SYMBOLS
+from ..textbook.columns import ACROSS
+from ..textbook.columns import MOVING as MOVING_AXES
 from ..textbook.in_place import GROWING
 from ..textbook.lists import branched
-from ..textbook.posed import Posed
-from ..textbook.poses import stacked
-from ..textbook.references import referred
+from ..textbook.lumps import CARRIED as IN_CARRIER
+from ..textbook.lumps import READ, TURNED
 from ..textbook.slipped import Run
-from ..textbook.steps import Slip, Steps
+from ..textbook.steps import Slip
 from ..textbook.walks import ALL
 from ..textbook.ways import WAYS
 from .formulation import COST, FUSING, Terms, formulation
+from .slipping import Slipping, jacobians, poses, reading, rotations, subtrees, velocities
 
-__all__ = ["DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "WAYS"]
+__all__ = [
+    "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "WAYS",
+    "jacobians", "poses", "rotations", "subtrees", "velocities",
+]  # fmt: skip
+
+
+FUSED = "of bodies merged from fixed links"
 
 
 def off(*terms: str) -> Callable[[Case], bool]:
@@ -54,66 +62,6 @@ def few(case: Case) -> bool:
     return not case.floating and case.robot.nv <= 12
 
 
-EARLY = ("early", True)
-
-
-@dataclass(frozen=True)
-class Slipping:
-    """Answers with slips in some parts: in a field of `Made`, or in one of the ways of rotations."""
-
-    parts: frozenset[str]
-    how: tuple[tuple[str, Any], ...] = ()
-
-    def __call__(self, view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-        fields: dict[str, Any] = dict.fromkeys(self.parts - WAYS.keys(), steps)
-        for way in self.parts & WAYS.keys():
-            fields["ways"] = WAYS[way](steps)
-        return Made(view, **fields, **dict(self.how), **how).term(term)
-
-    def beside(self, other: object) -> Run | None:
-        """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
-        if type(other) is Dynamics:
-            moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
-            return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
-        if not isinstance(other, Slipping) or {*self.how, EARLY} != {*other.how, EARLY}:
-            return None
-        parts, how = self.parts | other.parts, max(self.how, other.how, key=len)  # axes are kept early in both
-        return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
-
-
-poses = Slipping(frozenset({"poses"}))
-"""With slips in poses and velocities."""
-jacobians = Slipping(frozenset({"rest"}))
-"""With slips in Jacobians, sums over bodies, and what is made of them."""
-reading = Slipping(frozenset({"reading"}))
-"""With slips in reading tensors, which then may not be symmetric."""
-
-
-def rotations(way: str) -> Slipping:
-    """With slips in one of these ways."""
-    return Slipping(frozenset({way}))
-
-
-def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """Twists of frames, from link to link."""
-    tree = Made(view, poses=steps, **how).whole
-    links = [tree.number[f] for f in view.frames]
-    R, p, w, v = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
-    twist = np.concatenate(np.broadcast_arrays(w, v), -1)[..., None]
-    return referred(steps, twist, R, p, view.layout.how.reference, "the twist")[..., 0]
-
-
-def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """Of what each joint carries together."""
-    made = Made(view, rest=steps, **how)
-    sums = made.sums(made.whole)
-    J = sums.com_jacobian_by_subtrees()
-    if term == "com_jacobian":
-        return J
-    torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.total
-    return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))
-
-
 def fuses(case: Case) -> bool:
     """Whether bodies or joints hang on fixed links."""
     return any(not p.moves for p in case.description.parts)
@@ -121,7 +69,7 @@ def fuses(case: Case) -> bool:
 
 KNOWN = {
     ("the arm to a link's origin", "without the travel of a sliding joint", "step_other"): "slide_radius",
-    ("the linear part of a turning column", "", "step_swapped"): "jacobian_linear_sign",
+    ("the linear part of a turning column", ACROSS, "step_sign"): "jacobian_linear_sign",
     ("the moment of a body", "w x I w", "step_left_out"): "gyroscopic",
     ("the moment of a body", "w x I w", "step_sign"): "gyroscopic_sign",
     ("the moment of a body", "w x I w", "step_half"): "gyroscopic_half",
@@ -140,6 +88,10 @@ KNOWN = {
     ("the inertia of a body", "", "step_unturned"): "inertia_frame",
     ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
     ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
+    **{
+        ("Christoffel's symbols", what, how): "coriolis_symbols"
+        for what in SYMBOLS for how in ("step_left_out", "step_sign", "step_half", "step_twice")
+    },
 }  # fmt: skip
 """Slips that have keys of their own."""
 SAYS = {
@@ -152,26 +104,46 @@ SAYS = {
 }
 
 
-def _register(name: str, run: Run, terms: Terms, after: str = "", **how: Any) -> None:
+def _register(
+    name: str, run: Run, terms: Terms, after: str = "", only: Callable[[Slip], bool] | None = None, **how: Any
+) -> None:
     """A formulation, of the links as they are and of bodies merged from fixed links.
 
-    `after` is a term in which its slips show first, if that is answered; they are looked for there.
+    `after` is a term in which its slips show first, if that is answered; they are looked for there.  `only` says which
+    of its slips are no twins of those of other formulations.
     """
-    levels, rooted = how.get("by_level", False), how.get("rooted", False)
+    levels, rooted, factored = (how.get(name, False) for name in ("by_level", "rooted", "factored"))
     marks = (
         how.get("how", ""), "with axes kept early" * how.get("early", False), "level by level" * levels,
-        "the root link counts" * rooted,
+        "the root link counts" * rooted, "M by its Cholesky factor" * factored,
     )  # fmt: skip
     variant = ", ".join(x for x in marks if x)
-    cost, like = COST + 0.05 * bool(variant), shown_in(run)
+    cost, like = COST + 0.05 * bool(variant), _in_mass if how.get("how") == MASS or factored else shown_in(run)
     slow = partial(_answers, after)
     alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
-    listing = _in_a_list if levels else _for_all_joints if rooted else _any
+    listing = only or (_in_a_list if levels else _for_all_joints if rooted else _askew if factored else _any)
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     formulation(
-        name, terms, KNOWN, both, partial(_both, when, fuses), cost + FUSING, None, True, like, slow, alike, listing
+        name,
+        partial(_merged, terms, how.get("how", "")),
+        KNOWN,
+        both,
+        partial(_both, when, fuses),
+        cost + FUSING,
+        None,
+        True,
+        like,
+        slow,
+        alike,
+        listing,
     )(_of(run, fused=True, **how))
+
+
+def _merged(terms: Terms, how: str, case: Case) -> list[str]:
+    """Rates of frames are the same whatever is merged, but for the places of frames on bodies."""
+    found = terms(case) if callable(terms) else terms
+    return [t for t in found if t not in RATES or how not in (JACOBIANS, *KINDS)]
 
 
 def _branches(case: Case) -> bool:
@@ -196,6 +168,28 @@ def _for_all_joints(slip: Slip) -> bool:
 
 def _in_place(slip: Slip) -> bool:
     return slip.how == "step_other" and slip.what == GROWING
+
+
+def _kept_early(slip: Slip) -> bool:
+    """Whether it matters that axes are turned before their own joint turns."""
+    return slip.site.startswith("the axis of a joint, kept in world axes")
+
+
+def _of_products(slip: Slip) -> bool:
+    return slip.site == MOVING_AXES or slip.site.endswith("by q_k")
+
+
+def _of_walks(slip: Slip) -> bool:
+    return slip.site == MOVING_AXES
+
+
+def _askew(slip: Slip) -> bool:
+    """Whether M may lose its symmetry by a slip."""
+    return slip.site.startswith(("the inertia of a body", READ, TURNED, IN_CARRIER))
+
+
+def _in_mass(term: str) -> str:
+    return "crba"
 
 
 def _heavy_root(case: Case) -> bool:
@@ -258,9 +252,38 @@ def fixed(case: Case) -> bool:
     return not case.floating and not_large(case)
 
 
+def untreed(case: Case) -> bool:
+    """Whether no algorithm on `Tree`, where slips in reading tensors are the same, covers all joints."""
+    return not_large(case) and any(j.mimic is not None or (k and j.model.nv > 1) for k, j in enumerate(case.robot))
+
+
 RATES = ("jacobian_dot", "frame_acceleration")
 TENSORS = ("centroidal_momentum_matrix", "kinetic_energy", "crba", "minv", "bias", "rnea", "aba", "coriolis")
+
+
+def without(*terms: str) -> Callable[[Case], bool]:
+    """Whether one of these was not asked, so that what is made of it cannot be told to follow."""
+    return lambda case: not set(terms) <= set(case.observed)
+
+
+def lagrangian(case: Case) -> bool:
+    """Whether forces may be M a + C v + g with a C that was not asked."""
+    return few(case) and "coriolis" not in case.observed
+
+
+def alone(case: Case) -> bool:
+    """Whether accelerations show M and C that were not asked."""
+    return lagrangian(case) and "crba" not in case.observed
+
+
+def massive(case: Case) -> bool:
+    """Whether accelerations may have a wrong M of their own."""
+    return not_large(case) and "crba" not in case.wrong
+
+
 GROUPS = {
+    "lagrange": ("bias", "rnea", "aba"), "forward": ("aba", "aba_f_ext"), "inverted": ("minv", "aba"),
+    "pushed": ("rnea_f_ext",), "pushed_forward": ("aba_f_ext",),
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
@@ -270,9 +293,8 @@ GROUPS = {
 _register(
     "forward kinematics", poses, _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"))
 )
-_register("forward kinematics", poses, _terms(posed=off("fk")), early=True)
+_register("forward kinematics", poses, _terms(posed=off("fk")), only=_kept_early, early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
-_register("forward kinematics", poses, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
 IN_PLACE = "arrays changed in place"
 for _rooted in (False, True):  # a root that turns with all others has an energy too
@@ -281,30 +303,40 @@ for _rooted in (False, True):  # a root that turns with all others has an energy
         when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=_in_place,
     )(_of(poses, rooted=_rooted))  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
-_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large))
+_register(
+    "geometric Jacobians", jacobians,
+    _terms(*SEEN, moved=not_large, pushed=without("rnea"), pushed_forward=without("crba", "bias")),
+)  # fmt: skip
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
-for _how in (PRODUCTS, GRADIENTS):
-    _register("geometric Jacobians", jacobians, _terms(products=fixed), how=_how)
+_register("geometric Jacobians", jacobians, _terms(rates=fixed), how=PRODUCTS)
+_register("geometric Jacobians", jacobians, _terms(matrix=fixed), only=_of_products, how=PRODUCTS)
+_register("geometric Jacobians", jacobians, _terms(products=fixed), how=GRADIENTS)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
+for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
+    _register(_name, _run, _terms(lagrange=lagrangian), how=LAGRANGE)
+    _register(_name, _run, _terms(forward=massive), how=MASS)
+    _register(_name, _run, _terms(inverted=not_large), factored=True)
+    _register(_name, _run, _terms(forward=alone), how=LAGRANGE, factored=True)
 _register("forward kinematics", poses, _terms(heights=placed), how=DIFFERENTIATED)
 _register("geometric Jacobians", jacobians, _terms(heights=few), how=DIFFERENTIATED)
-for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians), ("bodies", reading)):
-    _register(_name, _run, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
+_register("forward kinematics", poses, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
+for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
+    _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
-for _how in (CARRIED, RATED_APART):
-    _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_walks, how=CARRIED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED_APART)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):
     _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how, rooted=True)
-_register("bodies", reading, _terms(tensors=not_large))
+_register("bodies", reading, _terms(tensors=untreed))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
 _register("composite bodies", subtrees, ("com_jacobian", "gravity"))

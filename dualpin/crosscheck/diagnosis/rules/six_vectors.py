@@ -13,7 +13,7 @@ from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right
 from ..textbook.link_axes import FIRST
 from ..textbook.steps import Slip
-from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, later, merges, register
+from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, but_tensors, later, merges, register
 from .formulation import formulation
 
 MERGED = "merged in six-vectors"
@@ -67,7 +67,7 @@ formulation(SPATIAL, MOVING, KNOWN, f"{FUSED}, frames by transforms", merges, ba
 _spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
 register(SPATIAL, _spatial, (*ALL, *MOMENTUM, "potential_energy"))
 register(SPATIAL, composite.Energy(by=spatial.energy), ("kinetic_energy",), "energies of bodies")
-register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies")
+register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies", tensors=True)
 
 
 def _poses(fused: bool, chained: bool, of: plucker.Coordinates = plucker.links) -> None:
@@ -77,7 +77,7 @@ def _poses(fused: bool, chained: bool, of: plucker.Coordinates = plucker.links) 
     terms = ("fk",) * (not chained and not merged) + transforms.OF_FRAMES * (not merged) + transforms.OF_BODIES
     formulation(
         SPATIAL, terms, KNOWN, ", ".join(x for x in what if x), merges if fused else lambda case: True, batched=True,
-        only=_of_merging if merged else lambda slip: True,
+        only=_of_merging if merged else but_tensors,
     )(transforms.Transforms(fused, chained, of))  # fmt: skip
 
 

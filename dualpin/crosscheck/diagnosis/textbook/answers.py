@@ -12,7 +12,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import Case, View
 from . import gradient
-from .assembly import of_symbols, solved
+from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved, torques
 from .attitudes import PLAIN, Ways
 from .columns import Columns
 from .poses import Poses, stacked
@@ -30,13 +30,15 @@ SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
+LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
+MASS = "M in itself and in forward dynamics"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
     "centroidal_momentum_matrix", "kinetic_energy", "potential_energy",
 )  # fmt: skip
 MOVING = ("frame_velocity", "jacobian_dot", "frame_acceleration", "kinetic_energy", "bias", "rnea", "aba")
-TURNED = ("kinetic_energy", "crba", "minv", "rnea", "aba")
-"""Terms in which the inertia of rotors counts."""
+PUSHED = {"rnea_f_ext": "rnea", "aba_f_ext": "aba"}
+"""Terms with wrenches from outside, and those without."""
 MOVED = ("gravity", "crba", "minv", "bias", "rnea", "aba", "coriolis")
 
 
@@ -55,13 +57,15 @@ class Made:
     how : str
         Velocities are found "from link to link" or "by Jacobians"; Jacobians, M and the potential energy are
         "differentiated", or rates of Jacobians are made "by second derivatives"; or Jacobians bring forces of
-        "right motions" to the joints.
+        "right motions" to the joints; or M alone is made of them, or C of its Christoffel's symbols.
     early : bool
         Whether axes are turned into the world before their own joint turns.
     rooted : bool
         Whether the root link counts as a body, although nothing moves it.
     by_level : bool
         Whether links are listed level by level, not branch by branch.
+    factored : bool
+        Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone.
     """
 
     view: View
@@ -74,6 +78,7 @@ class Made:
     early: bool = False
     by_level: bool = False
     rooted: bool = False
+    factored: bool = False
 
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
@@ -120,11 +125,9 @@ class Made:
         if term in OF_FRAMES:
             return self.of_frames(term)
         if term == "gravity" and self.how == DIFFERENTIATED:
-            return by_each(lambda q: self.sums(self.tree(q, moving=False)).potential_energy(g), s["q"])
-        if term == "coriolis" and self.how == DIFFERENTIATED:
-            return christoffel(lambda q: self.sums(self.tree(q, moving=False)).mass_matrix, s["q"], s["v"])
-        if term in TURNED and any(any(p.armature) for p in self.view.description.parts):
-            raise ValueError("a robot without rotors only")
+            return by_coordinates(lambda q: self._at(q).potential_energy(g), s["q"][None])
+        if term == "coriolis" and self.how in (DIFFERENTIATED, LAGRANGE):
+            return self._of_symbols()
         sums = self.sums(self.whole)
         if term == "coriolis":
             if self.how not in (SYMBOLIC, CARRIED, RATED, RATED_APART):
@@ -137,17 +140,50 @@ class Made:
             if self.how == LINKS:
                 return sums.kinetic_energy()
             return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
-        add = self.rest.add
-        if term in ("crba", "minv"):
-            M = sums.mass_matrix
-            return M if term == "crba" else solved(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
-        h = add("the bias", **{"what velocities need": sums.velocity_forces(), "gravity": sums.gravity(g)})
+        return self._of_motion(term, sums)
+
+    def _at(self, q: np.ndarray) -> Sums:
+        """Elsewhere, at rest."""
+        return self.sums(self.tree(q[0], moving=False))
+
+    def _of_symbols(self) -> np.ndarray:
+        """C from Christoffel's symbols, of few joints whose velocities are the rates of their positions."""
+        s, robot = self.view.states, self.view.robot
+        if robot.nv > MOST_STEPS or not all(j.model.additive for j in robot):
+            raise ValueError("few joints with coordinates that add up only")
+        dM = by_coordinates(lambda q: self._at(q).mass_matrix, s["q"][None])
+        listed = list(dict.fromkeys(a.column for a in self.whole.axes))
+        return of_symbols(self.rest if self.how == LAGRANGE else RIGHT, dM, s["v"], listed)
+
+    def _of_motion(self, term: str, sums: Sums) -> np.ndarray:
+        """M and its inverse, forces, and the accelerations that they cause."""
+        s, pushed = self.view.states, torques(self.view) if term in PUSHED else None
+        if term == "crba":
+            return sums.mass_matrix
+        if PUSHED.get(term, term) == "rnea":
+            terms = {"M a": product(sums.mass_matrix, s["a"]), "the bias": self._bias(sums)}
+            tau = np.asarray(self.rest.add("the torques", **terms))
+            return tau if pushed is None else tau[:, :, None] - pushed
         if term == "bias":
-            return np.asarray(h)
-        if term == "rnea":
-            return np.asarray(add("the torques", **{"M a": product(sums.mass_matrix, s["a"]), "the bias": h}))
-        forces = add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
-        return np.asarray(solved(sums.mass_matrix, forces[..., None])[..., 0])
+            return self._bias(sums)
+        M = sums.mass_matrix
+        if self.factored:
+            M = np.tril(M) + transposed(np.tril(M, -1))
+        if term == "minv":
+            return solved(M, np.broadcast_to(np.eye(M.shape[-1]), M.shape))
+        h = self._bias(sums)
+        forces = self.rest.add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
+        return accelerated(M, forces if pushed is None else forces[:, :, None] + pushed)
+
+    def _bias(self, sums: Sums) -> np.ndarray:
+        view, g = self.view, np.array(self.view.description.gravity)
+        if self.how == MASS:
+            return view.compute("bias")[None]
+        if self.how == LAGRANGE:
+            forces = product(self.term("coriolis"), view.states["v"])
+        else:
+            forces = sums.velocity_forces()
+        return np.asarray(self.rest.add("the bias", **{"what velocities need": forces, "gravity": sums.gravity(g)}))
 
     def of_frames(self, term: str) -> np.ndarray:
         """Poses, Jacobians and motions of frames."""
@@ -239,14 +275,3 @@ SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
     "centroidal_momentum_matrix": lambda sums, g: sums.momentum(),
     "potential_energy": Sums.potential_energy, "gravity": Sums.gravity,
 }  # fmt: skip
-
-
-def christoffel(mass: Callable[[np.ndarray], np.ndarray], q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """C by Christoffel's symbols of M(q), whose derivatives are taken by complex steps."""
-    return of_symbols(RIGHT, by_each(mass, q), v)
-
-
-def by_each(f: Callable[[np.ndarray], np.ndarray], q: np.ndarray) -> np.ndarray:
-    """The derivatives of f by each coordinate, as a last axis, by complex steps."""
-    h = 1e-30
-    return np.stack([f(q + 1j * h * e).imag / h for e in np.eye(q.shape[1])], -1)

@@ -80,8 +80,6 @@ class Dynamics:
     """Makes the potential energy, of positions and gravity."""
     pushed: Callable[..., np.ndarray] | None = None
     """Takes external wrenches among the forces of links; without it J^T f is subtracted at the end."""
-    factored: bool = False
-    """Whether M is inverted by its Cholesky factor: a code then reads its lower triangle alone."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.answer(view, term, steps, tree_of(view, self.fused))
@@ -150,12 +148,8 @@ class Dynamics:
         return self.M(steps, tree, s["q"])
 
     def _minv(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M = self.to_invert(steps, tree, s["q"])
+        M = self.M(steps, tree, s["q"])
         return solved(M, np.broadcast_to(np.eye(tree.nv), M.shape))
-
-    def to_invert(self, steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
-        M = self.M(steps, tree, q)
-        return np.tril(M) + transposed(np.tril(M, -1)) if self.factored else M
 
     def _kinetic_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return np.asarray(0.5 * (s["v"] * product(self.M(steps, tree, s["q"]), s["v"])).sum(-1))
@@ -176,15 +170,14 @@ class Dynamics:
         return None if self.potential is None else self.potential(steps, tree, s["q"], tree.gravity)
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        return solved(self.to_invert(steps, tree, q), (tau - self._h(steps, tree, q, v))[..., None])[..., 0]
+        return accelerated(self.M(steps, tree, q), tau - self._h(steps, tree, q, v))
 
     def _aba(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         return self._forward(steps, tree, s["q"], s["v"], s["tau"])
 
     def _aba_f_ext(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
-        M, left = self.to_invert(steps, tree, s["q"]), s["tau"] - self._h(steps, tree, s["q"], s["v"])
-        needed = left[:, :, None] + self._torques(steps, tree, view)
-        return transposed(solved(M, transposed(needed)))
+        left = s["tau"] - self._h(steps, tree, s["q"], s["v"])
+        return accelerated(self.M(steps, tree, s["q"]), left[:, :, None] + self._torques(steps, tree, view))
 
     def _coriolis(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray:
         """By default by the forces of unit velocities: C = (1/2) d(C v)/dv.
@@ -257,6 +250,13 @@ def solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:
             solved(A[None], x[None])[0] if len(M) > 1 else np.full(x.shape, np.nan) for A, x in zip(M, b, strict=True)
         ]
         return np.stack(rows)
+
+
+def accelerated(M: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """M^-1 of forces (..., nv), or of several at each state (..., k, nv)."""
+    if forces.ndim < M.ndim:
+        return solved(M, forces[..., None])[..., 0]
+    return transposed(solved(M, transposed(forces)))
 
 
 def derivatives(f: Callable[..., np.ndarray], *inputs: np.ndarray) -> np.ndarray:

@@ -23,8 +23,11 @@ from .lists import beside
 from .poses import Poses, stacked
 from .references import joined, six
 from .steps import Steps, cross
-from .walks import walks
+from .walks import ENDS, walks
 
+CENTRE, LEVER = "a centre of mass", "the lever arm to a centre of mass"
+ACROSS = "z x r"
+TO_LINK, TO_CENTRE = "the arm to the link's origin", "R c, from there to the centre of mass,"
 MOVING = "the axes that have a column"
 UNCOUNTED = " (links without one do not count)"
 
@@ -149,7 +152,12 @@ class Columns:
     def at(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> np.ndarray:
         """(runs, n, points, 6, axes): [w; v] of points (runs, n, points, 3) of links, by the rate of each axis."""
         J = self._whole([self._columns(points, links, g, which, whose) for g, which in self.groups], -1)
-        return J * self.moving(links)
+        J, found = J * self.moving(links), self._walks(list(links))
+        halves = []
+        for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
+            wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
+            halves.append(self.steps.pick(f"{MOVING}: in {rows} rows", x, **wrong))
+        return joined(halves, -2)
 
     def _columns(
         self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
@@ -163,16 +171,20 @@ class Columns:
                 "that of the link that carries the point": lambda: self._seen(carriers, group) + 0 * z,
             }
             z = steps.pick("the matrix that turns an axis in a column", z, **wrong)
-        r = steps.pick(f"the lever arm of a column: {which}: to {whose}", p - o, **self._arms(group, links, p, o))
-        lever = steps.cross(f"the linear part of a turning column: {which}", z, r)
+        arm = p - o
+        if whose == CENTRE:
+            to_link = stacked(self.poses.p, list(links), 1)[..., None, :]
+            arm = steps.add(f"{LEVER}: {which}", **{TO_LINK: to_link - o, TO_CENTRE: p - to_link})
+        r = steps.pick(f"the lever arm of a column: {which}: to {whose}", arm, **self._arms(group, links, p, o))
+        lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: cross(z, r)})
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         zero = np.zeros_like(lever)
         z = z + zero
         angular, lever = self._exchanged(z, r, lever, group)
         column = steps.pick(
             f"the column of a turning axis: {which}", six(angular, lever),
-            **{"[z; 0], without the lever arm": six(z, zero), "[0; z x r], without z": six(zero, lever),
-               "[0; z], as of a sliding one": six(zero, z), "[z; z]": six(z, z), "[z x r; z]": six(lever, z)},
+            **{"[0; z x r], without z": six(zero, lever), "[0; z], as of a sliding one": six(zero, z),
+               "[z; z]": six(z, z), "[z x r; z]": six(lever, z)},
         )  # fmt: skip
         slide = six(zero, z)
         if not self.turns[group].all():

@@ -20,6 +20,7 @@ from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import transposed
 from . import one_joint
 from .assembly import MOST_STEPS, of_symbols
+from .columns import CENTRE
 from .second import by_products, same
 from .weighted import Sums, other_products
 
@@ -95,6 +96,6 @@ def _turned_wrongly(sums: Sums) -> dict[str, Callable[[], np.ndarray]]:
 
 def _by_rates(sums: Sums, order: list[int], apart: bool) -> tuple[np.ndarray, np.ndarray]:
     """The same, as rates."""
-    rates = one_joint.rates(sums.columns, sums.c, sums.links, "a centre of mass", apart)
+    rates = one_joint.rates(sums.columns, sums.c, sums.links, CENTRE, apart)
     D = np.moveaxis(np.stack(same(*(rates[k][..., order] for k in order)), -1), 3, -1)
     return D[..., :3], D[..., 3:]

@@ -97,6 +97,7 @@ class Tree:
 
     def __init__(self, view: View, fused: bool = False) -> None:
         robot, d = view.robot, merged(view.description) if fused else view.description
+        self.robot, self.description, self.fused = robot, view.description, fused
         made_of = pieces(view.description, fused)
         self.floating, self.nv = base_of(robot) is not None, robot.nv
         self.gravity = np.array(d.gravity)[None, None]

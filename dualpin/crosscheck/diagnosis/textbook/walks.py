@@ -10,6 +10,8 @@ from .poses import Poses
 ALL = "those of all joints, also of those that do not move it"
 CHAIN = "those of all joints with a smaller number, as in one chain"
 
+ENDS = ("all but that of the last joint", "all but that of the first joint")
+
 
 def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) -> dict[str, np.ndarray]:
     """(links, axes): the axes that wrong walks find.
@@ -27,8 +29,8 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
     found = {
         ALL: np.ones_like(right),
         CHAIN: (numbers <= last) | (right & base),
-        "all but that of the last joint": right & (numbers != last),
-        "all but that of the first joint": right & (base | ~first),
+        ENDS[0]: right & (numbers != last),
+        ENDS[1]: right & (base | ~first),
         "all but that of its own link": right & (base | ~own),
         "only that of the last joint": right & (base | (numbers == last)),
         "those of the joints, without the base": right & ~base,

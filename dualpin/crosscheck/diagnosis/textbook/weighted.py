@@ -21,7 +21,7 @@ from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..description import Body
 from .attitudes import INERTIAL
-from .columns import Columns
+from .columns import CENTRE, Columns
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .steps import Slip, Steps, cross
@@ -141,9 +141,8 @@ class Sums:
     @cached_property
     def by_axes(self) -> np.ndarray:
         """(runs, n, bodies, 6, axes), of the bodies' centres."""
-        wrong = {"the link's origin": self.p, "R c alone, without the link's origin": self.r}
-        c = self.steps.pick("the point of a body's Jacobian", self.c, **wrong)
-        return self.columns.at(c, self.links, "a centre of mass")
+        wrong = {"R c alone, without the link's origin": self.r}
+        return self.columns.at(self.steps.pick("the point of a body's Jacobian", self.c, **wrong), self.links, CENTRE)
 
     @cached_property
     def jacobians(self) -> np.ndarray:
@@ -260,7 +259,9 @@ class Sums:
         m = self.masses("the mass in the kinetic energy") * self.every("the kinetic energies: m v.v / 2")
         turning = turning * self.every("the kinetic energies: w.I w / 2")
         parts = {"m v.v / 2": m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
-        return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1))
+        assert self.poses.qd is not None
+        rotors = (self.rotors * self.poses.qd**2).sum(-1) / 2
+        return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1) + rotors)
 
     def potential_energy(self, g: np.ndarray) -> np.ndarray:
         root = self.poses.p[0][..., None, :]
@@ -276,6 +277,11 @@ class Sums:
 
     @cached_property
     def mass_matrix(self) -> np.ndarray:
+        return self.of_bodies + np.diag(self.rotors)
+
+    @cached_property
+    def of_bodies(self) -> np.ndarray:
+        """The mass matrix without rotors."""
         J, m = self.jacobians, self.masses("the mass in m Jv^T Jv") * self.every("the mass matrices: m Jv^T Jv")
         Jw, Jv = J[..., :3, :], J[..., 3:, :]
         spin = self.every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
@@ -283,6 +289,17 @@ class Sums:
             "m Jv^T Jv": _summed(Jv, m[..., None, None] * Jv), "Jw^T I Jw": _summed(Jw, spin @ Jw),
         }  # fmt: skip
         return np.asarray(self.steps.add("the mass matrix", **terms))
+
+    @cached_property
+    def rotors(self) -> np.ndarray:
+        """Inertias of rotors, by the columns of v."""
+        joints, out = {j.name: j for j in self.poses.robot}, np.zeros(self.poses.robot.nv)
+        for part in (p for p in self.poses.d.parts if any(p.armature)):
+            joint = joints.get(part.joint)
+            if joint is None or joint.mimic is not None:
+                raise ValueError("rotors of joints with coordinates of their own only")
+            out[joint.v] = part.armature
+        return out
 
     def gravity(self, g: np.ndarray) -> np.ndarray:
         m = self.masses("the mass in gravity's torques") * self.every("the torques of gravity")
@@ -298,7 +315,7 @@ class Sums:
     def rates(self) -> np.ndarray:
         """(runs, n, bodies, 6, nv): d/dt of `jacobians`, without the turning of the base's columns."""
         _, v = self.centre_velocities()
-        return self.columns.reduced(self.columns.rates(self.c, v, self.links, "a centre of mass"))
+        return self.columns.reduced(self.columns.rates(self.c, v, self.links, CENTRE))
 
     def coriolis(self) -> np.ndarray:
         """C = sum m Jv^T Jv' + Jw^T (I Jw' + B Jw), with B w = w x I w."""

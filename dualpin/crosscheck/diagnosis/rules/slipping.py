@@ -1,0 +1,81 @@
+"""Answers by poses, Jacobians and sums over bodies with slips in some of their parts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..case import View
+from ..textbook.answers import JACOBIANS, Made
+from ..textbook.assembly import Dynamics
+from ..textbook.posed import Posed
+from ..textbook.poses import stacked
+from ..textbook.references import referred
+from ..textbook.slipped import Run
+from ..textbook.steps import Steps
+from ..textbook.ways import WAYS
+
+EARLY, VELOCITIES = ("early", True), ("how", JACOBIANS)
+
+
+@dataclass(frozen=True)
+class Slipping:
+    """Answers with slips in some parts: in a field of `Made`, or in one of the ways of rotations."""
+
+    parts: frozenset[str]
+    how: tuple[tuple[str, Any], ...] = ()
+
+    def __call__(self, view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+        fields: dict[str, Any] = dict.fromkeys(self.parts - WAYS.keys(), steps)
+        for way in self.parts & WAYS.keys():
+            fields["ways"] = WAYS[way](steps)
+        return Made(view, **fields, **dict(self.how), **how).term(term)
+
+    def beside(self, other: object) -> Run | None:
+        """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
+        if type(other) is Dynamics:
+            moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
+            return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
+        if not isinstance(other, Slipping) or self._with(other) != other._with(self):
+            return None
+        parts, how = self.parts | other.parts, max(self.how, other.how, key=len)  # axes are kept early in both
+        return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
+
+    def _with(self, other: Slipping) -> set[tuple[str, Any]]:
+        """How it is made beside another: whatever poses are, velocities of links are the same by Jacobians."""
+        return {*self.how, EARLY, *({VELOCITIES} & {*other.how} if "rest" not in self.parts else ())}
+
+
+poses = Slipping(frozenset({"poses"}))
+"""With slips in poses and velocities."""
+jacobians = Slipping(frozenset({"rest"}))
+"""With slips in Jacobians, sums over bodies, and what is made of them."""
+reading = Slipping(frozenset({"reading"}))
+"""With slips in reading tensors, which then may not be symmetric."""
+
+
+def rotations(way: str) -> Slipping:
+    """With slips in one of these ways."""
+    return Slipping(frozenset({way}))
+
+
+def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """Twists of frames, from link to link."""
+    tree = Made(view, poses=steps, **how).whole
+    links = [tree.number[f] for f in view.frames]
+    R, p, w, v = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
+    twist = np.concatenate(np.broadcast_arrays(w, v), -1)[..., None]
+    return referred(steps, twist, R, p, view.layout.how.reference, "the twist")[..., 0]
+
+
+def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
+    """Of what each joint carries together."""
+    made = Made(view, rest=steps, **how)
+    sums = made.sums(made.whole)
+    J = sums.com_jacobian_by_subtrees()
+    if term == "com_jacobian":
+        return J
+    torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.total
+    return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))
