@@ -17,6 +17,7 @@ import numpy as np
 
 from ..subjects.questions import QUESTIONS
 from .case import Case
+from .choice import as_causes
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules import RULES
@@ -257,8 +258,9 @@ class Search:
         self._slips_with([n for n in sorted(near, key=lambda n: n.score.rms) if n.score.rms < self.before.rms])
 
     def _nearest(self, causes: Sequence[Story]) -> list[Near]:
-        """Causes of other terms as they show in this one, the nearest first."""
+        """Causes of other terms as they show in this one, alone and as they hold together there, the nearest first."""
         shown = [(s, s[0].variant == h.variant) for c in causes for h in c for s in self._shown(h)]
+        shown += [(c, True) for c in causes if len(c) > 1 and all(self.term in h.terms for h in c)]
         here = {identity(s): (s, alike) for s, alike in shown if identity(s) not in self.good}
         scores = self.case.scores(self.term, [s for s, _ in here.values()])
         near = [(alike, nearness(s, x)) for (s, alike), x in zip(here.values(), scores, strict=True)]
@@ -298,7 +300,7 @@ class Search:
         """Causes of other terms to which another one is added: of each its nearest variant first."""
         first: dict[Any, Story] = {}
         for n in self._nearest(found):
-            first.setdefault(n.story[0].cause, n.story)
+            first.setdefault(as_causes(n.story), n.story)
         return list(first.values())[:FEW_CAUSES]
 
     def plain_pairs(self) -> None:
