@@ -41,11 +41,10 @@ SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
 READ = ("word", "edit", "state")
 """Places of mistakes that change what every algorithm starts from."""
-SQUARE = ("matrix", "inverse", "coriolis", "derivatives")
-"""Forms of which one state tells enough to look at slips first."""
+SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
-PAIRED = 0.25  # of the time that is left, for two causes of the whole robot: slips come after them
+PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -308,9 +307,7 @@ class Search:
         if self.before.error >= SMALL:
             beam = kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
-            begun = time.process_time()
-            until = begun + max(0.0, self.until - begun) * PAIRED
-            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))], until)
+            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))], self._part())
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
@@ -380,8 +377,8 @@ class Search:
         for h in self._single:
             families.setdefault((h.key, h.says, h.values), []).append(h)
         growing = [(family, list[Hypothesis](), self.before.rms) for family in families.values() if len(family) > 1]
-        out: list[Story] = []
-        while growing and not self.late:  # all families in one run
+        out, until = list[Story](), self._part()
+        while growing and time.process_time() < until:  # all families in one run
             rest = [[h for h in family if h not in chosen] for family, chosen, _ in growing]
             tried = [(merged([*chosen, h]),) for (_, chosen, _), more in zip(growing, rest, strict=True) for h in more]
             scores = iter(self.case.scores(self.term, tried))
@@ -397,3 +394,6 @@ class Search:
                     out.append((merged(chosen),))
             growing = grown
         return out
+
+    def _part(self) -> float:
+        return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)
