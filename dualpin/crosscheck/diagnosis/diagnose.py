@@ -15,7 +15,7 @@ from .apart import told_apart
 from .case import Case
 from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
-from .locate import located, no_factor, partly, precision
+from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
 from .rules.register import DERIVED, PUSHED
 from .scores import scaled
@@ -68,6 +68,9 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
     found.findings += _history(case)
     errors = {t: case.score(t).error for t in case.observed}
     off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
+    for term in [t for t in off if in_single(case, t)]:  # a slip beside it would not be seen
+        off.remove(term)
+        _add(found.findings, precision(case, term, Explanation(term, case.score(term))))
     complete = case.complete()
     if not any(complete.score(t).right for t in off):  # rules that compare terms need them at the same states
         case = complete
@@ -281,8 +284,7 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
             rounded = no_factor(case, term) or precision(case, term, e)
             where = located(case, term, Explanation(term, e.before))
             finding = rounded or partly(case, term, e, located(case, term, e), known)
-            if finding:
-                _add(found.findings, finding)
+            _add(found.findings, finding)
             if not rounded:
                 found.located[term] = where
 
@@ -334,8 +336,10 @@ def _price(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], flo
     return price
 
 
-def _add(findings: list[Finding], new: Finding) -> None:
+def _add(findings: list[Finding], new: Finding | None) -> None:
     """One more finding; the same of several terms is one."""
+    if new is None:
+        return
     for f in findings:
         if (f.key, f.says, f.items) == (new.key, new.says, new.items):
             f.terms += new.terms

@@ -87,15 +87,20 @@ def no_factor(case: Case, term: str) -> Finding | None:
     return Finding("follows", says, [term], error, error, fix="repair crba first", evidence={term: [error, error]})
 
 
+def in_single(case: Case, term: str) -> bool:
+    """Whether answers are float32 numbers, and no more wrong than that makes them."""
+    low, high = SINGLE
+    x = case.observed[term]
+    y = x[np.isfinite(x) & (np.abs(x) > 1e-6) & (np.abs(x) != 1)]
+    return low < case.score(term).error < high and len(y) > 0 and bool((y == y.astype(np.float32)).mean() > 0.2)
+
+
 def precision(case: Case, term: str, e: Explanation) -> Finding | None:
     """Single precision: answers that are all float32 numbers, or an error as large as float32 arithmetic makes."""
     low, high = SINGLE
     if not low < e.before.error < high:
         return None
-    x = case.observed[term]
-    y = x[np.isfinite(x) & (np.abs(x) > 1e-6) & (np.abs(x) != 1)]
-    rounded = bool(len(y)) and float((y == y.astype(np.float32)).mean()) > 0.2
-    made = _single(case, term)
+    rounded, made = in_single(case, term), _single(case, term)
     if not rounded and not (0.02 * made < e.before.error < 20 * made):
         return None
     if not rounded and term in DERIVED and any(_exact(case, t) for t in DERIVED[term]):
