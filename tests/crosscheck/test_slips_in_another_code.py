@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, partial
 
 import pytest
@@ -95,12 +96,12 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
     ),
     "accelerations in one array": (
         WORLD,
-        Slip("the acceleration that a link starts from", BEFORE, OTHER),
+        Slip("the motion that a link starts from: its acceleration", BEFORE, OTHER),
         [(IN_THE_LOOP + "bias", UP + "bias"), (IN_THE_LOOP + "S[k]", UP + "S[k]")],
     ),
     "velocities in one array": (
         WORLD,
-        Slip("the velocity that a link starts from", BEFORE, OTHER),
+        Slip("the motion that a link starts from: its velocity", BEFORE, OTHER),
         [("V[k] = V[b.parent] + S[k] * v[b.dof]", "V[k] += S[k] * v[b.dof]")],
     ),
     "velocity products summed in one array": (
@@ -173,14 +174,32 @@ def answered(changes: list[tuple[str, str]]) -> Case:
     for old, new in changes:
         assert text.count(old) == 1, old
         text = text.replace(old, new)
-    made: dict[str, object] = {"__name__": "arm"}
-    exec(compile(text, "arm", "exec"), made)
-    return Case(ask_here(made["Code"](asked().text), asked(), lambda what: None))
+    return Case(ask_here(made(text, asked()), asked(), lambda what: None))
+
+
+def made(text: str, ask: Asking) -> object:
+    names: dict[str, object] = {"__name__": "other"}
+    exec(compile(text, "other", "exec"), names)
+    return names["Code"](ask.text)
 
 
 def test_without_a_change_the_other_code_is_right():
     case = answered([])
     assert case.wrong == frozenset() and set(case.observed) == set(asked().terms)
+
+
+def test_a_wrong_entry_of_the_base_s_rotation_shows_in_all_terms_but_not_in_what_is_given_in_world_axes():
+    terms = ("fk", "jacobian", "gravity", "crba", "coriolis", "bias", "rnea", "aba")
+    ask = asking(PROBE, 2, 0, terms, floating=True)
+    given = "R, p, axis = [R0],"
+    assert source("legged").count(given) == 1
+    text = source("legged").replace(given, f"R0[1, 1] = 1 - 2 * (x * x + y * y)\n        {given}")
+    typed = Slip("zz in entry 22 of the rotation of the base", "yy", OTHER)
+    run = replace(kinematics.rotations("quaternions to matrices"), how=(("fused", True),))
+    planted = Hypothesis("step_other", typed.says, terms, "formula", Slipped(run, (typed,), True))
+    case = Case(ask_here(made(text, ask), ask, lambda what: None))
+    assert case.wrong == set(terms)
+    assert [t for t in terms if not case.score(t, (planted,)).right] == []
 
 
 @pytest.mark.parametrize("name", PLANTED)

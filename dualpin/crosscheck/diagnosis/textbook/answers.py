@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from weakref import WeakKeyDictionary
 
@@ -83,7 +83,8 @@ class Made:
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
         v = self.view
         qd = v.states.get("v") if moving else None
-        return Poses(v.robot, v.description, q, qd, self.poses, self.ways, self.fused, self.early, self.by_level)
+        ways = replace(self.ways, in_world=self.in_world) if any(self.in_world) else self.ways
+        return Poses(v.robot, v.description, q, qd, self.poses, ways, self.fused, self.early, self.by_level)
 
     @cached_property
     def whole(self) -> Poses:
@@ -107,10 +108,14 @@ class Made:
         with np.errstate(invalid="ignore"):  # of poses that were not answered
             return bool(np.nanmax(np.abs(np.linalg.det(R) - 1), initial=0.0) < 1e-4)
 
-    def columns(self, tree: Poses) -> Columns:
+    @cached_property
+    def in_world(self) -> tuple[bool, bool]:
+        """Whether the subject writes the base's angular and linear velocity in world axes."""
         how = self.view.layout.how
-        world = how.angular == how.linear == "world"
-        columns = KINDS.get(self.how, Columns)(tree, self.rest, world)
+        return how.angular == "world", how.linear == "world"
+
+    def columns(self, tree: Poses) -> Columns:
+        columns = KINDS.get(self.how, Columns)(tree, self.rest, self.in_world)
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Sums:

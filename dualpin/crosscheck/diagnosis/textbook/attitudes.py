@@ -37,6 +37,8 @@ class Ways:
     quaternion: Quaternion = of_quaternion
     own: Steps | None = None
     """Where slips are made in rotations alone."""
+    in_world: tuple[bool, bool] = (False, False)
+    """Whether a floating base's angular and linear velocity are given in world axes: nothing turns them then."""
 
     def of_rpy(self, steps: Steps, rpy: np.ndarray, rotation: np.ndarray, whose: str = ORIGIN) -> np.ndarray:
         """Of an origin, by the way of this formulation where it is that of the file's angles."""

@@ -41,11 +41,11 @@ class Columns:
         (runs, n, axes, 3): directions of the axes, and origins of the links that they move.
     w, v : list of array
         Motions of the links: from link to link, or `by_jacobians`.
-    world : bool
-        Whether the subject writes the base's columns for velocities in world axes.
+    world : (bool, bool)
+        Whether the subject writes the base's columns for angular and linear velocities in world axes.
     """
 
-    def __init__(self, poses: Poses, steps: Steps, world: bool = False) -> None:
+    def __init__(self, poses: Poses, steps: Steps, world: tuple[bool, bool] = (False, False)) -> None:
         self.poses, self.steps, self.axes, self.world = poses, steps, poses.axes, world
         self.links, self.parents = [a.link for a in self.axes], [max(0, a.parent) for a in self.axes]
         base = [i for i, a in enumerate(self.axes) if a.base]
@@ -102,6 +102,7 @@ class Columns:
         }
         a = a + 0 * R[..., 0]
         if group and self.axes[group[0]].base:
+            R = stacked([t.given[not self.axes[i].turns] for i in group], list(range(len(group))), 2)
             return self.steps.turn("the axis of a base's column", R, a)
         turns = self.turns[group, None]
         kinds = [(kind, mask) for kind, mask in (("turning", turns), ("sliding", 1 - turns)) if mask.any()]
@@ -209,7 +210,7 @@ class Columns:
             to = [0, 1, 2]
             to[a], to[b] = b, a
             # where the base's velocity is in world axes, the columns are those of the world's
-            y = z[..., to] if self.world else z[..., [*to, *range(3, z.shape[-2])], :]
+            y = z[..., to] if self.world[0] else z[..., [*to, *range(3, z.shape[-2])], :]
             other = cross(y, r)
             for rows, x, u in (("angular rows", y, lever), ("linear rows", z, other), ("all rows", y, other)):
                 name = f"exchanged, {'xyz'[a]} with {'xyz'[b]}, in {rows}"
@@ -302,8 +303,9 @@ class Columns:
         qd = self.poses.qd
         assert qd is not None
         T = np.zeros((*qd.shape, qd.shape[-1]))
-        if self.world and self.axes[0].base:
-            T[..., :3, :3] = T[..., 3:6, 3:6] = cross_matrix(qd[..., :3])
+        for k in (0, 1):
+            if self.world[k] and self.axes[0].base:
+                T[..., 3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = cross_matrix(qd[..., :3])
         return T
 
     def _rates(
@@ -336,13 +338,15 @@ class Columns:
         u = steps.pick(
             f"the velocity of a joint in the rate of a lever arm: {which}", u, **self._others(group, self.v, u)
         )
-        still = self.world and self.axes[group[0]].base  # axes of the world, for now
-        turned = 0 * cross(w, z) if still else steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
+        still = np.array([self.axes[i].base and self.world[not self.axes[i].turns] for i in group])
+        turned = 0 * cross(w, z)
+        if not still.all():  # those that are axes of the world do not turn, for now
+            turned = ~still[:, None] * steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
         terms = {"the velocity of its end": ends, "the velocity of the joint": -u}
         moving = steps.add(f"the rate of the lever arm: {which}: to {whose}", **terms)
         zero = np.zeros_like(turned + moving)
         lever = {"z x dr/dt": cross(z + zero, moving)}
-        if not still:
+        if not still[self.turns[group] > 0].all():
             lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, r + zero), **lever}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
         column = six(turned + zero, rate)

@@ -20,7 +20,7 @@ import numpy as np
 
 from ....model.robot import Joint, Robot
 from ...subjects.convention import base_of
-from ...subjects.layout import product, transposed
+from ...subjects.layout import product, rotations, transposed
 from ..description import Body, Description, Part, merged
 from .attitudes import PLAIN, Ways
 from .axes import Axis, Placed
@@ -78,7 +78,7 @@ class Poses:
         self.travel: dict[int, np.ndarray] = {}
         self.sides = [self.placed[0]]
         self._motions: dict[int, tuple[np.ndarray, np.ndarray]] = {}
-        self.p, self.w, self.v = [zero], [zero], [zero]
+        self.p, self.w, self.v, self.given = [zero], [zero], [zero], [self.R[0], self.R[0]]
         base = base_of(robot)
         if base is not None:
             self._base(base)
@@ -90,14 +90,15 @@ class Poses:
 
     def _base(self, joint: Joint) -> None:
         self.attitudes[0] = self._quaternion(joint, "the base")
-        R = self.ways.matrix(self.attitudes[0])
-        self.before[0] = R
-        self.R[0], self.p[0] = R, self.q[..., joint.q.start : joint.q.start + 3]
+        R, at = self.ways.matrix(self.attitudes[0]), joint.q.start
+        self.before[0] = self.R[0] = R
+        self.p[0] = self.q[..., at : at + 3]
+        self.given = [rotations(self.q[..., at + 3 : at + 7]) if world else R for world in self.ways.in_world]
         self._six(joint, 0, -1, base=True)
         if self.qd is not None:
             k, steps = joint.v.start, self.steps
-            self.w[0] = steps.turn("the base's angular velocity", R, self.qd[..., k : k + 3])
-            self.v[0] = steps.turn("the base's linear velocity", R, self.qd[..., k + 3 : k + 6])
+            self.w[0] = steps.turn("the base's angular velocity", self.given[0], self.qd[..., k : k + 3])
+            self.v[0] = steps.turn("the base's linear velocity", self.given[1], self.qd[..., k + 3 : k + 6])
 
     def _quaternion(self, joint: Joint, whose: str) -> np.ndarray:
         at = joint.q.start + 3

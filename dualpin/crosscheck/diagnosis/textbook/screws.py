@@ -22,6 +22,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .attitudes import PLAIN
 from .products import skew
+from .references import joined
 from .steps import Steps, cross
 from .tree import Link, Tree, spatial
 from .turns import ONE, rodrigues
@@ -30,7 +31,7 @@ from .wholes import Pose, itself, multiplied, times
 START: Pose = (ONE[None, None], np.zeros((1, 1, 3)))
 STILL = 1e-9
 """Angular parts below this are none: screws are unit vectors."""
-six = partial(np.concatenate, axis=-1)
+six = partial(joined, axis=-1)
 
 
 def at_home(steps: Steps, tree: Tree) -> list[Pose]:

@@ -339,7 +339,7 @@ class Sums:
         }  # fmt: skip
         terms = {k: steps.pick(f"the matrix {k}", x, transposed=transposed(x)) for k, x in terms.items()}
         C = steps.add("the Coriolis matrix", **terms)
-        return np.asarray(C + self.mass_matrix @ self.columns.turning if self.columns.world else C)
+        return np.asarray(C + self.mass_matrix @ self.columns.turning if any(self.columns.world) else C)
 
     def velocity_forces(self) -> np.ndarray:
         """C v: what velocities need."""
@@ -358,7 +358,7 @@ class Sums:
         forces = {"Jv^T m Jv' v": linear, "Jw^T (I Jw' v + w x I w)": angular}
         h = steps.add("the forces that velocities need", **forces)
         turned = product(self.columns.turning, qd)
-        return np.asarray(h + product(self.mass_matrix, turned) if self.columns.world else h)
+        return np.asarray(h + product(self.mass_matrix, turned) if any(self.columns.world) else h)
 
 
 def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:
