@@ -10,7 +10,7 @@ import pytest
 from dualpin.crosscheck.diagnosis import Case
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
-from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, plucker, spatial, world_axes
+from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
 from dualpin.crosscheck.diagnosis.textbook.slipped import Run, Slipped
@@ -34,6 +34,7 @@ NEWTON = {
 }
 SPIN = ("wk = wk + z[k] * v[b.dof]", "wk += z[k] * v[b.dof]")
 IN_THE_LOOP, UP = "                up = up + ", "                up += "
+AT_JOINT = '            if b.kind == "revolute":\n                tau[b.dof]'
 CHAIN = "the link before in the list, as in a chain"
 BEFORE = "that of the link before in the list (depth first)"
 
@@ -152,6 +153,14 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
         NEWTON,
         array("angular acceleration", in_place.GROWING),
         [("alk = alk + z[k] * a[b.dof] +", "alk += z[k] * a[b.dof] +")],
+    ),
+    "forces of bodies and at joints in one array": (
+        {"bias": NEWTON["bias"]},
+        Slip(link_axes.OWN_FORCE, link_axes.WHOLE_FORCE, OTHER),
+        [
+            ("n.append(N + cross(s, F))", "n.append(N)"),
+            (AT_JOINT, AT_JOINT.replace("if", "n[k] = n[k] + cross(c[k] - p[k], f[k])\n            if", 1)),
+        ],
     ),
     "linear accelerations in one array": (
         NEWTON,

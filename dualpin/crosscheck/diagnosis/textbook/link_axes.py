@@ -26,6 +26,8 @@ from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 
+OWN_FORCE = "the force in r x f, r to a link's centre of mass,"
+WHOLE_FORCE = "that of the link with all that it carries, not its own"
 RESTING = "that of a base that rests"
 FIRST = "gravity at the first link that moves"
 
@@ -298,6 +300,7 @@ def _inward(
     own = list(zip(f, n, strict=True))
     for k in reversed(tree.links):
         f_k, n_k, pose = f[k.number], n[k.number], poses[k.number]
+        n_k = steps.pick(OWN_FORCE, n_k, **{WHOLE_FORCE: n_k + cross(k.c, f_k - own[k.number][0])})
         if k.moves:
             others = {f"that of the {which} joint": j.z for which, j in tree.neighbours(k).items()}
             others |= axes(np.eye(3)[None, None], "of the link's frame") | {

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .in_place import SPIN, Whole, afterwards, array, found
-from .link_axes import RESTING, axes, centripetal, felt, gathered, own_rates, rate_in_cross
+from .link_axes import OWN_FORCE, RESTING, WHOLE_FORCE, axes, centripetal, felt, gathered, own_rates, rate_in_cross
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import Link, Pose, Tree
@@ -61,6 +61,8 @@ def _inward(
     own = list(zip(f, n, strict=True))
     columns: dict[int, np.ndarray] = {}
     for k in reversed(tree.links):
+        more = cross(product(poses[k.number].R0, k.c), f[k.number] - own[k.number][0])
+        n[k.number] = steps.pick(OWN_FORCE, n[k.number], **{WHOLE_FORCE: n[k.number] + more})
         if k.moves:
             along = _felt_along(steps, tree, k, poses, z)
             columns[k.column] = felt(steps, k, along, f[k.number], n[k.number], own[k.number])
