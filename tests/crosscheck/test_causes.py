@@ -15,7 +15,7 @@ from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.locate import partly
 from dualpin.crosscheck.diagnosis.rules.links import possible
 from dualpin.crosscheck.diagnosis.scores import Score
-from dualpin.crosscheck.diagnosis.search import Explanation
+from dualpin.crosscheck.diagnosis.stories import Explanation
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.kinematic import Kinematic

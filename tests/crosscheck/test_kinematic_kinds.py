@@ -15,7 +15,7 @@ from dualpin.crosscheck.diagnosis.case import evaluate
 from dualpin.crosscheck.diagnosis.diagnose import contradicted
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.reading import describe
-from dualpin.crosscheck.diagnosis.search import Explanation
+from dualpin.crosscheck.diagnosis.stories import Explanation
 from dualpin.crosscheck.diagnosis.textbook.lumps import listed
 from dualpin.crosscheck.subjects import QUESTIONS, asking
 from dualpin.crosscheck.subjects.running import ask_here

@@ -7,7 +7,7 @@ import pytest
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.diagnose import contradicted
 from dualpin.crosscheck.diagnosis.rules import RULES
-from dualpin.crosscheck.diagnosis.search import Explanation
+from dualpin.crosscheck.diagnosis.stories import Explanation
 from dualpin.crosscheck.subjects import QUESTIONS, asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.perturbed import DISTURBED, MOVED, perturbed

@@ -8,7 +8,7 @@ import pytest
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.locate import located
-from dualpin.crosscheck.diagnosis.search import Explanation
+from dualpin.crosscheck.diagnosis.stories import Explanation
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.recursive import Recursive
 from tests.crosscheck.test_textbook import PROBE, answering, asked

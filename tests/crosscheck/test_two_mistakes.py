@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+
+import hypothesis.strategies as st
 import numpy as np
 import pytest
+from hypothesis import given
 
-from dualpin.crosscheck.diagnosis import Case, diagnose, shared
-from dualpin.crosscheck.diagnosis.hypothesis import ordered
+from dualpin.crosscheck.diagnosis import Case, additive, diagnose, shared
+from dualpin.crosscheck.diagnosis.choice import cheapest
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis, identity, ordered
 from dualpin.crosscheck.diagnosis.rules.register import RULES
+from dualpin.crosscheck.diagnosis.spared import instead, shows, spared
 from dualpin.crosscheck.diagnosis.textbook.slipped import share
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
@@ -103,3 +109,67 @@ def test_a_mistake_beside_a_history_is_that_of_the_first_answer():
     found = diagnose(Case(ask_here(both(ask.text), ask, lambda what: None))).findings
     assert {f.key for f in found} == {"history", "inertia_order"}, found
     assert any(f.says.endswith("as the first answer shows") for f in found)
+
+
+# --- changes that add up ---
+
+
+@given(st.integers(0, 2**31), st.integers(2, 12), st.integers(1, 4))
+def test_pairs_that_add_up_are_those_of_all_pairs(seed, n, size):
+    changes = np.random.default_rng(seed).integers(-3, 4, (n, size)).astype(float)
+    whole = changes[0] + changes[-1]
+    found = set(map(frozenset, additive.adding_up(changes, whole, 1e-9)))
+    every = itertools.combinations(range(n), 2)
+    assert found == {frozenset(p) for p in every if np.array_equal(changes[list(p)].sum(0), whole)}
+
+
+def asked(code, *names, terms):
+    ask = asking(PROBE, 2, 0, terms)
+    return Case(ask_here(written(code, *names)(ask.text), ask, lambda what: None))
+
+
+def proposed(of, *rules):
+    return [h for rule in RULES if rule.key in rules for h in rule.propose(of)]
+
+
+KEYS = {"f_ext_written", "gyroscopic", "gyroscopic_sign", "centripetal", "tangential"}
+
+
+def test_mistakes_of_two_algorithms_are_found_by_what_they_change():
+    """A wrench in the frame's axes, and forces that lack w x I w: no algorithm makes both."""
+    both = asked("jacobians", "jac_r_gyro", "jac_f_local", terms=("rnea_f_ext",))
+    found = [h for h in proposed(both, "f_ext_written", "Newton-Euler in world axes") if h.key in KEYS]
+    told = [((h,), x) for h, x in zip(found, both.predictions("rnea_f_ext", [(h,) for h in found]), strict=True)]
+    right = [s for s in additive.pairs(both, "rnea_f_ext", told) if both.score("rnea_f_ext", s).right]
+    assert not any(score.right for score in both.scores("rnea_f_ext", [(h,) for h in found]))
+    assert {h.key for s in right for h in s} == {"f_ext_written", "gyroscopic"}
+
+
+def test_what_is_read_wrongly_would_show_beside_the_mistakes_that_explain_other_terms():
+    """Without m Jv^T dJv C is as if all xyz were ignored; poses, which another mistake explains, are not."""
+    both = asked("jacobians", "jac_prismatic_pose", "jac_C_mass", terms=("fk", "coriolis"))
+    still = next(h for h in proposed(both, "joint_unread") if str(h).startswith("positions of prismatic"))
+    ignored = next(h for h in proposed(both, "xyz_ignored") if "and of" in str(h))
+    assert both.score("fk", (still,)).right
+    assert both.score("coriolis", ordered((still, ignored))).right
+    assert not spared(both, ignored)
+    assert shows(both, ignored)
+    both.told = {"fk": [(still,)]}
+    assert spared(both, ignored) == ["fk"]
+    assert not shows(both, ignored)
+    assert not spared(both, still)
+    other = next(h for h in proposed(both, "joint_still") if str(h) != str(still))
+    stories = instead(both, [ordered((still, ignored))], [[ignored, other], [still]], lambda h: [(h,)])
+    assert [identity(s) for s in stories] == [identity((still, other))]
+
+
+def slip(says, terms):
+    return Hypothesis("step_left_out", says, terms, "formula", lambda view, term: None, cost=1.15)
+
+
+def test_causes_of_one_way_of_writing_come_first():
+    jacobians, newton, other = (slip(f"{name}: a", ("bias",)) for name in ("Jacobians", "Newton-Euler", "Jacobians"))
+    first = slip("Jacobians: b", ("gravity",))
+    picked = cheapest({"gravity": [(first,)], "bias": [(newton,), (jacobians,)]})
+    assert picked["bias"] == (jacobians,)
+    assert other.cause == jacobians.cause

@@ -8,7 +8,7 @@ from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.findings import Finding
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
-from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, READ, written
+from tests.crosscheck.unseen_codes import CODES, FLOATING, MISTAKES, READ, SENTENCES, changed, written
 from validation.referee.unseen import GOES_WITH, PROBE, judged, kept, outcome
 
 
@@ -24,6 +24,14 @@ def test_without_mistakes_they_are_right(code):
 def test_each_mistake_changes_its_code():
     for name, mistake in MISTAKES.items():
         assert written(mistake.code, *name.split("+")) is not None  # raises where the place is not there, or twice
+
+
+def test_each_mistake_of_which_a_sentence_tells_has_its_place():
+    for name, mistake in SENTENCES.items():
+        parts = [SENTENCES[n] for n in name.split("+")]
+        assert mistake.counts == tuple(c for p in parts for c in p.counts)
+        changes = [c for p in parts for c in p.changes]
+        assert changes and changed(mistake.code, *changes) != changed(mistake.code), name
 
 
 def test_verdicts_are_those_of_what_was_said():

@@ -9,6 +9,9 @@ sentences (`counts`), and the verdicts were read.  Half of them were asked befor
 half after the kinds that the first half missed had been told; `+` joins two that are made together.
 
 So were those of three more codes, of two more authors: `newton`, and `controller` with `sixvectors`.
+
+Those of `composites`, `exponentials` and `jacobians`, of two more authors, stand in `sentences.jsonl`, each with the
+sentence that was fixed for it; which of them were asked at one time is their group.
 """
 
 from __future__ import annotations
@@ -48,9 +51,9 @@ class Mistake:
         return key in self.keys or any(re.search(w, says, re.IGNORECASE) for w in words)
 
 
-def _read() -> dict[str, Mistake]:
+def _read(file: str) -> dict[str, Mistake]:
     found = {}
-    for line in (HERE / "mistakes.jsonl").read_text().splitlines():
+    for line in (HERE / file).read_text().splitlines():
         m = json.loads(line)
         changes = tuple((old, new) for old, new in m["changes"])
         found[m["name"]] = Mistake(
@@ -60,15 +63,18 @@ def _read() -> dict[str, Mistake]:
     return found
 
 
-MISTAKES = _read()
+MISTAKES = _read("mistakes.jsonl")
+SENTENCES = _read("sentences.jsonl")
+"""Mistakes of which one sentence each says what names them: the answers are read."""
 CODES = (
     "matlab", "spatial", "lagrange", "simulator", "quat", "legged", "worldframe", "newton", "controller", "sixvectors",
+    "composites", "exponentials", "jacobians",
 )  # fmt: skip
 SWITCHED = {"worldframe"}
 """Codes whose mistakes are switches."""
 READ = {"newton", "controller", "sixvectors"}
 """Codes whose verdicts were all read, by the authors of the mistakes."""
-FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe", "newton", "sixvectors"}
+FLOATING, CAN_FLOAT = {"legged"}, {"legged", "spatial", "worldframe", "newton", "sixvectors", "jacobians"}
 """Codes whose base floats always, and those whose base can."""
 
 
@@ -84,16 +90,23 @@ def written(code: str, *names: str) -> Any:
     if code in SWITCHED:
         right = import_module(f"tests.crosscheck.unseen.{code}").Code
         return type("Code", (right,), {"mistakes": frozenset(names)})
-    return rewritten(code, *(c for n in names for c in MISTAKES[n].changes))
+    known = MISTAKES | SENTENCES
+    return rewritten(code, *(c for n in names for c in known[n].changes))
 
 
-def rewritten(code: str, *changes: tuple[str, str]) -> Any:
-    """The class of a code whose text has these changes."""
+def changed(code: str, *changes: tuple[str, str]) -> str:
+    """The text of a code with these changes, each of one place."""
     text = source(code)
     for old, new in changes:
         if text.count(old) != 1:
             raise ValueError(f"{code} holds {text.count(old)} times {old!r}")
         text = text.replace(old, new)
+    return text
+
+
+def rewritten(code: str, *changes: tuple[str, str]) -> Any:
+    """The class of a code whose text has these changes."""
+    text = changed(code, *changes)
     space: dict[str, Any] = {"__name__": __name__}  # dataclasses look for their module
     exec(compile(text, code, "exec"), space)
     return space["Code"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, TypeGuard
@@ -20,15 +20,13 @@ from .finishing import finish, tried
 from .forces import forces_of
 from .hypothesis import Hypothesis, Story, Wording, identity
 from .reading import describe
-from .scores import FAR, Score, errors, in_forces, limits, scaled, scored
+from .scores import FAR, Score, errors, in_forces, limits, scored
 from .shared import shared
 from .textbook.slipped import Slipped, alike, in_one, predicted
 
 States = dict[str, np.ndarray]
 COLUMNS = 100_000
 """How many columns (stories x samples x velocities) are predicted at once: intermediate results stay small."""
-
-
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
 KEPT = 512
@@ -95,7 +93,10 @@ class Case:
         self.tried = 0
         self._predictions: dict[tuple[str, frozenset[Any]], np.ndarray | None] = {}
         self._layouts: dict[Wording, tuple[Layout, States] | None] = {}
-        self._spared: dict[tuple[Any, ...], list[str]] = {}
+        self.told: dict[str, Sequence[Story]] = {}
+        """What explains terms, as far as it is found, the likeliest first."""
+        self.spared: dict[Any, list[str]] = {}
+        """What `spared` found out."""
         self._robots: dict[int, tuple[Description, Robot]] = {}
         self._edits: dict[Any, tuple[Description, Hypothesis, Description]] = {}
         self._states: dict[Any, tuple[View, States]] = {}
@@ -225,6 +226,13 @@ class Case:
             self.shared.predicted(lasting[key], self._predictions[term, key])
         return [self._predictions[term, identity(s)] for s in stories]
 
+    def known(self, term: str, hypotheses: Iterable[Hypothesis]) -> Iterator[tuple[Hypothesis, np.ndarray | None]]:
+        """Those of which a prediction was made already, with it."""
+        for h in hypotheses:
+            key = term, identity((h,))
+            if key in self._predictions:
+                yield h, self._predictions[key]
+
     @cached_property
     def _question(self) -> Hashable:
         """What answers depend on besides the robot: how the subject writes, states, and frames."""
@@ -294,19 +302,6 @@ class Case:
             inputs = {k: np.stack([views[i].states[k] for i in at]) for k in question.inputs}
             _fill(out, at, evaluate(robot, question, inputs, self.frames, reference))
         return out
-
-    def spared(self, h: Hypothesis) -> list[str]:
-        """Terms that a hypothesis would have changed, and that are right without it."""
-        if h.of_a_call:
-            return []
-        if h.identity not in self._spared:
-            found = []
-            for term in (t for t in h.terms if t in self.observed and self.score(t).right):
-                x, p = self.predict(term, (h,)), self.predict(term)
-                if x is not None and p is not None and x.shape == p.shape and scaled(x, p) > self.tolerance:
-                    found.append(term)
-            self._spared[h.identity] = found
-        return self._spared[h.identity]
 
     # how near they come
 

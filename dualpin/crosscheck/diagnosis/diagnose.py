@@ -17,9 +17,11 @@ from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
-from .rules.register import DERIVED, PUSHED
+from .rules.register import DERIVED, PUSHED, WEIGHED
 from .scores import scaled
-from .search import DOUBTFUL, Catalogue, Explanation, Search
+from .search import DOUBTFUL, Catalogue, Search
+from .spared import READ, spared
+from .stories import Explanation
 
 BUDGETS = (8.0, 50.0)
 """Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share.
@@ -28,6 +30,8 @@ The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 DOUBT = 0.35
 """What a cause costs besides, times the share of the terms it would have changed that are right without it."""
+OWN = ("gravity",)
+"""Keys of numbers that each function may have for itself: right terms contradict them half as much."""
 APART = ("kinetic_energy", "coriolis")
 """Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
 FOLLOWING = 0.9
@@ -131,6 +135,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 tick(f"{term}: {what}")
                 of(search)
             found[:] = _united([*found, *search.stories[:EARLIER]])
+            case.told = {t: s.stories for t, s in searches.items() if not s.open}
             _settle(catalogue.settled, searches)
 
     def unknown(search: Search) -> bool:
@@ -157,12 +162,16 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     rare = "rare readings of the file and of inputs"
     merging, reading = "slips of merging fixed links", "a slip of other terms and a reading"
+    adding_up = "two causes whose changes add up"
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
+        stage(adding_up, Search.sums, lambda s: s.tried and not s.good, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
-            if not any(_sure(s) for s in searches.values()):  # a library's own forces, beside what it makes of the file
+            stage(beside, besides, unknown, [term])
+            # a library's own forces, beside what it makes of the file
+            if term in WEIGHED and not any(_sure(s) for s in searches.values()):
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
             stage(rare, Search.readings, unknown, [term])
             if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
@@ -173,6 +182,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
             stage(merging, Search.merging, unknown, [term])
+            stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
     if not catalogue.settled:
         stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
@@ -182,14 +192,15 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(merging, Search.merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
+    stage(adding_up, Search.sums, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
         plain = [t for t in off if not searches[t].open and not searches[t].slipped][:FIRST]
         stage(slips, Search.slips, lambda s: True, plain)
         stage(beside, besides, unknown, off)
     for term in off:  # what is soon looked at comes first; what explains one of them may explain the next
         stage(rare, Search.readings, lambda s: doubtful(s, lambda x: x.reread), [term])
-        stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
         stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), [term])
+        stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
@@ -203,6 +214,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     for search in searches.values():  # what was found last may explain a term before
         search.known([*causes, *_together(causes), *found])
         search.composed()
+        if search.open:
+            search.sums()
+        search.exchanged(searches.values())
     return _grounded({t: s.explanation() for t, s in searches.items()})
 
 
@@ -289,8 +303,6 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
                 found.located[term] = where
 
 
-READING = ("word", "edit", "state")
-"""Places of mistakes in what all terms are made of."""
 SHOWN_BY = ("fk", "jacobian", "com")
 """Terms that are made of nothing but what was read: the first that was answered shows it."""
 NEARER = 0.7
@@ -304,7 +316,7 @@ def contradicted(case: Case, h: Hypothesis, told: Mapping[str, Explanation]) -> 
     """
     out = []
     unknown = [t for t, e in told.items() if not e.named and t not in (*PUSHED, *DERIVED)]
-    for term in (t for t in unknown if t in h.terms and h.place in READING):
+    for term in (t for t in unknown if t in h.terms and h.place in READ):
         x, p = case.predict(term, (h,)), case.predict(term)
         changed = x is not None and p is not None and (x.shape != p.shape or scaled(x, p) > case.tolerance)
         if changed and not case.score(term, (h,)).rms < NEARER * told[term].before.rms:
@@ -330,8 +342,9 @@ def _price(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], flo
     def price(h: Hypothesis) -> float:
         if h.key == "follows" and set(h.made_of) <= set(explained):
             return h.cost - FOLLOWING
-        spared = len([t for t in case.spared(h) if h.place != "formula" or t not in APART])
-        return h.cost + (DOUBT * spared / (spared + len(off & set(h.terms))) if spared else 0.0)
+        against = {t for t in spared(case, h) if h.place != "formula" or t not in APART}
+        doubt = DOUBT / 2 if h.key in OWN else DOUBT
+        return h.cost + (doubt * len(against) / len(against | (off & set(h.terms))) if against else 0.0)
 
     return price
 
@@ -351,9 +364,9 @@ def _add(findings: list[Finding], new: Finding | None) -> None:
 
 def _elsewhere(case: Case, variants: Sequence[Hypothesis]) -> str:
     """Terms that all variants of a cause would have changed, and that are right without."""
-    first, *more = map(case.spared, variants)
-    spared = [t for t in first if all(t in other for other in more)]
-    return f"; not in {', '.join(spared)}" if spared else ""
+    first, *more = (spared(case, h) for h in variants)
+    others = [t for t in first if all(t in other for other in more)]
+    return f"; not in {', '.join(others)}" if others else ""
 
 
 def _alternatives(

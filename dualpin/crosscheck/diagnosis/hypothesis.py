@@ -125,6 +125,12 @@ class Hypothesis:
         )
 
 
+def style(h: Hypothesis) -> str:
+    """The name of the formulation in which a slip is made; empty for causes of other kinds."""
+    name, colon, _ = h.says.partition(": ")
+    return name if colon and h.place == "formula" else ""
+
+
 Story = tuple[Hypothesis, ...]
 """A set of hypotheses that hold together, in the order in which they act."""
 

@@ -11,7 +11,8 @@ from ..subjects.layout import product, transposed
 from ..subjects.questions import QUESTIONS
 from .case import Case, evaluate
 from .hypothesis import ESTIMATED
-from .search import Explanation
+from .spared import spared
+from .stories import Explanation
 
 NEARLY = 1e-2
 """A story that leaves less than this share of the error explains it nearly."""
@@ -54,8 +55,8 @@ def partly(
         return None
     story = " and ".join(map(str, e.nearest))
     if e.left.right:
-        spared = ", ".join(dict.fromkeys(t for h in e.nearest for t in case.spared(h)))
-        says = f"perhaps: {story}; this gives the answers, but would change {spared} too, where nothing differs"
+        against = ", ".join(dict.fromkeys(t for h in e.nearest for t in spared(case, h)))
+        says = f"perhaps: {story}; this gives the answers, but would change {against} too, where nothing differs"
     elif nearly:
         says = f"nearly: {story} leaves {e.left.error:.0e}" + (f"; {where}" if where else "")
     else:

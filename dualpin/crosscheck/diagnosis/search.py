@@ -7,28 +7,32 @@ entries that are right, and the root mean square: the worst entry hides what a p
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..subjects.questions import QUESTIONS
+from . import additive
 from .case import Case
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
 from .rules import RULES
 from .rules.composed import PARTS, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .scores import Score
-from .stories import BEAM, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
+from .spared import READ, instead, shows, spared
+from .stories import BEAM, Explanation, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
 from .textbook.slipped import algorithm, made_of, share
 
 STORIES, AT_ONCE, SHORT = 64, 800, 600  # scored before the time is looked at, at most; slips of a short algorithm
+VARIANTS = 24  # of a story of several causes, as other formulations show them
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
+NEAREST = 3  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
@@ -39,8 +43,6 @@ KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
-READ = ("word", "edit", "state")
-"""Places of mistakes that change what every algorithm starts from."""
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
@@ -48,31 +50,6 @@ PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or 
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
-
-
-@dataclass
-class Explanation:
-    """What was found about one term.
-
-    Attributes
-    ----------
-    before : float
-        The error without a story.
-    stories : list of Story
-        Those that explain it, the cheapest first.
-    nearest : Story
-        Where none does: the one that comes nearest, with its score.
-    """
-
-    term: str
-    before: Score
-    stories: list[Story] = field(default_factory=list)
-    nearest: Story = ()
-    left: Score | None = None
-
-    @property
-    def named(self) -> bool:
-        return bool(self.stories)
 
 
 class Catalogue:
@@ -87,11 +64,7 @@ class Catalogue:
         self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
         self._kin: dict[Any, list[Hypothesis]] = {}
         self._late: dict[int, list[Hypothesis]] = {}
-
-    @property
-    def late(self) -> list[Hypothesis]:
-        """Those of late rules."""
-        return [h for late in (SLIPS, MERGING, READINGS) for h in self._of_rules(late)]
+        self._looked_at: dict[str, list[list[Hypothesis]]] = {}
 
     def _of_rules(self, late: int) -> list[Hypothesis]:
         if late not in self._late:
@@ -112,25 +85,37 @@ class Catalogue:
 
         `base` is a story that holds besides; `late` says of which rules they are.
         """
-        few = self._few(1 if QUESTIONS[term].form in SQUARE else 2)
+        few = self._few(term)
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
         for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
             if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             groups.setdefault(made_of(h.act, term), []).append(h)
-        # what the subject's own answers are put together to is soon seen, and algorithms of few steps before long ones
+        # the subject's own answers put together are soon seen; then come algorithms with slips told, and short ones
         sizes = Counter(algorithm(same[0].act) for same in groups.values())
-        alike = sorted(groups.values(), key=lambda same: (not same[0].made_of, sizes[algorithm(same[0].act)] > SHORT))
+        styles = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
+        rank = lambda h: (not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] > SHORT)  # noqa: E731
+        alike = sorted(groups.values(), key=lambda same: rank(same[0]))
         scores = list[Score]()
         for block in in_time(alike, until, AT_ONCE):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
         told = list(zip(alike, scores, strict=False))
+        if not base:
+            self._looked_at.setdefault(term, []).extend(same for same, _ in told)
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
         near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
         return right or kept(near)
 
-    def _few(self, samples: int) -> Case:
+    def sums(self, term: str, others: Sequence[Hypothesis]) -> list[Story]:
+        """Two causes whose changes add up: slips that were looked at, and others that were."""
+        few = self._few(term)
+        slips = ((same, few.predict(term, (same[0],))) for same in self._looked_at.get(term, ()))
+        plain = (((h,), p if p is None else p[: few.asking.samples]) for h, p in self.case.known(term, others))
+        return additive.pairs(few, term, [*slips, *plain])
+
+    def _few(self, term: str) -> Case:
+        samples = 1 if QUESTIONS[term].form in SQUARE else 2
         if samples not in self._cases:
             self._cases[samples] = self.case.few(samples)
         return self._cases[samples]
@@ -188,18 +173,16 @@ class Search:
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
         unsure = (h.key in DOUBTFUL and h.cost > KNOWN) or not set(h.made_of) <= set(explained)
-        return unsure or bool(self.case.spared(h))
+        return unsure or bool(spared(self.case, h))
 
     def known(self, others: Iterable[Story]) -> None:
         """Try what explains other terms: as it is, as other formulations show it, and with any factorisation."""
         mine: dict[frozenset[object], Story] = {}
         for story in others:
-            here = tuple(h for h in story if self.term in h.terms)
-            for h in story:
-                for k in self.catalogue.kin(h, self.term):
-                    for s in (ordered((k,)), ordered((*(g for g in here if g.identity != h.identity), k))):
-                        mine.setdefault(identity(s), s)
-            mine.setdefault(identity(here), here)
+            shown = [self._shown(h) for h in story]
+            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
+            together = [ordered(itertools.chain(*some)) for some in several]
+            mine |= {identity(s): s for s in itertools.chain(together, *shown)}
         mine |= self._by_symbols(others)
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
@@ -207,6 +190,11 @@ class Search:
         if not self.exact:  # it may follow from other terms; not from what may as well follow from it
             apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
             self.consider([(h,) for h in apart])
+
+    def exchanged(self, others: Iterable[Search]) -> None:
+        """In stories of several causes: what explains another term as well as a cause that right terms contradict."""
+        told = [[s[0] for s in other.stories if len(s) == 1] for other in others]
+        self.consider(instead(self.case, [s for s in self.stories if len(s) > 1], told, self._shown)[:STORIES])
 
     def composed(self) -> None:
         """Whether it follows from other terms: soon seen, so also where no time is left."""
@@ -240,6 +228,11 @@ class Search:
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]
         self.remerged = True
+
+    def sums(self) -> None:
+        """Two causes whose changes add up, of all that were looked at."""
+        if self.before.error >= SMALL:
+            self.consider(self.catalogue.sums(self.term, [*self._whole, *self._single]))
 
     def readings(self) -> None:
         """Rare readings of the file and of inputs: few beside the slips, and one may explain all terms."""
@@ -281,10 +274,12 @@ class Search:
     def added(self, found: Sequence[Story]) -> None:
         """What explains other terms, and one cause more; beside a slip, one that changes what its algorithm answers."""
         for story in self._besides(found):
-            more = [*self._fits(story), *self._whole, *self._single]
-            if any(h.place == "formula" for h in story):
-                more = [h for h in more if h.place not in READ]
-            self.consider(self._with(story, more))
+            whole = self.catalogue.of(self.term, False, self.case.score(self.term, story).error)
+            for more in ([*self._fits(story), *whole], self._single):  # a link alone is rarer
+                if self.open:
+                    edits = not any(h.place == "formula" for h in story)
+                    some = [h for h in more if h.place not in READ or (edits and shows(self.case, h))]
+                    self.consider(self._with(story, some))
         for story in self._by_symbols(found).values():
             more = [h for h in self._whole if h.place == "answer"]
             self.consider(self._with(story, [*self._fits(story), *more]))
@@ -305,9 +300,11 @@ class Search:
     def plain_pairs(self) -> None:
         """Two causes that hold for the whole robot."""
         if self.before.error >= SMALL:
-            beam = kept([n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE])
+            whole = [h for h in self._whole if shows(self.case, h)]
+            near = [n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE]
+            beam = kept([n for n in near if shows(self.case, n.story[0])])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
-            self.consider([*more, *(s for story in beam for s in self._with(story, self._whole))], self._part())
+            self.consider([*more, *(s for story in beam for s in self._with(story, whole))], self._part())
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
@@ -319,6 +316,8 @@ class Search:
             more = [h for h in self._whole if reads([h])]
             self.consider([s for story in self._beam if reads(story) for s in self._with(story, more)])
             return
+        slips = [n for n in sorted(self.near) if len(n.story) == 1 and n.story[0].place == "formula"]
+        self._slips_with(slips[:NEAREST])
         level = pairs_of_forces(self.case, self.term)
         single = self._single if len(self.case.robot) <= LARGE else []
         for story in self._beam:
@@ -364,7 +363,7 @@ class Search:
         for block in in_time(list(fresh.values()), until or self.until, STORIES):
             self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right and not any(self.case.spared(h) for h in story if numbers_in(h, story)):
+                if score.right and not any(spared(self.case, h) for h in story if numbers_in(h, story)):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(nearness(story, score))

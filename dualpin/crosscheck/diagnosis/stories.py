@@ -26,6 +26,31 @@ class Near:
     score: Score = field(compare=False)
 
 
+@dataclass
+class Explanation:
+    """What was found about one term.
+
+    Attributes
+    ----------
+    before : float
+        The error without a story.
+    stories : list of Story
+        Those that explain it, the cheapest first.
+    nearest : Story
+        Where none does: the one that comes nearest, with its score.
+    """
+
+    term: str
+    before: Score
+    stories: list[Story] = field(default_factory=list)
+    nearest: Story = ()
+    left: Score | None = None
+
+    @property
+    def named(self) -> bool:
+        return bool(self.stories)
+
+
 def nearness(story: Story, score: Score) -> Near:
     """By the share of right entries, then by the root mean square; dearer stories later."""
     return Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
@@ -53,8 +78,14 @@ def numbers_in(h: Hypothesis, story: Story) -> bool:
 
 
 def joins(h: Hypothesis, story: Story) -> bool:
-    """Whether a hypothesis may join a story: its key is not there yet, but for other links of the same family."""
-    return all(g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items)) for g in story)
+    """Whether a hypothesis may join a story: its key is not there yet, but for other links of its family, or steps."""
+
+    def apart(g: Hypothesis) -> bool:
+        if h.place == g.place == "formula":
+            return h.cause != g.cause
+        return g.key != h.key or (g.single and h.single and not set(g.items) & set(h.items))
+
+    return all(map(apart, story))
 
 
 def merged(chosen: Sequence[Hypothesis]) -> Hypothesis:

@@ -56,15 +56,21 @@ def rotation_missing(view: View, term: str, x: np.ndarray) -> np.ndarray:
 
 
 @rule(
-    "at_com",
-    "taken at the link's centre of mass",
-    "ask for the link's frame, not its inertial frame",
-    OF_FRAMES,
-    "change",
-)
+    "at_com", "taken at the link's centre of mass, in the axes of <inertial>",
+    "ask for the link's frame, not its inertial frame", OF_FRAMES, "change",
+)  # fmt: skip
 def at_com(view: View, term: str, x: np.ndarray) -> np.ndarray:
     bodies = {p.link: p.body for p in view.description.parts}
     at = {k: homogeneous(b.rotation, b.com) for k, f in enumerate(view.frames) if (b := bodies.get(f)) is not None}
+    return displaced(view, term, x, at)
+
+
+@rule("at_com", "taken at the link's centre of mass", "ask for the link's frame, not for its centre of mass",
+      OF_FRAMES, "change")  # fmt: skip
+def at_link_com(view: View, term: str, x: np.ndarray) -> np.ndarray:
+    """In the link's axes."""
+    bodies = {p.link: p.body for p in view.description.parts}
+    at = {k: homogeneous(np.eye(3), b.com) for k, f in enumerate(view.frames) if (b := bodies.get(f)) is not None}
     return displaced(view, term, x, at)
 
 

@@ -201,12 +201,11 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
         if term == "potential_energy":
             return x - view.robot_mass * apart("com") @ np.array(view.description.gravity)
         if term == "centroidal_momentum_matrix":
-            P = case.predict(term)
             linear = [case.how.rows.index(r) for r in ("vx", "vy", "vz")]
             angular = [case.how.rows.index(r) for r in ("wx", "wy", "wz")]
             out = x.copy()
             if "com" in parts:
-                out[:, angular] -= cross_matrix(apart("com")) @ (x if P is None else P)[:, linear]
+                out[:, angular] -= cross_matrix(apart("com")) @ x[:, linear]
             out[:, linear] += view.robot_mass * apart("com_jacobian")
             return out
         if term == "com_jacobian":

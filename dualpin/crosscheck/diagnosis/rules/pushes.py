@@ -56,6 +56,9 @@ AXES: Mapping[str, Callable[[View, np.ndarray], np.ndarray]] = {
     "the frame's axes": lambda view, R: R,
     "the frame's axes, turned the wrong way": lambda view, R: transposed(R),
     "the axes that the frame has where all coordinates are zero": _home,
+    "axes that turn with the body, and are the base's where all coordinates are zero": lambda view, R: (
+        R @ transposed(_home(view, R))
+    ),
 }
 
 

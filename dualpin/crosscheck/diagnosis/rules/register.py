@@ -52,6 +52,8 @@ class Rule:
 
 
 RULES: list[Rule] = []
+FIRST = "of joints on the base"
+"""Which may be one alone, and is what a loop that begins with the base treats in another way."""
 MOST_ITEMS = 80  # links or joints that are tried one at a time
 
 
@@ -80,7 +82,7 @@ class Family:
         yield whole
         for words, names in self.groups(case.description).items():
             some = [item for item in found if item in set(names)]
-            if 1 < len(some) < len(found):
+            if (len(some) > 1 or (some and words == FIRST)) and len(some) < len(found):
                 yield replace(whole, act=lambda d, i, some=some: self.edit(d, some), values=words, cost=self.cost + 0.1)
         if self.singles and 1 < len(found) <= MOST_ITEMS:
             for item in found:
@@ -111,6 +113,7 @@ def _joints(d: Description) -> dict[str, list[str]]:
     found = {f"of {kind} joints": names for kind, names in kinds.items()}
     found["of joints that move"] = [p.joint for p in d.parts if p.moves]
     found["of joints that turn"] = [p.joint for p in d.parts if p.turns]
+    found[FIRST] = [p.joint for p in d.parts if p.parent == d.root]
     return found
 
 
@@ -168,12 +171,12 @@ def robot_rule(
 
 def rule(
     key: str, says: str, fix: str, terms: tuple[str, ...], place: str, cost: float = 1.0,
-    when: Callable[[Case], Any] = lambda case: True,
+    when: Callable[[Case], Any] = lambda case: True, of_a_call: bool = False,
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:  # fmt: skip
     """A function that acts at `place`, tried where `when` holds."""
 
     def decorate(f: Callable[..., Any]) -> Callable[..., Any]:
-        hypothesis = Hypothesis(key, says, terms, place, f, fix, cost=cost)
+        hypothesis = Hypothesis(key, says, terms, place, f, fix, cost=cost, of_a_call=of_a_call)
         _register(key, says, fix, lambda case: [hypothesis] if when(case) else [])
         return f
 

@@ -248,13 +248,16 @@ def degrees_everywhere(view: View) -> States:
     return {**view.states, "q": q}
 
 
+REVERSED = "pass angles as they are; a positive one turns by the right-hand rule, R = 1 + sin q [z] + (1 - cos q) [z]^2"
+
+
 @proposer("angles_scale", "angles are multiplied by a number", "pass angles in radians, as the joint turns")
 def angles_scale(h: Hypothesis, case: Case) -> list[Hypothesis]:
     def one(words: str, k: float) -> Hypothesis:
         def act(view: View) -> States:
             return {**view.states, "q": _angles(view.case, view.states["q"], k)}
 
-        return replace(h, terms=ALL, place="state", act=act, values=words, cost=1.1)
+        return replace(h, terms=ALL, place="state", act=act, values=words, cost=1.1, fix=REVERSED if k < 0 else h.fix)
 
     coarse = {f"{k} / pi": float(k) / np.pi for k in ("3", "3.14", "3.1416", "3.14159")}
     scales = {"-1": -1.0, "1/2": 0.5, "2": 2.0, "180/pi": 180 / np.pi, **coarse}
@@ -277,6 +280,7 @@ def millimetres(view: View) -> States:
     tuple(t for t in ALL if "v" in QUESTIONS[t].inputs),
     "state",
     cost=0.95,  # plainer than a step without velocities, where other terms do use them
+    of_a_call=True,
 )
 def v_ignored(view: View) -> States:
     return {**view.states, "v": 0 * view.states["v"]}

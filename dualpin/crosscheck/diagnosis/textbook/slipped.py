@@ -69,13 +69,35 @@ def share(one: Formula, other: Formula) -> bool:
     return isinstance(one, Slipped) and one.joined(other) is not None
 
 
+@dataclass(frozen=True)
+class Added:
+    """Formulas of several algorithms, as where an answer is put together of what each of them makes.
+
+    What each makes wrong adds up.
+    """
+
+    acts: tuple[Formula, ...]
+
+    def __call__(self, view: View, term: str) -> np.ndarray | None:
+        if term == "fk":
+            raise ValueError("rotations do not add up")
+        right = view.compute(term, view.layout.how.reference)
+        changes = [x - right for act in self.acts if (x := act(view, term)) is not None]
+        return np.asarray(sum(changes, right)) if changes else None
+
+
 def in_one(acts: Sequence[Formula]) -> Formula | None:
-    """Formulas of one story as one: slips of the same algorithm are made together, of others the last one counts."""
-    found: Formula | None = None
+    """Formulas of one story as one: slips of the same algorithm are made together, what others change adds up."""
+    several: list[Formula] = []
     for act in acts:
-        both = found.joined(act) if isinstance(found, Slipped) else None
-        found = both or act
-    return found
+        for k, one in enumerate(several):
+            both = one.joined(act) if isinstance(one, Slipped) else None
+            if both:
+                several[k] = both
+                break
+        else:
+            several.append(act)
+    return Added(tuple(several)) if len(several) > 1 else next(iter(several), None)
 
 
 def predicted(acts: Sequence[Formula], view: View, term: str) -> Sequence[np.ndarray | None]:

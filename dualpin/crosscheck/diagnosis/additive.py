@@ -1,0 +1,85 @@
+"""Two mistakes that change an answer by the sum of what each changes, found without trying pairs.
+
+Where an answer is a sum, a mistake in one of its terms and one in another change it by d_A + d_B, and each of the two
+is known from the mistake alone.  Along any direction d_B must be what d_A leaves of the whole difference, so that the
+pairs among n changes are found by sorting, in n log n.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from .case import Case
+from .hypothesis import Hypothesis, Story, cost, ordered
+from .stories import joins
+from .textbook.slipped import share
+
+MOST = 24
+"""Pairs of different changes that are looked at: more of them say that too little was asked."""
+LIKELY = 16
+"""Of hypotheses that change the same."""
+ALIKE = 12
+"""Pairs of hypotheses that are looked at for each of those, since many change the same."""
+TOLERANCE = 1e-9
+
+
+def adding_up(changes: np.ndarray, whole: np.ndarray, tolerance: float) -> Iterator[tuple[int, int]]:
+    """Pairs of rows of `changes` (n, size) whose sum is `whole` (size,), to within the tolerance in every entry.
+
+    Examples
+    --------
+    >>> list(adding_up(np.array([[1.0, 0.0], [2.0, 1.0], [0.0, 3.0]]), np.array([1.0, 3.0]), 1e-9))
+    [(0, 2)]
+    """
+    direction = _direction(len(whole))
+    along, rest = changes @ direction, whole @ direction
+    order = np.argsort(along)
+    low, high = (np.searchsorted(along[order], rest - along + k * tolerance) for k in (-1, 1))
+    for i in np.flatnonzero(high > low):
+        for j in order[low[i] : high[i]]:
+            if i < j and np.abs(changes[i] + changes[j] - whole).max() <= tolerance:
+                yield int(i), int(j)
+
+
+def _direction(size: int) -> np.ndarray:
+    """Of entries that add up to no more than 1, so that what lies within a tolerance does so along it too."""
+    d = np.random.default_rng(size).standard_normal(size)
+    return np.asarray(d / np.abs(d).sum())
+
+
+def pairs(
+    few: Case, term: str, predicted: Iterable[tuple[Sequence[Hypothesis], np.ndarray | None]]
+) -> list[Story]:  # fmt: skip
+    """Stories of two hypotheses, of those that predict the same for few states, that add up to what is observed."""
+    x, right = few.observed[term], few.predict(term)
+    if right is None or x.shape != right.shape or not np.isfinite(x).all() or term == "fk":
+        return []
+    tolerance, direction = TOLERANCE * max(1.0, float(np.abs(right).max())), _direction(right.size)
+    groups: dict[str, tuple[np.ndarray, list[Hypothesis]]] = {}
+    for same, p in predicted:
+        if p is None or p.shape != right.shape:
+            continue
+        change = (p - right).ravel()
+        size = np.abs(change).max()
+        if np.isfinite(size) and size > tolerance:  # what changes all alike is one
+            groups.setdefault(f"{change @ direction:.9g}", (change, []))[1].extend(same)
+    if not groups:
+        return []
+    changes, alike = zip(*groups.values(), strict=True)
+    found = itertools.islice(adding_up(np.array(changes), (x - right).ravel(), tolerance), MOST)
+    return [story for i, j in found for story in _joined(alike[i], alike[j])]
+
+
+def _joined(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> list[Story]:
+    """Those of one algorithm first, then the cheapest."""
+    likely = [sorted(same, key=lambda h: h.cost)[:LIKELY] for same in (some, others)]
+    together = [(g, h) for g, h in itertools.product(*likely) if joins(h, (g,))]
+    together.sort(key=lambda two: (not _alike(*two), cost(two)))
+    return [ordered(two) for two in together[:ALIKE]]
+
+
+def _alike(g: Hypothesis, h: Hypothesis) -> bool:
+    return not g.place == h.place == "formula" or share(g.act, h.act)
