@@ -112,10 +112,12 @@ class Jacobians:
         for n, k in enumerate(chain):
             Ad = self.adjoint(self.world if self.by_world else pose, self.poses[k.number])
             S = subspace(steps, k) + 0 * Ad[..., 0]
-            others = {"by its inverse": lambda Ad=Ad: np.linalg.inv(Ad)}
+            others = {"by its inverse": lambda Ad=Ad: np.linalg.inv(steps.few(Ad))}
             s = steps.turn("a column Ad S of a Jacobian", Ad, S, **others)
             if back is not None:
-                s = steps.turn("the world's Jacobian", back, s, **{"by its inverse": lambda: np.linalg.inv(back)})
+                s = steps.turn(
+                    "the world's Jacobian", back, s, **{"by its inverse": lambda: np.linalg.inv(steps.few(back))}
+                )
             found[k.column] = steps.part("the columns of a link's Jacobian", s, n, len(chain))
         if self.tree.floating:
             Ad = self.adjoint(pose, self.poses[0])

@@ -15,7 +15,7 @@ References: Craig, Introduction to Robotics (2005), equations 6.45 to 6.53; Luh,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -181,16 +181,19 @@ def centripetal(
     steps: Steps, where: str, w: np.ndarray, alpha: np.ndarray, r: np.ndarray, other: np.ndarray | None = None
 ) -> np.ndarray:
     """w x (w x r); `other` is the velocity of that of two links which does not turn r."""
-    inner = cross(w, r)
+    inner, few = cross(w, r), steps.few
+
+    def twice(a: np.ndarray, b: np.ndarray) -> Callable[[], np.ndarray]:
+        return lambda: cross(few(a), cross(few(b), few(r)))
+
     others: dict[str, Any] = {
-        "w x r": inner, "w x (alpha x r)": lambda: cross(w, cross(alpha, r)),
-        "alpha x (w x r)": lambda: cross(alpha, inner), "alpha x (alpha x r)": lambda: cross(alpha, cross(alpha, r)),
-        "(w . w) r": lambda: (w * w).sum(-1)[..., None] * r,
+        "w x r": inner, "w x (alpha x r)": twice(w, alpha), "alpha x (w x r)": twice(alpha, w),
+        "alpha x (alpha x r)": twice(alpha, alpha),
+        "(w . w) r": lambda: (few(w) * few(w)).sum(-1)[..., None] * few(r),
     }  # fmt: skip
     if other is not None:
         others |= {
-            "w' x (w x r), of the two links": lambda: cross(other, inner),
-            "w x (w' x r), of the two links": lambda: cross(w, cross(other, r)),
+            "w' x (w x r), of the two links": twice(other, w), "w x (w' x r), of the two links": twice(w, other),
         }  # fmt: skip
     return np.asarray(steps.pick(f"w x (w x r): {where}", cross(w, inner), **others))
 

@@ -140,16 +140,23 @@ def transform(
 ) -> np.ndarray:
     """X to what stands at R, p; `both` is the lower block where it is that of two such matrices."""
     E, r = steps.pick(f"E of X: {which}", transposed(R), **{"R itself, not transposed": R}), skew(steps, p)
-    wrong = {
-        "E [r x], with the other sign": lambda: E @ r, "-[r x] E, in the other order": lambda: -r @ E,
-        "left out": lambda: 0 * (E @ r), "-[r x], without E": lambda: -r + 0 * E,
-        "[r x], without -E": lambda: r + 0 * E, "-E^T [r x]": lambda: -transposed(E) @ r,
-        "-E [r x] with the two multiplied entry by entry": lambda: -E * r,
-        "-[r x] E, in the other order, of the joint's motion and of its placement": both or (lambda: -r @ E),
-        "R [p x] for [p x] R, of the inverse pose R, p": lambda: -E @ _inverse(E, p),
-        "[p x] without R, of the inverse pose R, p": lambda: -_inverse(E, p),
-        "[p x] R with the two multiplied entry by entry, of the inverse pose R, p": lambda: -_inverse(E, p) * E,
+    makers: dict[str, Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]] = {
+        "E [r x], with the other sign": lambda E, r, p: E @ r, "-[r x] E, in the other order": lambda E, r, p: -r @ E,
+        "left out": lambda E, r, p: 0 * (E @ r), "-[r x], without E": lambda E, r, p: -r + 0 * E,
+        "[r x], without -E": lambda E, r, p: r + 0 * E, "-E^T [r x]": lambda E, r, p: -transposed(E) @ r,
+        "-E [r x] with the two multiplied entry by entry": lambda E, r, p: -E * r,
+        "-[r x] E, in the other order, of the joint's motion and of its placement": lambda E, r, p: -r @ E,
+        "R [p x] for [p x] R, of the inverse pose R, p": lambda E, r, p: -E @ _inverse(E, p),
+        "[p x] without R, of the inverse pose R, p": lambda E, r, p: -_inverse(E, p),
+        "[p x] R with the two multiplied entry by entry, of the inverse pose R, p": lambda E, r, p: -_inverse(E, p) * E,
     }  # fmt: skip
+
+    def of(f: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Callable[[], np.ndarray]:
+        return lambda: f(steps.few(E), steps.few(r), steps.few(p))
+
+    wrong = {name: of(f) for name, f in makers.items()}
+    if both:
+        wrong["-[r x] E, in the other order, of the joint's motion and of its placement"] = both
     lower = steps.pick(f"the block -E [r x] of X: {which}", -E @ r, **wrong)
     lead = np.broadcast_shapes(E.shape, lower.shape)
     E, lower = np.broadcast_to(E, lead), np.broadcast_to(lower, lead)
@@ -181,7 +188,10 @@ def brought(steps: Steps, site: str, X: np.ndarray | None, m: np.ndarray, plain:
     """X m, with what may stand in the place of X; `plain` where nothing but its transpose may."""
     if X is None:
         return m
-    others = {"by the inverse": lambda: np.linalg.inv(X), "as a force, by X^-T": lambda: transposed(np.linalg.inv(X))}
+    others = {
+        "by the inverse": lambda: np.linalg.inv(steps.few(X)),
+        "as a force, by X^-T": lambda: transposed(np.linalg.inv(steps.few(X))),
+    }
     return np.asarray(steps.turn(site, X, m, **({} if plain else others)))
 
 
@@ -190,8 +200,8 @@ def to_parent(steps: Steps, site: str, X: np.ndarray | None, f: np.ndarray) -> n
     if X is None:
         return f
     others = {
-        "by the inverse of X, as a motion": lambda: np.linalg.inv(X),
-        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(X)),
+        "by the inverse of X, as a motion": lambda: np.linalg.inv(steps.few(X)),
+        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(steps.few(X))),
     }
     return np.asarray(steps.turn(site, transposed(X), f, **others))
 

@@ -29,7 +29,7 @@ from .lists import branched, by_levels
 from .lumps import listed
 from .steps import Steps, cross
 from .turns import ONE
-from .wholes import Pose, from_parent, multiplied, times
+from .wholes import Pose, from_parent, multiplied, some, times
 
 
 class Poses:
@@ -265,15 +265,15 @@ class Poses:
                 },
             )  # fmt: skip
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, part.rate * ratio, follows, world=z))
-        other = "a turning joint" if part.slides else "a sliding joint"
+        other, few = "a turning joint" if part.slides else "a sliding joint", some(steps, ways)
 
         def of_other() -> Pose:
             turn, slide = (ways.of_axis(Steps(), axis, x), 0 * axis), (ways.start(), axis * x[..., None])
-            return times(ways, start, turn if part.slides else slide)
+            return times(ways, few(start), turn if part.slides else slide)
 
         def first() -> Pose:
             side = self.sides[link]
-            return times(ways, times(ways, (Ap, self.p[up]), self._motions[link]), (side.A, side.p))
+            return times(ways, times(ways, few((Ap, self.p[up])), few(self._motions[link])), few((side.A, side.p)))
 
         further = {f"that with the motion of {other}": of_other, "that with the motion before the origin": first}
         site, motion = "the product of a joint's origin in the world and its motion", lambda: self._motions[link]

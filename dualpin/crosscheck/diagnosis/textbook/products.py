@@ -36,7 +36,7 @@ _SKEWED = {
 def skew(steps: Steps, r: np.ndarray) -> np.ndarray:
     """[r x]."""
     K = cross_matrix(r)
-    return np.asarray(steps.pick(SKEW, K, **{what: (lambda w=w: w * K) for what, w in _SKEWED.items()}))
+    return np.asarray(steps.tabled(SKEW, K, _SKEWED, lambda w: w * steps.few(K), 2))
 
 
 def vector(K: np.ndarray) -> np.ndarray:
@@ -46,20 +46,21 @@ def vector(K: np.ndarray) -> np.ndarray:
 
 def wedge(steps: Steps, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """[a x] b."""
-    others = {what: (lambda w=w: product(w * cross_matrix(a), b)) for what, w in _SKEWED.items()}
-    return np.asarray(steps.pick(SKEW, cross(a, b), **others))
+    few = steps.few
+    return np.asarray(steps.tabled(SKEW, cross(a, b), _SKEWED, lambda w: product(w * cross_matrix(few(a)), few(b))))
 
 
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
     """v x m of motions."""
+    few = steps.few
     w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
     parts = {"w x the linear part": wedge(steps, w, b), LINEAR: wedge(steps, u, a)}
     linear = steps.add(f"the linear part of v x: in {site}", **parts)
     angular = steps.add(f"the angular part of v x: in {site}", **{"w x the angular part": wedge(steps, w, a)})
     x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
     others: dict[str, Any] = {
-        "with the other sign": -x, "that of forces, v x*": lambda: crf(Steps(), "", v, m),
-        "its transpose, v x^T": lambda: -crf(Steps(), "", v, m),
+        "with the other sign": lambda: -few(x), "that of forces, v x*": lambda: crf(Steps(), "", few(v), few(m)),
+        "its transpose, v x^T": lambda: -crf(Steps(), "", few(v), few(m)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of motions, v x: in {site}", x, **others)
     return np.asarray(steps.pick(AD, x, **_of_blocks(v, m, False)))
@@ -67,14 +68,15 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
 
 def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
     """v x* f of forces."""
+    few = steps.few
     w, u, n, b = v[..., :3], v[..., 3:], f[..., :3], f[..., 3:]
     parts = {"w x the moment": wedge(steps, w, n), LINEAR: wedge(steps, u, b)}
     angular = steps.add(f"the angular part of v x*: in {site}", **parts)
     linear = steps.add(f"the linear part of v x*: in {site}", **{"w x the force": wedge(steps, w, b)})
     x = np.concatenate(np.broadcast_arrays(angular, linear), -1)
     others: dict[str, Any] = {
-        "with the other sign": -x, "that of motions, v x": lambda: crm(Steps(), "", v, f),
-        "its transpose, v x*^T": lambda: -crm(Steps(), "", v, f),
+        "with the other sign": lambda: -few(x), "that of motions, v x": lambda: crm(Steps(), "", few(v), few(f)),
+        "its transpose, v x*^T": lambda: -crm(Steps(), "", few(v), few(f)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of forces, v x*: in {site}", x, **others)
     return np.asarray(steps.pick(AD, x, **_of_blocks(v, f, True)))

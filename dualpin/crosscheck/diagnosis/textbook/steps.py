@@ -131,6 +131,7 @@ class Steps:
             for slip in slips:
                 self._at.setdefault(slip.site, []).append((k, slip))
         self._plans: dict[Any, Any] = {}
+        self._of: _Of = _same
 
     @property
     def found(self) -> dict[Slip, None]:
@@ -247,11 +248,29 @@ class Steps:
 
     def components(self, site: str, x: np.ndarray) -> Any:
         """A vector (..., 3) whose components may have another sign, be left out, or change places."""
+        return self.tabled(site, x, _COMPONENTS, lambda C: (self.few(x)[..., None, :] @ C)[..., 0, :])
 
-        def wrong(slips: Sequence[Slip], of: _Of) -> Any:
-            return of(x) @ _COMPONENTS[slips[0].what]
+    def tabled(
+        self, site: str, right: Any, matrices: Mapping[str, np.ndarray], wrong: _Of, own: int = 1
+    ) -> Any:  # fmt: skip
+        """As `pick`, of what one function makes of constant matrices, for all slips at once.
 
-        return self._done(x, site, "components", (), lambda: [(name, "step_other") for name in _COMPONENTS], wrong)
+        `own` says how many of the last axes of the right quantity are its own.
+        """
+
+        def chosen(alike: _Alike) -> tuple[_Rows, np.ndarray]:
+            stacked = np.stack([matrices[slips[0].what] for slips, ks in alike.items() for _ in ks])
+            shape = len(stacked), *[1] * (np.ndim(right) - own - 1), *stacked.shape[1:]
+            rows = self._chosen([k for ks in alike.values() for k in ks])
+            return rows, stacked.reshape(shape) if self.rows > 1 else stacked[0]
+
+        made = self._planned(site, "table", (), lambda: [(name, "step_other") for name in matrices], chosen)
+        if made is None:
+            return right
+        (at, self._of), C = made
+        x = wrong(C)
+        self._of = _same
+        return self._placed(right, [(at, x)])
 
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
         """All items; slips leave out the first or the last.  Of many runs in one, use `part`."""
@@ -267,6 +286,10 @@ class Steps:
             left_out |= {"step_last_alone": k != count - 1, "step_first_alone": k != 0}
         here = tuple(how for how, out in left_out.items() if out or self._right)
         return self._done(x, site, "", here, lambda: [("", how) for how in here], lambda slips, of: 0 * of(x))
+
+    def few(self, x: Any) -> Any:
+        """In a function that makes what stands in the place of the right quantity: the rows of x where it does."""
+        return self._of(x)
 
     # what they share
 
@@ -303,7 +326,11 @@ class Steps:
         made = self._planned(site, of, names, possible, self._each)
         if made is None:
             return right
-        return self._placed(right, [(at, wrong(slips, of_rows)) for slips, (at, of_rows) in made])
+        parts = []
+        for slips, (at, self._of) in made:
+            parts.append((at, wrong(slips, self._of)))
+        self._of = _same
+        return self._placed(right, parts)
 
     def _each(self, alike: _Alike) -> list[tuple[tuple[Slip, ...], _Rows]]:
         return [(slips, self._chosen(ks)) for slips, ks in alike.items()]

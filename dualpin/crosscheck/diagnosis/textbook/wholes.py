@@ -11,6 +11,7 @@ References: Siciliano et al., Robotics (2009), section 2.7; Craig, Introduction 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -37,16 +38,31 @@ def multiplied(
     **further: Callable[[], Pose],
 ) -> Pose:  # fmt: skip
     """`made`, which is one times the other, both by name; or what may stand in its place."""
-    (first, H), (second, K) = one, other
+    few, (first, A), (second, B) = some(steps, ways), one, (other[0], cache(other[1]))
+
+    def H() -> Pose:
+        return few(A)
+
+    def K() -> Pose:
+        return few(B())
+
     wrong: dict[str, Callable[[], Pose]] = {
-        "in the other order": lambda: times(ways, K(), H), f"{first} alone": lambda: H, f"{second} alone": K,
-        "taken entry by entry": lambda: (H[0] * K()[0], H[1] * K()[1]), **further,
+        "in the other order": lambda: times(ways, K(), H()), f"{first} alone": H, f"{second} alone": K,
+        "taken entry by entry": lambda: (H()[0] * K()[0], H()[1] * K()[1]),
+        **further,
     }  # fmt: skip
-    A, p = (
-        steps.pick(site, made[i], **{name: lambda f=f, i=i: f()[i] + 0 * made[i] for name, f in wrong.items()})
+    R, p = (
+        steps.pick(
+            site, made[i], **{name: lambda f=f, i=i: few(f())[i] + 0 * few(made)[i] for name, f in wrong.items()}
+        )
         for i in (0, 1)
     )
-    return A, p
+    return R, p
+
+
+def some(steps: Steps, ways: Ways) -> Callable[[Pose], Pose]:
+    """`Steps.few` of a pose; all rows where these rotations have slips of their own, which are made in all."""
+    return (lambda H: (steps.few(H[0]), steps.few(H[1]))) if ways.own is None else lambda H: H
 
 
 def from_parent(
@@ -54,22 +70,26 @@ def from_parent(
 ) -> Pose:  # fmt: skip
     """`made` of the pose of the parent and its own there; `of` says of which links, and which of these."""
     (Ap, pp), (A, p), (link, which) = parent, made, of
-    R = ways.matrix(Ap)
+    few, own = some(steps, ways), cache(own)
 
-    def local(turn: np.ndarray) -> np.ndarray:
-        return product(turn, own()[1] + 0 * p)
+    def local(turn: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        R, up = few((ways.matrix(Ap), pp))
+        return up + product(turn(R), few(own())[1] + 0 * few(made)[1])
+
+    def attitude(of: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Callable[[], np.ndarray]:
+        return lambda: of(few(parent)[0], few(own())[0])
 
     positions = {
-        "the parent's plus its place there, not turned": lambda: pp + local(ONE),
-        "the parent's plus its place there, turned by the transposed matrix": lambda: pp + local(transposed(R)),
-        "the parent's minus its place there": lambda: 2 * pp - p, "that of the parent alone": pp + 0 * p,
+        "the parent's plus its place there, not turned": lambda: local(lambda R: ONE),
+        "the parent's plus its place there, turned by the transposed matrix": lambda: local(transposed),
+        "the parent's minus its place there": lambda: 2 * pp - p, "that of the parent alone": lambda: pp + 0 * p,
         "its place on the parent alone": lambda: p - pp,
     }  # fmt: skip
     attitudes = {
-        "its own multiplied by the parent's from the right": lambda: ways.then(own()[0], Ap),
+        "its own multiplied by the parent's from the right": attitude(lambda up, own: ways.then(own, up)),
         "its own on the parent alone": lambda: own()[0] + 0 * A, "that of the parent alone": Ap,
-        "that of the parent, transposed, times its own": lambda: ways.then(ways.inverse(Ap), own()[0]),
-        "that of the parent and its own, multiplied entry by entry": lambda: Ap * own()[0],
+        "that of the parent, transposed, times its own": attitude(lambda up, own: ways.then(ways.inverse(up), own)),
+        "that of the parent and its own, multiplied entry by entry": attitude(lambda up, own: up * own),
     }  # fmt: skip
     sites = {
         "a link": ("the orientation of a link", "the position of a link"),
