@@ -97,7 +97,11 @@ def _parts(T: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
 
 def cross_matrix(p: np.ndarray) -> np.ndarray:
     """[p] (..., 3, 3) with  [p] b = p x b."""
-    return np.moveaxis(np.cross(p[..., None, :], np.eye(3)), -1, -2)
+    x, y, z = p[..., 0], p[..., 1], p[..., 2]
+    out = np.zeros((*p.shape, 3), np.result_type(p, float))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -z, y, -x
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = z, -y, x
+    return out
 
 
 def _blocks(R: np.ndarray, pR: np.ndarray, *, lower: bool) -> np.ndarray:

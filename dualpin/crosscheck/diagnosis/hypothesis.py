@@ -136,7 +136,8 @@ Story = tuple[Hypothesis, ...]
 
 
 def ordered(story: Iterable[Hypothesis]) -> Story:
-    return tuple(sorted(story, key=lambda h: (PLACES.index(h.place), h.key, h.items)))
+    story = tuple(story)
+    return story if len(story) < 2 else tuple(sorted(story, key=lambda h: (PLACES.index(h.place), h.key, h.items)))
 
 
 def identity(story: Story) -> frozenset[Any]:

@@ -88,19 +88,25 @@ class Jacobians:
         R = steps.pick("the rotation in T_i^-1 T_k", R, **{"its transpose": transposed(R), "R_k alone": of.R0 + 0 * R})
         lead = np.broadcast_shapes(R.shape[:-2], p.shape[:-1])
         R, K = np.broadcast_to(R, (*lead, 3, 3)), cross_matrix(np.broadcast_to(p, (*lead, 3)))
+        few = steps.few
         others = {
-            "with the other sign": -K @ R, "[p x] alone": K, "R [p x]": R @ K, "left out": 0 * K,
-            "[p x] and R multiplied entry by entry": K * R, "[p x] R^T": K @ transposed(R),
+            "with the other sign": lambda: -few(K) @ few(R), "[p x] alone": lambda: few(K),
+            "R [p x]": lambda: few(R) @ few(K), "left out": lambda: 0 * few(K),
+            "[p x] and R multiplied entry by entry": lambda: few(K) * few(R),
+            "[p x] R^T": lambda: few(K) @ transposed(few(R)),
         }  # fmt: skip
         block = steps.pick("the block [p x] R of Ad", K @ R, **others)
         lead = block.shape[:-2]
         R = np.broadcast_to(R, (*lead, 3, 3))
-        upper = spatial([[R, block], [0 * block, R]])
         return np.asarray(
             steps.pick(
                 "the adjoint map Ad",
                 spatial([[R, 0 * block], [block, R]]),
-                **{"with [p x] R in the upper right block": upper},
+                **{
+                    "with [p x] R in the upper right block": lambda: spatial(
+                        [[few(R), few(block)], [0 * few(block), few(R)]]
+                    )
+                },
             )
         )
 

@@ -63,7 +63,7 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
         "its transpose, v x^T": lambda: -crf(Steps(), "", few(v), few(m)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of motions, v x: in {site}", x, **others)
-    return np.asarray(steps.pick(AD, x, **_of_blocks(v, m, False)))
+    return np.asarray(steps.pick(AD, x, **_of_blocks(steps, v, m, False)))
 
 
 def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
@@ -79,14 +79,14 @@ def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
         "its transpose, v x*^T": lambda: -crm(Steps(), "", few(v), few(f)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of forces, v x*: in {site}", x, **others)
-    return np.asarray(steps.pick(AD, x, **_of_blocks(v, f, True)))
+    return np.asarray(steps.pick(AD, x, **_of_blocks(steps, v, f, True)))
 
 
-def _of_blocks(v: np.ndarray, m: np.ndarray, transposed: bool) -> dict[str, Callable[[], np.ndarray]]:
+def _of_blocks(steps: Steps, v: np.ndarray, m: np.ndarray, transposed: bool) -> dict[str, Callable[[], np.ndarray]]:
     """What wrong blocks of [w x 0; u x w x] make of v x m, or of v x* m = -(v x)^T m."""
-    w, u, a, b = v[..., :3], v[..., 3:], m[..., :3], m[..., 3:]
 
     def made(of_w: np.ndarray, of_u: np.ndarray) -> np.ndarray:
+        w, u, a, b = (part for x in (steps.few(v), steps.few(m)) for part in (x[..., :3], x[..., 3:]))
         blocks = of_w[..., None] * w[..., None, None, :] + of_u[..., None] * u[..., None, None, :]
         if transposed:
             blocks = np.swapaxes(blocks, -3, -2)

@@ -142,19 +142,26 @@ def _turning(steps: Steps, w: np.ndarray, v: np.ndarray, q: np.ndarray) -> Pose:
 def adjoint(steps: Steps, R: np.ndarray, p: np.ndarray) -> np.ndarray:
     """Ad(T) = [R 0; [p x] R  R]."""
     P = skew(steps, p)
-    wrong = {
-        "R [p x], in the other order": R @ P, "-[p x] R": -P @ R, "left out": 0 * (P @ R),
-        "[p x], without R": P + 0 * R, "R, without [p x]": R + 0 * P, "[p x] R^T": P @ transposed(R),
+    few = steps.few
+    wrong: dict[str, Any] = {
+        "R [p x], in the other order": lambda: few(R) @ few(P), "-[p x] R": lambda: -few(P) @ few(R),
+        "left out": lambda: 0 * (few(P) @ few(R)), "[p x], without R": lambda: few(P) + 0 * few(R),
+        "R, without [p x]": lambda: few(R) + 0 * few(P), "[p x] R^T": lambda: few(P) @ transposed(few(R)),
     }  # fmt: skip
     lower = steps.pick("the block [p x] R of Ad", P @ R, **wrong)
     X = spatial([[R, 0 * R], [lower, R]])
     others: dict[str, Any] = {
-        "[R  [p x] R; 0  R], with the block in the upper right": lambda: spatial([[R, lower], [0 * R, R]]),
-        "its transpose": lambda: transposed(X), "that with R^T in the place of R": lambda: _of_back(R, P),
-        "that of the inverse": lambda: adjoint(Steps(), *inverted(Steps(), (R, p))),
-        "its dual, Ad^-T": lambda: transposed(adjoint(Steps(), *inverted(Steps(), (R, p)))),
+        "[R  [p x] R; 0  R], with the block in the upper right": lambda: _upper(few(R), few(lower)),
+        "its transpose": lambda: transposed(few(X)),
+        "that with R^T in the place of R": lambda: _of_back(few(R), few(P)),
+        "that of the inverse": lambda: adjoint(Steps(), *inverted(Steps(), (few(R), few(p)))),
+        "its dual, Ad^-T": lambda: transposed(adjoint(Steps(), *inverted(Steps(), (few(R), few(p))))),
     }  # fmt: skip
     return np.asarray(steps.pick("Ad(T)", X, **others))
+
+
+def _upper(R: np.ndarray, block: np.ndarray) -> np.ndarray:
+    return spatial([[R, block], [0 * R, R]])
 
 
 def _of_back(R: np.ndarray, P: np.ndarray) -> np.ndarray:
