@@ -47,6 +47,7 @@ SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells eno
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
+LITTLE = 0.2  # of the root mean square: causes that leave no more are looked at with one more
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -279,7 +280,7 @@ class Search:
                 if self.open:
                     edits = not any(h.place == "formula" for h in story)
                     some = [h for h in more if h.place not in READ or (edits and shows(self.case, h))]
-                    self.consider(self._with(story, some))
+                    self._further(self.consider(self._with(story, some)), some)
         for story in self._by_symbols(found).values():
             more = [h for h in self._whole if h.place == "answer"]
             self.consider(self._with(story, [*self._fits(story), *more]))
@@ -304,7 +305,14 @@ class Search:
             near = [n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE]
             beam = kept([n for n in near if shows(self.case, n.story[0])])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
-            self.consider([*more, *(s for story in beam for s in self._with(story, whole))], self._part())
+            level = self.consider([*more, *(s for story in beam for s in self._with(story, whole))], self._part())
+            self._further(level, whole)
+
+    def _further(self, near: Sequence[Near], more: Sequence[Hypothesis]) -> None:
+        """One cause more, beside what leaves little."""
+        for n in sorted(near, key=lambda n: n.score.rms)[:FEW_CAUSES]:
+            if self.open and n.score.rms < LITTLE * self.before.rms:
+                self.consider(self._with(n.story, more))
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
