@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
+from dualpin.crosscheck.diagnosis.catalogue import Catalogue
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
 from dualpin.crosscheck.diagnosis.rules.dynamics import Seen
 from dualpin.crosscheck.diagnosis.rules.formulation import possible
-from dualpin.crosscheck.diagnosis.search import Catalogue
 from dualpin.crosscheck.diagnosis.textbook import (
     about_centres,
     answers,

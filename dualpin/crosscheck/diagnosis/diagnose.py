@@ -13,13 +13,14 @@ from functools import cache, partial
 from ..findings import Finding
 from .apart import told_apart
 from .case import Case
+from .catalogue import Catalogue
 from .choice import as_causes, cause_of, cheapest
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
 from .rules.register import DERIVED, PUSHED, WEIGHED
 from .scores import scaled
-from .search import DOUBTFUL, Catalogue, Search
+from .search import DOUBTFUL, Search
 from .spared import READ, spared
 from .stories import Explanation
 

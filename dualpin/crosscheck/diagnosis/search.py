@@ -9,27 +9,22 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from ..subjects.questions import QUESTIONS
-from . import additive
 from .case import Case
+from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
-from .rules import RULES
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules.composed import PARTS, by_symbols
-from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .scores import Score
+from .rules.register import INERTIAL, MERGING, READINGS
 from .spared import READ, instead, shows, spared
 from .stories import BEAM, Explanation, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
-from .textbook.slipped import algorithm, made_of, share
 
-STORIES, AT_ONCE, SHORT = 64, 800, 600  # scored before the time is looked at, at most; slips of a short algorithm
+STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them
 MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
 NEAREST = 3  # slips beside which others of the same algorithm are looked for
@@ -43,83 +38,11 @@ KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
-SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
-FEW = 1e-7
-"""The error of a slip at these states up to which it is looked at in all."""
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LITTLE = 0.2  # of the root mean square: causes that leave no more are looked at with one more
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
-
-
-class Catalogue:
-    """All hypotheses of a case, proposed once; those of late rules when they are first needed."""
-
-    def __init__(self, case: Case) -> None:
-        self.case, self._cases = case, dict[int, Case]()
-        self.settled: set[str] = set()
-        """Terms of which a cause is found, of their own or of the terms that they are made of."""
-        few = case.asking.samples < 2  # at one state what need only have something in common with an answer has it
-        proposed = (h for rule in RULES if not rule.late for h in rule.propose(case))
-        self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
-        self._kin: dict[Any, list[Hypothesis]] = {}
-        self._late: dict[int, list[Hypothesis]] = {}
-        self._looked_at: dict[str, list[list[Hypothesis]]] = {}
-
-    def _of_rules(self, late: int) -> list[Hypothesis]:
-        if late not in self._late:
-            self._late[late] = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
-            for h in self._late[late]:
-                self._kin.setdefault(h.mistake or h.cause, []).append(h)
-        return self._late[late]
-
-    def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
-        return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
-
-    def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
-        """The same mistake as other formulations, or what is made of them, show it."""
-        return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
-
-    def slips(self, term: str, until: float, base: Story = (), late: int = SLIPS) -> list[Story]:
-        """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
-
-        `base` is a story that holds besides; `late` says of which rules they are.
-        """
-        few = self._few(term)
-        groups: dict[Any, list[Hypothesis]] = {}
-        formulas = [h.act for h in base if h.place == "formula"]
-        for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
-            if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
-                continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
-            groups.setdefault(made_of(h.act, term), []).append(h)
-        # the subject's own answers put together are soon seen; then come algorithms with slips told, and short ones
-        sizes = Counter(algorithm(same[0].act) for same in groups.values())
-        styles = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
-        rank = lambda h: (not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] > SHORT)  # noqa: E731
-        alike = sorted(groups.values(), key=lambda same: rank(same[0]))
-        scores = list[Score]()
-        for block in in_time(alike, until, AT_ONCE):
-            scores += few.scores(term, [ordered((*base, same[0])) for same in block])
-        told = list(zip(alike, scores, strict=False))
-        if not base:
-            self._looked_at.setdefault(term, []).extend(same for same, _ in told)
-        right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
-        near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
-        return right or kept(near)
-
-    def sums(self, term: str, others: Sequence[Hypothesis]) -> list[Story]:
-        """Two causes whose changes add up: slips that were looked at, and others that were."""
-        few = self._few(term)
-        slips = ((same, few.predict(term, (same[0],))) for same in self._looked_at.get(term, ()))
-        plain = (((h,), p if p is None else p[: few.asking.samples]) for h, p in self.case.known(term, others))
-        return additive.pairs(few, term, [*slips, *plain])
-
-    def _few(self, term: str) -> Case:
-        samples = 1 if QUESTIONS[term].form in SQUARE else 2
-        if samples not in self._cases:
-            self._cases[samples] = self.case.few(samples)
-        return self._cases[samples]
 
 
 class Search:

@@ -1,0 +1,97 @@
+"""All hypotheses of a case, and the slips of textbook algorithms that explain a term or come near."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..subjects.questions import QUESTIONS
+from . import additive
+from .case import Case
+from .hypothesis import Hypothesis, Story, ordered, style
+from .rules import RULES
+from .rules.register import SLIPS
+from .scores import Score
+from .stories import in_time, kept, nearness
+from .textbook.slipped import algorithm, made_of, share
+
+AT_ONCE, SHORT = 800, 600  # slips that are scored before the time is looked at; those of a short algorithm, at most
+SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
+FEW = 1e-7
+"""The error of a slip at these states up to which it is looked at in all."""
+
+
+class Catalogue:
+    """All hypotheses of a case, proposed once; those of late rules when they are first needed."""
+
+    def __init__(self, case: Case) -> None:
+        self.case, self._cases = case, dict[int, Case]()
+        self.settled: set[str] = set()
+        """Terms of which a cause is found, of their own or of the terms that they are made of."""
+        few = case.asking.samples < 2  # at one state what need only have something in common with an answer has it
+        proposed = (h for rule in RULES if not rule.late for h in rule.propose(case))
+        self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
+        self._kin: dict[Any, list[Hypothesis]] = {}
+        self._late: dict[int, list[Hypothesis]] = {}
+        self._looked_at: dict[str, list[list[Hypothesis]]] = {}
+
+    def _of_rules(self, late: int) -> list[Hypothesis]:
+        if late not in self._late:
+            self._late[late] = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
+            for h in self._late[late]:
+                self._kin.setdefault(h.mistake or h.cause, []).append(h)
+        return self._late[late]
+
+    def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
+        return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
+
+    def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
+        """The same mistake as other formulations, or what is made of them, show it."""
+        return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
+
+    def slips(self, term: str, until: float, base: Story = (), late: int = SLIPS) -> list[Story]:
+        """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
+
+        `base` is a story that holds besides; `late` says of which rules they are.
+        """
+        few = self._few(term)
+        groups: dict[Any, list[Hypothesis]] = {}
+        formulas = [h.act for h in base if h.place == "formula"]
+        for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
+            if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
+                continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
+            groups.setdefault(made_of(h.act, term), []).append(h)
+        # the subject's own answers put together are soon seen; then come algorithms with slips told, and short ones
+        sizes = Counter(algorithm(same[0].act) for same in groups.values())
+        styles = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
+
+        def later(same: list[Hypothesis]) -> tuple[bool, ...]:
+            h = same[0]
+            return not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] > SHORT
+
+        alike = sorted(groups.values(), key=later)
+        scores = list[Score]()
+        for block in in_time(alike, until, AT_ONCE):
+            scores += few.scores(term, [ordered((*base, same[0])) for same in block])
+        told = list(zip(alike, scores, strict=False))
+        if not base:
+            self._looked_at.setdefault(term, []).extend(same for same, _ in told)
+        right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
+        near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
+        return right or kept(near)
+
+    def sums(self, term: str, others: Sequence[Hypothesis]) -> list[Story]:
+        """Two causes whose changes add up: slips that were looked at, and others that were."""
+        few = self._few(term)
+        slips = ((same, few.predict(term, (same[0],))) for same in self._looked_at.get(term, ()))
+        plain = (((h,), p if p is None else p[: few.asking.samples]) for h, p in self.case.known(term, others))
+        return additive.pairs(few, term, [*slips, *plain])
+
+    def _few(self, term: str) -> Case:
+        samples = 1 if QUESTIONS[term].form in SQUARE else 2
+        if samples not in self._cases:
+            self._cases[samples] = self.case.few(samples)
+        return self._cases[samples]
