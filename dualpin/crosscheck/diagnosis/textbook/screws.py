@@ -123,10 +123,16 @@ def _turning(steps: Steps, w: np.ndarray, v: np.ndarray, q: np.ndarray) -> Pose:
     R = rodrigues(steps, w, q, W)
     t = q[..., None, None]
     s, c = np.sin(t), np.cos(t)
-    first = {"1 + cos q": 1 + c, "sin q": s, "cos q": c, "1": 0 * c + 1, "-cos q": -c}
-    second = {"q + sin q": t + s, "sin q": s, "q": t, "1 - cos q": 1 - c, "q - cos q": t - c, "-sin q": -s}
+    first = {"1 + cos q": 1 + c, "sin q": s, "1 - sin q": 1 - s, "cos q": c, "1": 0 * c + 1, "-cos q": -c}
+    second = {
+        "q + sin q": t + s, "sin q": s, "1 - sin q": 1 - s, "q": t, "1": 0 * t + 1, "1 - cos q": 1 - c,
+        "q - cos q": t - c, "-sin q": -s,
+    }  # fmt: skip
     f = steps.pick("the factor of [w] in G of an exponential", 1 - c, **first)
     g = steps.pick("the factor of [w]^2 in G of an exponential", t - s, **second)
+    f, g = (
+        steps.pick("the factors of [w] and [w]^2 in G of an exponential", x, exchanged=y) for x, y in ((f, g), (g, f))
+    )
     squares = {"[w]": W, "w w^T": w[..., None] * w[..., None, :], "the square of each entry of [w]": W * W}
     W2 = steps.pick("[w]^2 in G of an exponential", W @ W, **squares)
     wrong = {"1, without q": ONE + 0 * t, "q in every entry": t + 0 * ONE}

@@ -122,6 +122,7 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coor
         X = m.to_frame(steps, k, pose, push)
         others = {
             "by the inverse of X, as a motion": lambda: np.linalg.inv(steps.few(X)),
+            "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(steps.few(X))),
             "into the link's axes alone": lambda: spatial([[back, 0 * back], [0 * back, back]]),
         }
         return steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
