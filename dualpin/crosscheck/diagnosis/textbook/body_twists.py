@@ -62,9 +62,9 @@ def bodies(steps: Steps, tree: Tree, q: np.ndarray, frames: Frames = Frames.AT_C
         at = times(PLAIN, home[k.number], (push.R, push.place))
         if push.reference == "local":
             back, on = inverted(steps, at), M[k.number]
-            site, made = "the pose of a body in the frame of the wrench on it, M_f^-1 M,", times(PLAIN, back, on)
+            site, right = "the pose of a body in the frame of the wrench on it, M_f^-1 M,", times(PLAIN, back, on)
             turned = {"the inverse, M^-1 M_f": partial(_from, on, at)}
-            T = multiplied(steps, PLAIN, site, ("M_f^-1", back), ("M", itself(on)), made, **turned)
+            T = multiplied(steps, PLAIN, site, ("M_f^-1", back), ("M", itself(on)), right, **turned)
             return adjoint(steps, *T)
         made = products(steps, tree, home, q)[1]
         A, p = standing(steps, tree, k.number, made, M[k.number], "of bodies")
