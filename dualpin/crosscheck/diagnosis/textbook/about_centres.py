@@ -17,6 +17,7 @@ import numpy as np
 from ...subjects.layout import product
 from .steps import HAVE, Steps, cross
 from .tree import Link, Tree, filled
+from .weighted import steiners
 
 ONE = np.eye(3)
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -140,9 +141,12 @@ def _unit(
         return n, m * z
     arms = {"from the world's origin": c, "to the link's own centre": own[1] - o}
     r = steps.pick("the arm of a unit acceleration", c - o, **arms)
-    n = product(
-        steps.pick("the inertia that a unit acceleration turns", I, **{"the link's own": own[2], "zero": 0 * I}), z
-    )
+    others = {
+        "the link's own": own[2], "zero": 0 * I,
+        "that about the joint's origin": lambda: I + steiners(m[..., 0], c - o),
+        "that about the world's origin": lambda: I + steiners(m[..., 0], c),
+    }  # fmt: skip
+    n = product(steps.pick("the inertia that a unit acceleration turns", I, **others), z)
     return n, m * steps.cross("the acceleration of a composite's centre", z, r)
 
 

@@ -47,9 +47,7 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches) -> np.nd
     """tau (runs, samples, nv) of wrenches on links."""
     poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 3))
     f, n = ([wrenches[k.number][i] + zero if k.number in wrenches else zero for k in tree.links] for i in (0, 1))
-    z = [zero]
-    for k in tree.links[1:]:
-        z.append(_axis(steps, k, poses[k.number], poses[k.parent], kind(k)) if k.moves else zero)
+    z = [_axis(steps, k, poses[k.number], poses[k.parent], kind(k)) if k.moves else zero for k in tree.links]
     return _inward(steps, tree, poses, z, f, n, q)
 
 
@@ -73,10 +71,8 @@ def _inward(
     if tree.floating:
         about = cross(poses[0].p0, f[0])
         moment = steps.pick("the moment that moves the base", n[0], **{"that about the world's origin": n[0] + about})
-        base = [
-            steps.turn("the base's wrench: its moment", back, moment),
-            steps.turn("the base's wrench: its force", back, f[0]),
-        ]
+        parts = (("moment", moment), ("force", f[0]))
+        base = [steps.turn(f"the base's wrench: its {what}", back, x) for what, x in parts]
     return gathered(columns, base, q)
 
 
@@ -86,12 +82,15 @@ def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], zs: list[n
     others = {f"that of the {which} joint": zs[j.number] for which, j in tree.neighbours(k).items()}
     others |= axes(pose.R0, "of the link's frame") | axes(on.R0, "of the parent's frame")
     others |= axes(np.eye(3) + 0 * pose.R0, "of the world")
+    up = tree.links[k.parent]
+    of_parent = z if not up.number else zs[up.number] if up.moves else on.R0[..., 0]  # x where a file names no axis
     others |= {
         "in the link's axes, not turned into the world's": k.z + 0 * z,
         "turned by the parent's matrix": product(on.R0, k.z),
         "turned by the transposed matrix": product(transposed(pose.R0), k.z),
     }  # fmt: skip
-    return np.asarray(steps.pick("the axis along which a joint feels force or moment", z, **others))
+    z = steps.pick("the axis along which a joint feels force or moment", z, **others)
+    return np.asarray(steps.pick(f"the axis of force and moment: {kind(k)}", z, **{"that of the parent": of_parent}))
 
 
 def accelerations(
