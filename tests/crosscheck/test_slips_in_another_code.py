@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache, partial
 
+import numpy as np
 import pytest
 
 from dualpin.crosscheck.diagnosis import Case
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
+from dualpin.crosscheck.diagnosis.scores import FAR, scored
 from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
@@ -219,3 +221,9 @@ def test_a_slip_predicts_what_another_code_answers(name):
         planted = Hypothesis("step_other", slip.says, (term,), "formula", Slipped(run, (slip,), True))
         assert not case.score(term).right, term
         assert case.score(term, (planted,)).right, term
+
+
+def test_predictions_of_which_none_is_finite_are_far():
+    x = np.ones((2, 3))
+    assert scored(x, [np.full((2, 3), np.inf), None], np.full(2, 1e-9)) == [FAR, FAR]
+    assert scored(x, [np.full((2, 3), np.nan), x], np.full(2, 1e-9))[1].right

@@ -68,6 +68,8 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
     finite = np.isfinite(P.reshape(len(P), -1)).all(axis=1)
     if not finite.all():
         P, alike = P[finite], [k for k, good in zip(alike, finite, strict=True) if good]
+    if not alike:
+        return out
     at = tolerances[alike]
     found = errors(x, P), *_near(x, P, np.minimum(at, 1e-7)), at
     for k, error, share, rms, most in zip(alike, *(values.tolist() for values in found), strict=True):
