@@ -187,6 +187,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(one_more_cause, one_more, unknown, off)
     if not catalogue.settled:
         stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
+        stage(one_more_cause, one_more, unknown, off[1:])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
     stage(beside, besides, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
