@@ -33,6 +33,8 @@ COST = 1.15
 RARE = ("quaternions", "products of exponentials", "about centres of mass", "body Jacobians")
 RARER = 0.02
 """What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
+SPATIAL = 0.002
+"""What products of exponentials cost less where Jacobians are about the world's origin, as these codes make them."""
 USUAL = 0.001
 """What a slip costs less that has a key of its own: codes have these, and of equal ones they are told first."""
 FUSING = 0.0005
@@ -81,6 +83,10 @@ def formulation(
 
     rarer = RARER * any(words in name for words in RARE)
 
+    def extra(case: Case) -> float:
+        of_space = "exponentials" in name and case.how.reference == "world"
+        return -SPATIAL if of_space else rarer
+
     def decorate(run: Run) -> Run:
         def propose(case: Case) -> list[Hypothesis]:
             if not when(case):
@@ -88,7 +94,7 @@ def formulation(
             asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
             wrong = [t for t in asked if t in case.wrong]
             touched: dict[Slip, set[str]] = {}
-            slips = {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, wrong))}
+            more, slips = extra(case), {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, wrong))}
             for term in wrong:
                 for slip in filter(only, slips[like(term)]):
                     touched.setdefault(slip, set(asked) - set(wrong)).add(term)  # of right ones `spared` finds out
@@ -96,7 +102,7 @@ def formulation(
                 Hypothesis(
                     (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(t for t in asked if t in shown),
                     "formula", Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + LIKELY.get(slip.how, 0.0) + rarer - USUAL * (slip in (known or {})),
+                    cost=cost + LIKELY.get(slip.how, 0.0) + more - USUAL * (slip in (known or {})),
                     afterwards=afterwards(case),
                     mistake=_mistake(slip, (known or {}).get(slip), alike),
                 )

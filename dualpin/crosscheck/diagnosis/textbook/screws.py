@@ -49,7 +49,10 @@ def screw(steps: Steps, k: Link, home: list[Pose]) -> np.ndarray:
     """S of the joint that moves a link."""
     (R, p), up = home[k.number], home[k.parent]
     others = {"by the parent's pose, without its own rpy": lambda: up[0]}
-    w = steps.turn("the axis of a screw, at home,", R, k.z + 0 * p, **others)
+    z = k.z
+    if abs(k.length - 1) > 1e-12:
+        z = steps.pick("the axis of a screw, as the file gives it,", z, **{"not normalised": k.length * z})
+    w = steps.turn("the axis of a screw, at home,", R, z + 0 * p, **others)
     lever = cross(w, p)
     turning, sliding = six([w, -lever]), six([0 * w, w])
     if k.slides:

@@ -47,6 +47,8 @@ class Link:
     """The inertia about the centre of mass, in the link's axes."""
     pieces: Sequence[Piece] = ()
     """The links that it was made of."""
+    length: float = 1.0
+    """That of its <axis>, as the file gives it."""
 
     @property
     def moves(self) -> bool:
@@ -239,7 +241,8 @@ def _link(part: Part, number: int, parent: int, column: int, place: int) -> Link
     z = part.unit_axis if column >= 0 else np.zeros(3)
     R, p = part.rotation[None, None], part.position[None, None]
     body = _body(part.body)
-    return Link(number, part.link, parent, R, p, z[None, None], part.slides, column, place, *body)
+    length = 1.0 if part.axis is None else float(np.linalg.norm(part.axis))
+    return Link(number, part.link, parent, R, p, z[None, None], part.slides, column, place, *body, length=length)
 
 
 def _body(b: object) -> tuple[float, np.ndarray, np.ndarray]:
