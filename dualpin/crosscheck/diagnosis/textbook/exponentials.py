@@ -102,11 +102,11 @@ class Exponentials:
         of, last = dict[int, np.ndarray](), V
         for k in path:
             J = self.columns[k.number]
-            others = {"that of the link itself, in every column": whole, "that of the joint before alone": last}
+            others = {"that of the link itself, in every column": whole}
             up = steps.pick("the velocity in V x J", V + 0 * J, **{what: x + 0 * J for what, x in others.items()})
             of[k.column] = crm(steps, "dJ/dt = V x J", up, J)
             last = J * v[..., k.column, None]
-            V = steps.add("the velocity of the joints before", **{"theirs": V, "J qd": last})
+            V = steps.add("the velocity of the joints before", **{"the sum so far": V, "J qd": last})
         return self.filled(of)
 
     def filled(self, columns: dict[int, np.ndarray]) -> np.ndarray:
