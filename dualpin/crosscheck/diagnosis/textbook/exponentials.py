@@ -24,7 +24,7 @@ from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home, spatial_inertia
 from .plucker import to_parent
 from .products import crm
-from .screws import adjoint, at_home, before, inverse, inverted, products, standing
+from .screws import adjoint, at_home, before, inverted, products, standing
 from .steps import Steps, cross
 from .transforms import stacked
 from .tree import Link, Tree, tree_of
@@ -102,8 +102,8 @@ class Exponentials:
         of, last = dict[int, np.ndarray](), V
         for k in path:
             J = self.columns[k.number]
-            others = {"that of the link itself, in every column": whole}
-            up = steps.pick("the velocity in V x J", V + 0 * J, **{what: x + 0 * J for what, x in others.items()})
+            others = {"that of the link itself, in every column": whole + 0 * J}
+            up = steps.pick("the velocity in V x J", V + 0 * J, **others)
             of[k.column] = crm(steps, "dJ/dt = V x J", up, J)
             last = J * v[..., k.column, None]
             V = steps.add("the velocity of the joints before", **{"the sum so far": V, "J qd": last})
@@ -207,7 +207,7 @@ class Exponentials:
         """Of gravity on the columns of a body (runs, n, nv)."""
         g, R = self.tree.gravity + np.zeros(3), self.bodies[k.number][0]
         if self.in_bodies:
-            g = self.steps.turn("gravity, in the axes of a body,", inverse(R), g + 0 * R[..., 0])
+            g = self.steps.turn("gravity, in the axes of a body,", transposed(R), g + 0 * R[..., 0])
         return -k.mass * product(self.body(k)[..., 3:], g)
 
     def _mass(self, k: Link) -> np.ndarray:

@@ -179,17 +179,10 @@ def _of_back(R: np.ndarray, P: np.ndarray) -> np.ndarray:
 
 
 def inverted(steps: Steps, T: Pose) -> Pose:
-    """T^-1, also where R is no rotation any more."""
+    """(R^T, -R^T p), also where R is no rotation any more."""
     R, p = T
-    back = inverse(R)
+    back = transposed(R)
     E = steps.pick("R^T of the inverse of a pose", back, **{"R itself, not transposed": R})
     there = product(back, p + 0 * R[..., 0])
     wrong = {"-p, not turned": -p + 0 * there, "-R p": lambda: -product(R, p + 0 * R[..., 0]), "R^T p": there}
     return E, np.asarray(steps.pick("-R^T p of the inverse of a pose", -there, **wrong))
-
-
-def inverse(R: np.ndarray) -> np.ndarray:
-    """Of what may be no rotation; not-a-number where there is none."""
-    a, b, c = np.moveaxis(R, -2, 0)
-    columns = np.stack([cross(b, c), cross(c, a), cross(a, b)], -1)
-    return np.asarray(columns / (a * cross(b, c)).sum(-1)[..., None, None])
