@@ -1,4 +1,8 @@
-"""Products of exponentials: poses, Jacobians of both forms, recursions in body twists.  See the folder `textbook`."""
+"""Products of exponentials: poses, Jacobians of both forms, recursions in body twists.  See the folder `textbook`.
+
+Most slips of a recursion are the same in body twists as in six-vectors of links or about centres of mass, and those in
+screws and their exponentials show in poses first: these are tried where the same mistake explains another term.
+"""
 
 from __future__ import annotations
 
@@ -15,28 +19,57 @@ from ..textbook.steps import Slip
 from .dynamics import FUSED, PUSHED, SYMBOLS, later, merges, of_mass, register
 from .formulation import COST, FUSING, formulation
 from .kinematics import KNOWN, fixed
-from .six_vectors import elsewhere, outside
+from .six_vectors import ALIKE, elsewhere, outside
 
 NAME = "products of exponentials"
-TERMS = ("gravity", "bias", "rnea", "rnea_f_ext", "crba")
+FORCES = ("gravity", "bias", "rnea", "rnea_f_ext", "crba")
 OF_SCREWS = (
-    "the rotation of a joint", "K in", "K^2 in", "the factor of", "the 1 of", "the angle of", "the sine and cosine of",
+    "the rotation of a joint", "K in", "K^2 in", "the factor", "the 1 of", "the angle of", "the sine and cosine of",
     "G of an exponential", "[w]^2 in G", "q 1 in G", "v of a screw", "the position of a", "the axis of a screw",
-    "the screw of a turning joint", "the screw of a sliding joint", "the pose of a link at home", products.SKEW,
+    "the screw of a turning joint", "the screw of a sliding joint", "the exponential of a",
+    "the pose of a link at home", products.SKEW,
 )  # fmt: skip
 """Sites of screws at home and their exponentials."""
+OF_ADJOINTS = ("Ad(T)", "the block [p x] R of Ad", "R^T of the inverse", "-R^T p of the inverse")
+OF_TRANSFORMS = (
+    *OF_ADJOINTS, "the screw of a joint, in", "the pose of the parent's frame", "-q in exp(-A q)",
+    "the motion that a link starts from", "the axis of a joint, in", "the pose of a body in the frame of",
+)  # fmt: skip
+"""Sites at which body twists are made of screws."""
+IN_AXES = (
+    "the parent's velocity", "the parent's acceleration", "the force that is handed on", "the velocity in v x",
+    "a link's tensor", "the inertia about the centre of mass", "d.d 1 in Steiner's term, in",
+    "d d^T in Steiner's term, in",
+)  # fmt: skip
+"""Sites at which it matters in which axes a body's frame stands."""
+OF_BODIES = (
+    "the space Jacobian, brought", "the momentum of a body", "the pose of the centre of mass", "the velocity of a body",
+    "gravity, in the axes",
+)  # fmt: skip
+"""Sites at which Jacobians are brought to bodies."""
+OF_LISTS = ("the product of the exponentials before", "the pose of a link at home")
+"""Sites at which it matters in poses whether fixed links are merged."""
+Which = Callable[[Slip], bool]
 
 
-def _of_screws(slip: Slip) -> bool:
-    return slip.site.startswith(OF_SCREWS)
+def _at(sites: tuple[str, ...]) -> Which:
+    return lambda slip: slip.site.startswith(sites)
 
 
-def _not_of_screws(slip: Slip) -> bool:
-    return not _of_screws(slip)
+_of_screws = _at(OF_SCREWS)
 
 
-def _of_recursion(slip: Slip) -> bool:
-    return elsewhere(slip) and not _of_screws(slip)
+def _read(slip: Slip) -> bool:
+    """Not in reading tensors."""
+    return not slip.site.startswith(ALIKE)
+
+
+def _never(case: Case) -> bool:
+    return False
+
+
+def _always(case: Case) -> bool:
+    return True
 
 
 def _posed(case: Case) -> bool:
@@ -49,49 +82,64 @@ def _unmerged(case: Case) -> bool:
     return not merges(case)
 
 
+def _register(add: Callable[[Which, Callable[[Case], bool]], None], held: Which, searched: Which) -> None:
+    """Those `held`, in parts: they are searched, or tried where the same mistake explains another term."""
+    add(lambda slip: held(slip) and searched(slip) and not _of_screws(slip), _never)
+    add(lambda slip: held(slip) and _of_screws(slip), _posed)
+    add(lambda slip: held(slip) and not searched(slip) and not _of_screws(slip), _always)
+
+
 def _jacobians(
-    run: Callable[..., np.ndarray | None], terms: tuple[str, ...], values: str, frames: Frames | None,
-    as_they_are: Callable[[Case], bool] = _unmerged,
+    run: Callable[..., np.ndarray | None], terms: tuple[str, ...], frames: Frames, searched: Which, form: str
 ) -> None:  # fmt: skip
-    """Poses, and what is made of Jacobians."""
-    for fused, holds in ((False, as_they_are), (True, merges)):
-        variant = ", ".join(x for x in (FUSED * fused, values) if x)
-        when = partial(_on_fixed_base, holds)
+    """What is made of Jacobians in bodies' frames."""
+    for fused, holds in ((False, _unmerged), (True, merges)):
+        variant = ", ".join(x for x in (FUSED * fused, form, f"Jacobians of {frames.value}") if x)
+        of, when = partial(run, fused=fused, frames=frames), partial(_on_fixed_base, holds)
         made = partial(formulation, NAME, terms, KNOWN, variant, when, COST + FUSING * fused, batched=True)
-        of = partial(run, fused=fused, **({"frames": frames} if frames else {}))
-        if not frames:
-            made()(of)
-            continue
-        made(only=_not_of_screws)(of)
-        made(only=_of_screws, afterwards=_posed)(of)
+        _register(lambda only, after, made=made, of=of: made(only=only, afterwards=after)(of), _read, searched)
+
+
+def _poses() -> None:
+    """Poses, Jacobians about the world's origin, and sums over bodies."""
+    for fused, terms, only in (
+        (False, exponentials.TERMS, lambda slip: True),
+        (True, exponentials.OF_MASS, lambda slip: True),
+        (True, exponentials.OF_MOTION, _at(OF_LISTS)),
+    ):
+        when = partial(_on_fixed_base, merges if fused else _always)
+        made = formulation(
+            NAME, terms, KNOWN, FUSED * fused, when, COST + FUSING * fused, batched=True, only=only
+        )  # fmt: skip
+        made(partial(exponentials.run, fused=fused))
 
 
 def _on_fixed_base(holds: Callable[[Case], bool], case: Case) -> bool:
     return fixed(case) and holds(case)
 
 
-def _in(frames: Frames) -> None:
+def _recursion(frames: Frames) -> None:
     of, variant = partial(body_twists.bodies, frames=frames), f"body twists in {frames.value}"
     forces, pushed, energy = (partial(f, of=of) for f in (spatial.forces, spatial.pushed, spatial.energy))
     mass = by_columns(forces)
     by = partial(register, NAME, as_they_are=_unmerged, when=fixed)
     inside = Dynamics(forces, right(spatial.mass), pushed=pushed)
 
-    def every(only: Callable[[Slip], bool], after: Callable[[Case], bool]) -> None:
-        by(Dynamics(forces, mass), TERMS, variant, after=after, only=only)
+    def every(only: Which, after: Callable[[Case], bool]) -> None:
+        by(Dynamics(forces, mass), FORCES, variant, after=after, only=only)
         by(Dynamics(forces, mass, symbols(mass)), ("coriolis",), f"{variant}, {SYMBOLS}", after=of_mass, only=only)
         by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies", after=after, only=only)
         values = f"{variant}, the wrench in the recursion"
         by(inside, PUSHED, values, lambda term: "rnea", lambda case: later(case) or after(case), only)
 
-    every(_of_recursion, lambda case: False)
-    every(_of_screws, _posed)
+    sites = OF_TRANSFORMS + IN_AXES if frames is Frames.IN_BASE else OF_TRANSFORMS
+    _register(every, elsewhere, _at(sites))
     outside(NAME, pushed, variant, as_they_are=_unmerged, when=fixed)
 
 
-_jacobians(exponentials.run, exponentials.TERMS, "", None, lambda case: True)
-_jacobians(body_form.run, body_form.TERMS, "in the body's form", Frames.AT_CENTRES)
-for _frames in (Frames.AT_CENTRES, Frames.IN_BASE):
-    _jacobians(exponentials.run, exponentials.IN_BODIES, f"by Jacobians in {_frames.value}", _frames)
+_poses()
+_jacobians(body_form.run, body_form.TERMS, Frames.AT_CENTRES, lambda slip: True, "in the body's form")
+_jacobians(exponentials.run, exponentials.IN_BODIES, Frames.AT_CENTRES, lambda slip: True, "")
+_jacobians(exponentials.run, exponentials.IN_BODIES, Frames.IN_BASE, _at(OF_ADJOINTS + OF_BODIES + IN_AXES), "")
 for _frames in Frames:
-    _in(_frames)
+    _recursion(_frames)

@@ -33,7 +33,8 @@ from .wholes import Pose, multiplied, times
 
 OF_BODIES = ("gravity", "crba", "kinetic_energy")
 OF_FRAMES = ("jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
-TERMS = ("fk", *OF_FRAMES, "com", "com_jacobian", "potential_energy", *OF_BODIES)
+OF_MOTION, OF_MASS = ("fk", *OF_FRAMES), ("com", "com_jacobian", "potential_energy", *OF_BODIES)
+TERMS = OF_MOTION + OF_MASS
 IN_BODIES = (*OF_BODIES, "com_jacobian", "centroidal_momentum_matrix")
 """Terms of Jacobians in bodies' frames."""
 
