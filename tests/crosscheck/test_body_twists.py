@@ -52,7 +52,7 @@ SLIPS = {
     ),
     "a screw of the space frame in S qdd": (
         ("A * v[i] + A * a[i]", "A * v[i] + self.S[i] * a[i]"),
-        ("the axis of a joint, in S qdd,", "S, in the space frame,", "step_other"),
+        ("the axis of a joint, in S qdd,", "the screw S of the space frame", "step_other"),
         {"rnea": RECURSION},
     ),
     "a wrench on a body that stands at home": (

@@ -72,7 +72,7 @@ def bodies(steps: Steps, tree: Tree, q: np.ndarray, frames: Frames = Frames.AT_C
             p = p - standing(steps, tree, k.number, made, at, "of frames")[1]
         return adjoint(steps, A, p)
 
-    others = {number: {"S, in the space frame,": x} for number, x in space.items()}
+    others = {number: {"the screw S of the space frame": x} for number, x in space.items()}
     return Model(X, S, I, to_frame=framed, others=others)
 
 
