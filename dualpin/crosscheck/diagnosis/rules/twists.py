@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -97,7 +98,11 @@ def _jacobians(
         variant = ", ".join(x for x in (FUSED * fused, form, f"Jacobians of {frames.value}") if x)
         of, when = partial(run, fused=fused, frames=frames), partial(_on_fixed_base, holds)
         made = partial(formulation, NAME, terms, KNOWN, variant, when, COST + FUSING * fused, batched=True)
-        _register(lambda only, after, made=made, of=of: made(only=only, afterwards=after)(of), _read, searched)
+
+        def add(only: Which, after: Callable[[Case], bool], made: Any = made, of: Any = of) -> None:
+            made(only=only, afterwards=after)(of)
+
+        _register(add, _read, searched)
 
 
 def _poses() -> None:
