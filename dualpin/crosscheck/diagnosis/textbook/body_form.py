@@ -2,6 +2,7 @@
 
     B_k = Ad(M^-1) S_k       M the pose of the frame at home
     J_k = Ad(exp(-B_n q_n) ... exp(-B_(k+1) q_(k+1))) B_k       in the axes of the frame, about its origin
+    dJ_k/dt = -V x J_k       V of the joints behind
 
 References: Lynch and Park, Modern Robotics (2017), sections 4.1.2 and 5.1.2.
 """
@@ -14,13 +15,15 @@ from ...subjects.layout import transposed
 from ..case import View
 from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home
-from .exponentials import IN_BODIES, Exponentials
+from .exponentials import IN_BODIES, OF_FRAMES, Exponentials
+from .products import crm
 from .screws import START, adjoint, exponential, inverted
 from .steps import Steps
 from .tree import Link, tree_of
 from .wholes import Pose, itself, multiplied, times
 
-TERMS = ("jacobian", "frame_velocity", *IN_BODIES)
+OF_RATES = ("jacobian_dot", "frame_acceleration")
+TERMS = ("jacobian", "frame_velocity", *OF_RATES, *IN_BODIES)
 
 
 def run(
@@ -28,7 +31,8 @@ def run(
 ) -> np.ndarray | None:
     """The term (runs, samples, ...); `fused` as of `Tree`."""
     tree = tree_of(view, fused)
-    if tree.floating or (view.layout.how.reference == "world" and term in TERMS[:2]):
+    reference = view.layout.how.reference
+    if tree.floating or (reference == "world" and term in OF_FRAMES) or (reference != "local" and term in OF_RATES):
         return None
     return BodyForm(view, tree, steps, frames).term(term)
 
@@ -36,8 +40,8 @@ def run(
 class BodyForm(Exponentials):
     """A tree at many states."""
 
-    def in_frame(self, number: int, M: Pose) -> np.ndarray:
-        """The Jacobian (runs, n, nv, 6) of what stands at M at home, on a link."""
+    def in_frame(self, number: int, M: Pose) -> dict[int, np.ndarray]:
+        """The columns of what stands at M at home, on a link: those of the joints next to it first."""
         steps, columns = self.steps, dict[int, np.ndarray]()
         back, T, last = adjoint(steps, *inverted(steps, M)), START, START
         turned = {"by Ad(M), with M not inverted": lambda: adjoint(Steps(), *M)}
@@ -56,11 +60,12 @@ class BodyForm(Exponentials):
             site = "the product of exponentials of the body Jacobian, those of the joints behind times a joint's own,"
             made = times(PLAIN, T, E)
             T = multiplied(steps, PLAIN, site, ("those behind", T), ("its own", itself(E)), made)
-        return self.filled(columns)
+        return columns
 
     def of_frame(self, name: str, term: str) -> np.ndarray:
-        """The Jacobian of a frame (runs, n, 6, nv)."""
-        J = self.in_frame(*self.at_home(name))
+        """The Jacobian of a frame (runs, n, 6, nv), or its rate."""
+        columns = self.in_frame(*self.at_home(name))
+        J = self.filled(self._rates(columns) if term == "jacobian_dot" else columns)
         if self.view.layout.how.reference == "local":
             return transposed(J)
         R = self.frame(name)[0][..., None, :, :]
@@ -68,6 +73,18 @@ class BodyForm(Exponentials):
         w, v = (self.steps.turn(f"the body Jacobian, in world axes: its {half} part", R, x) for half, x in halves)
         return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
 
+    def _rates(self, columns: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
+        v, steps, rates = self.view.states["v"][None], self.steps, dict[int, np.ndarray]()
+        V: np.ndarray = np.zeros((*self.q.shape[:-1], 6))
+        whole = V + sum(J * v[..., i, None] for i, J in columns.items())
+        for i, J in columns.items():
+            others = {"that of the frame, in every column": whole + 0 * J}
+            behind = steps.pick("the velocity in -V x J", V + 0 * J, **others)
+            rates[i] = -crm(steps, "dJ/dt = -V x J", behind, J)
+            V = steps.add("the velocity of the joints behind", **{"the sum so far": V, "J qd": J * v[..., i, None]})
+        return rates
+
     def body(self, k: Link) -> np.ndarray:
         """(runs, n, nv, 6), in the frame of a body."""
-        return self.in_frame(k.number, frame_at_home(self.steps, k, self.home[k.number], self.frames))
+        M = frame_at_home(self.steps, k, self.home[k.number], self.frames)
+        return self.filled(self.in_frame(k.number, M))
