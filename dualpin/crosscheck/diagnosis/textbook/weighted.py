@@ -17,13 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..description import Body
 from .attitudes import INERTIAL
 from .columns import CENTRE, Columns
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
+from .products import skew, wedge
 from .steps import Slip, Steps, cross
 from .turns import ONE
 
@@ -227,7 +227,7 @@ class Sums:
         arm, mv, orbit = arm[..., None, :] + 0 * v, mv[..., None, None] * v, orbit[..., None, None] * v
         parts = {
             "I w": spin[..., None, None] * (w @ transposed(self.inertia)),
-            "r x m v": cross(arm + 0 * orbit, orbit + 0 * arm),
+            "r x m v": wedge(steps, arm + 0 * orbit, orbit + 0 * arm),
         }
         both = self.every("the angular momenta")[..., None, None]
         angular = (both * steps.add("the angular momentum of a body", **parts)).sum(-3)
@@ -321,7 +321,7 @@ class Sums:
         """C = sum m Jv^T Jv' + Jw^T (I Jw' + B Jw), with B w = w x I w."""
         steps, J, D, I = self.steps, self.jacobians, self.rates, self.inertia
         w, _ = self.centre_velocities()
-        W, H = cross_matrix(w), cross_matrix(product(I, w))
+        W, H = skew(steps, w), skew(steps, product(I, w))
         terms = {
             "[w] I": steps.pick("[w] I in B", W @ I, **other_products(W, I)) / 2,
             "-I [w]": -steps.pick("I [w] in B", I @ W, **other_products(I, W)) / 2, "-[I w]": -H / 2,
