@@ -28,6 +28,7 @@ from ..textbook.answers import (
     RATED_APART,
     SECOND,
     SEEN,
+    SPUN,
     SYMBOLIC,
 )  # fmt: skip
 from ..textbook.assembly import SYMBOLS
@@ -39,6 +40,7 @@ from ..textbook.lumps import CARRIED as IN_CARRIER
 from ..textbook.lumps import READ, TURNED
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip
+from ..textbook.velocities import SPINS
 from ..textbook.walks import ALL
 from ..textbook.ways import WAYS
 from .formulation import COST, FUSING, Terms, formulation
@@ -173,6 +175,23 @@ def _in_place(slip: Slip) -> bool:
 def _kept_early(slip: Slip) -> bool:
     """Whether it matters that axes are turned before their own joint turns."""
     return slip.site.startswith("the axis of a joint, kept in world axes")
+
+
+def _of_spins(slip: Slip) -> bool:
+    """Whether it is one of angular velocities, not of poses."""
+    return slip.site.startswith(SPINS)
+
+
+def _of_axes(slip: Slip) -> bool:
+    """Whether it is one of the angular part of columns."""
+    of_axes = (
+        "the axis of a column",
+        "the joint whose axis",
+        "the direction in a column",
+        "the column of a",
+        MOVING_AXES,
+    )
+    return slip.site.startswith(of_axes)
 
 
 def _of_products(slip: Slip) -> bool:
@@ -312,6 +331,10 @@ _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
+_register(
+    "forward kinematics", poses, _terms(of_velocity=off("frame_velocity", "jacobian_dot")), only=_of_spins, how=SPUN
+)
+_register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=_of_axes, how=SPUN)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(rates=fixed), how=PRODUCTS)
 _register("geometric Jacobians", jacobians, _terms(matrix=fixed), only=_of_products, how=PRODUCTS)

@@ -20,6 +20,7 @@ from .positions import position_rates
 from .references import referred, referred_rate
 from .second import Gradients, Products, SecondDerivatives
 from .steps import Steps
+from .velocities import carried
 from .weighted import RIGHT, Sums
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
@@ -30,6 +31,7 @@ SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
+SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 MASS = "M in itself and in forward dynamics"
 SEEN = (
@@ -84,7 +86,8 @@ class Made:
         v = self.view
         qd = v.states.get("v") if moving else None
         ways = replace(self.ways, in_world=self.in_world) if any(self.in_world) else self.ways
-        return Poses(v.robot, v.description, q, qd, self.poses, ways, self.fused, self.early, self.by_level)
+        tree = Poses(v.robot, v.description, q, qd, self.poses, ways, self.fused, self.early, self.by_level)
+        return carried(tree) if moving and qd is not None else tree
 
     @cached_property
     def whole(self) -> Poses:
@@ -120,6 +123,7 @@ class Made:
 
     def sums(self, tree: Poses) -> Sums:
         sums = Sums(tree, self.columns(tree), self.rest, self.reading, self.rooted)
+        sums.spun = self.how == SPUN
         if self.how == PROJECTED:
             sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)
         return sums

@@ -225,8 +225,8 @@ class Columns:
         return product(R, a + 0 * R[..., 0])
 
     def _carriers(self, links: Sequence[int], of: Sequence[np.ndarray]) -> np.ndarray:
-        """Of the links that joints move and on which these are fixed."""
-        return stacked(list(of), [self.poses.carrier(k) for k in links], 1)
+        """Of the links on which points are: where fixed links are merged, of those that joints move."""
+        return stacked(list(of), [self.poses.carrier(k) if self.poses.fused else k for k in links], 1)
 
     def _arms(self, group: list[int], links: Sequence[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
         """Other lever arms."""
@@ -312,6 +312,7 @@ class Columns:
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
     ) -> np.ndarray:  # fmt: skip
         steps, mine = self.steps, [self.links[i] for i in group]
+        still = self.world and self.axes[group[0]].base  # axes of the world, for now
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
         w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
@@ -323,6 +324,8 @@ class Columns:
                "that of the root": self.w[0][..., None, None, :] + 0 * w,
                **self._others(group, self.w, w)},
         )  # fmt: skip
+        if not still:
+            z = self._in_rate(z, group, which)
         ends = velocities[..., None, :] + 0 * u
         body_w, body_v, body_p = (self._carriers(links, x)[..., None, :] for x in (self.w, self.v, self.poses.p))
         wrong = {
@@ -361,6 +364,16 @@ class Columns:
             slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+
+    def _in_rate(self, z: np.ndarray, group: list[int], which: str) -> np.ndarray:
+        """The axes of these columns, as codes find them again for their rates."""
+        R = stacked(self.poses.R, [self.links[i] for i in group], 2)[..., None, :, :, :]
+        a = (
+            stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)[..., None, :, :]
+            + 0 * R[..., 0]
+        )
+        wrong = {"not turned into world axes": a, "turned by the transposed matrix": product(transposed(R), a)}
+        return np.asarray(self.steps.pick(f"the axis in the rate of a column: {which}", z, **wrong))
 
     def _others(self, group: list[int], of: Sequence[np.ndarray], like: np.ndarray) -> dict[str, object]:
         """What other links have than those that the joints of a group move."""

@@ -1,8 +1,7 @@
-"""Poses and velocities of all links of a tree, link by link from the base, as textbooks write them.
+"""Poses of all links of a tree, link by link from the base, as textbooks write them.
 
     p_j = p_p + R_p xyz          R_j = R_p R(rpy)               the fixed side of a joint
     p = p_j,  R = R_j R(q)       (turning)        p = p_j + R_j a q,  R = R_j        (sliding)
-    w = w_p + z qd               v = v_p + w_p x r (+ z qd)
 
 Every kind of joint that a description knows is covered, with joints that follow others.  Arrays have the axes
 (runs, samples, ...), see `Steps.together`.
@@ -24,16 +23,15 @@ from ...subjects.layout import product, rotations, transposed
 from ..description import Body, Description, Part, merged
 from .attitudes import PLAIN, Ways
 from .axes import Axis, Placed
-from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .lists import branched, by_levels
 from .lumps import listed
-from .steps import Steps, cross
+from .steps import Steps
 from .turns import ONE
 from .wholes import Pose, from_parent, multiplied, some, times
 
 
 class Poses:
-    """Poses of all links at positions q (n, nq); with velocities qd (n, nv), their twists too.
+    """Poses of all links at positions q (n, nq); `velocities` finds their twists, of velocities qd (n, nv).
 
     Attributes
     ----------
@@ -46,7 +44,9 @@ class Poses:
     placed : list of Placed
         Of each link: on which body it is fixed, and where.
     w, v : list of array
-        Angular velocity, and velocity of the origin, in world axes; where velocities were given.
+        Angular velocity, and velocity of the origin, in world axes; of the root alone, before others are found.
+    listing : str
+        Which order of links is meant, where that matters.
     axes : list of Axis
     sides : list of Placed
         Of each link: the fixed side of its joint, on the link or body that carries it.
@@ -67,7 +67,7 @@ class Poses:
         self.q, self.qd = q[None], None if qd is None else qd[None]
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
-        self._words = "" if not branched(d) else " (breadth first)" if by_level else " (depth first)"
+        self.listing = "" if not branched(d) else " (breadth first)" if by_level else " (depth first)"
         self.axes: list[Axis] = []
         self.of_link: list[list[int]] = [[]]
         zero = np.zeros((1, len(q), 3), q.dtype)
@@ -85,8 +85,6 @@ class Poses:
         joints = {j.name: j for j in robot}
         for part in d.parts:
             self._add(part, joints.get(part.joint))
-        if self.qd is not None:
-            self.w, self.v = afterwards(steps, SPIN, self.w), afterwards(steps, SPEED, self.v)
 
     def _base(self, joint: Joint) -> None:
         self.attitudes[0] = self._quaternion(joint, "the base")
@@ -153,8 +151,6 @@ class Poses:
         self.R.append(self.R[up] @ ways.placing.matrix(on.A) if fixed_there else ways.matrix(A))
         self.placed.append(on if fixed_there else Placed(link, ways.placing.start(), np.zeros((1, 1, 3))))
         self.p.append(p)
-        if self.qd is not None:
-            self._velocity(link, up)
 
     def _on_link(self, part: Part, up: int, Ao: np.ndarray) -> tuple[np.ndarray, np.ndarray, Placed]:
         """Where the fixed side of a joint is, from the pose of the link that it is on."""
@@ -173,7 +169,7 @@ class Poses:
         if not moves:
             return self.attitudes[up], self.R[up], self.p[up]
         others = {
-            f"the one before in the list{self._words}": self._before(link), "the root": 0,
+            f"the one before in the list{self.listing}": self.before_in_list(link), "the root": 0,
             "the parent's parent": max(0, self.parent[up]),
         }  # fmt: skip
         site = "the link on which a moving joint is placed"
@@ -296,69 +292,12 @@ class Poses:
             self._axis(Axis(link, up, turns, e, v + i))
         return self.ways.then(A, self.ways.of_axis(self.steps, ONE[2][None, None], self.q[..., k + 2])), p
 
-    def _velocity(self, link: int, up: int) -> None:
-        """Of a link, from that of its parent."""
-        steps, r, qd = self.steps, self.p[link] - self.p[up], self.qd
-        if self.fused and not self.of_link[link]:
-            self._carried(link, up, r)
-            return
-        which = "of links that move" if self.of_link[link] else "of fixed links"
-        assert qd is not None
-        turning = sliding = np.zeros_like(r)
-        up_w, up_v = self._start(link, up)
-        for i in self.of_link[link]:
-            a = self.axes[i]
-            z = product(self.R[link], a.direction + 0 * r) if a.world is None else a.world
-            rate = z * a.ratio * qd[..., a.column, None]
-            turning, sliding = (turning + rate, sliding) if a.turns else (turning, sliding + rate)
-        w_up = steps.pick("the parent's angular velocity: in that of the link", up_w, **self._near(link, self.w))
-        rate = steps.pick("the rate that turns a link", turning, **{"that of a sliding joint too": turning + sliding})
-        own = steps.add("the angular velocity of a link", **{"that of the parent": w_up, "z qd": rate})
-        self.w.append(own)
-        site = f"the angular velocity that carries a link's origin: {which}"
-        w = steps.pick(site, up_w, **{"the link's own": own}, **self._near(link, self.w))
-        others = {
-            "that from the world's origin": self.p[link] + 0 * r, "the sum of both positions": r + 2 * self.p[up],
-            "in the parent's axes": lambda: product(transposed(self.R[up]), r),
-            "in the link's axes": lambda: product(transposed(self.R[link]), r),
-            "without the travel of a sliding joint": lambda: r - self.travel.get(link, 0 * r),
-        }  # fmt: skip
-        arm = steps.pick(f"the arm to a link's origin: {which}", r, **others)
-        v_up = steps.pick("the parent's velocity", up_v, **self._near(link, self.v))
-        slid = steps.pick("the rate that slides a link", sliding, **{"that of a turning joint too": turning + sliding})
-        terms = {"that of the parent": v_up, "w x r": cross(w, arm), "z qd of a sliding joint": slid}
-        self.v.append(steps.add(f"the velocity of a link: {which}", **terms))
-
-    def _carried(self, link: int, up: int, r: np.ndarray) -> None:
-        """The velocity of a frame that is fixed on a body."""
-        others = {
-            "that from the world's origin": self.p[link] + 0 * r,
-            "in the body's axes": lambda: product(transposed(self.R[up]), r),
-            "that to the body's centre of mass": lambda: product(self.R[up], self.centre(up) + 0 * r),
-        }
-        arm = self.steps.pick("the arm to a frame on a body", r, **others)
-        terms = {"that of the body's origin": self.v[up], "w x r": cross(self.w[up], arm)}
-        self.w.append(self.w[up])
-        self.v.append(self.steps.add("the velocity of a frame on a body", **terms))
-
     def centre(self, link: int) -> np.ndarray:
         """Of mass, in the link's axes."""
         body = self.bodies[link]
         return np.zeros(3) if body is None else body.com
 
-    def _start(self, link: int, up: int) -> tuple[np.ndarray, np.ndarray]:
-        """The twist that a link starts from."""
-        both = [np.concatenate(np.broadcast_arrays(w, v), -1) for w, v in zip(self.w, self.v, strict=True)]
-        six = self.steps.pick("the motion that a link starts from", both[up], **self._near(link, both))
-        w = self.steps.pick("the angular velocity that a link starts from", six[..., :3], **self._near(link, self.w))
-        w = self.steps.pick(array(SPIN), w, **{GROWING: self.w[self._before(link)]})
-        return w, self.steps.pick(array(SPEED), six[..., 3:], **{GROWING: self.v[self._before(link)]})
-
-    def _near(self, link: int, of: list[np.ndarray]) -> dict[str, np.ndarray]:
-        """What the link before in the list has."""
-        return {f"that of the link before in the list{self._words}": of[self._before(link)]}
-
-    def _before(self, link: int) -> int:
+    def before_in_list(self, link: int) -> int:
         """The link before in the list, of those that move where fixed ones are merged."""
         return next(k for k in range(link - 1, -1, -1) if not self.fused or k == 0 or self.of_link[k])
 

@@ -56,6 +56,8 @@ class Sums:
         Of the bodies.
     m : array
         (runs, 1, bodies).
+    spun : bool
+        Whether w of w x I w is made of Jacobians, although rates of Jacobians take velocities from link to link.
     motion : Sums, optional
         Where velocities and accelerations of bodies are taken from, if not from these Jacobians.
     p, R, r, c : array
@@ -68,6 +70,7 @@ class Sums:
         """`rooted` says that links which nothing moves count as bodies too."""
         self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
         self.motion: Sums | None = None
+        self.spun = False
         carries, d = poses.carries(), poses.d
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
         counted = [(k, b) for k, b in every if rooted or carries[k].any()]
@@ -317,10 +320,18 @@ class Sums:
         _, v = self.centre_velocities()
         return self.columns.reduced(self.columns.rates(self.c, v, self.links, CENTRE))
 
+    @cached_property
+    def spins(self) -> np.ndarray:
+        """w of the bodies, in w x I w."""
+        if self.spun:
+            assert self.poses.qd is not None
+            return product(self.jacobians[..., :3, :], self.poses.qd[..., None, :])
+        return self.centre_velocities()[0]
+
     def coriolis(self) -> np.ndarray:
         """C = sum m Jv^T Jv' + Jw^T (I Jw' + B Jw), with B w = w x I w."""
         steps, J, D, I = self.steps, self.jacobians, self.rates, self.inertia
-        w, _ = self.centre_velocities()
+        w = self.spins
         W, H = skew(steps, w), skew(steps, product(I, w))
         terms = {
             "[w] I": steps.pick("[w] I in B", W @ I, **other_products(W, I)) / 2,
@@ -346,7 +357,7 @@ class Sums:
         steps, qd = self.steps, self.poses.qd
         assert qd is not None
         moving = self.motion or self
-        w, _ = moving.centre_velocities()
+        w = moving.spins
         rest = product(moving.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}

@@ -1,0 +1,103 @@
+"""Velocities of all links of a tree whose poses are known, link by link from the base, in world axes.
+
+    w = w_p + z qd (turning)        v = v_p + w_p x r (+ z qd, sliding)        z = R a,  r = p - p_p
+
+References: Siciliano et al., Robotics (2009), section 3.1.3; Craig, Introduction to Robotics (2005), section 5.6.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...subjects.layout import product, transposed
+from .in_place import GROWING, SPEED, SPIN, afterwards, array
+from .poses import Poses
+from .steps import cross
+
+SPINS = (
+    "the angular velocity of a link", "the angular velocity that a link starts from", "the motion that a link starts",
+    "the parent's angular velocity", "the rate that turns a link", "the axis z in z qd", array(SPIN),
+)  # fmt: skip
+"""Sites of angular velocities."""
+
+
+def carried(t: Poses) -> Poses:
+    """The same tree with `w` and `v` of all its links."""
+    for link in range(1, len(t.R)):
+        up = t.parent[link]
+        if t.fused and not t.of_link[link]:
+            _of_frame(t, link, up)
+        else:
+            _of_link(t, link, up)
+    t.w, t.v = afterwards(t.steps, SPIN, t.w), afterwards(t.steps, SPEED, t.v)
+    return t
+
+
+def _of_link(t: Poses, link: int, up: int) -> None:
+    """From the velocities of its parent."""
+    steps, r = t.steps, t.p[link] - t.p[up]
+    up_w, up_v = _start(t, link, up)
+    turning, sliding = _rates(t, link, 0 * r)
+    turns, slides = (any(t.axes[i].turns == x for i in t.of_link[link]) for x in (True, False))
+    kind = "that turn" if turns else "that slide"
+    which = f"of links that move: {kind}" if t.of_link[link] else "of fixed links"
+    w_up = steps.pick("the parent's angular velocity: in that of the link", up_w, **_near(t, link, t.w))
+    rate = steps.pick("the rate that turns a link", turning, **{"that of a sliding joint too": turning + sliding})
+    terms = {"that of the parent": w_up} | ({"z qd": rate} if turns else {})
+    own = steps.add(f"the angular velocity of a link: {which}", **terms)
+    own = own if turns else own + rate
+    t.w.append(own)
+    carries = f"the angular velocity that carries a link's origin: {which.partition(': ')[0]}"
+    w = steps.pick(carries, up_w, **{"the link's own": own}, **_near(t, link, t.w))
+    others = {
+        "that from the world's origin": t.p[link] + 0 * r, "the sum of both positions": r + 2 * t.p[up],
+        "in the parent's axes": lambda: product(transposed(t.R[up]), r),
+        "in the link's axes": lambda: product(transposed(t.R[link]), r),
+        "without the travel of a sliding joint": lambda: r - t.travel.get(link, 0 * r),
+    }  # fmt: skip
+    arm = steps.pick(f"the arm to a link's origin: {which.partition(': ')[0]}", r, **others)
+    v_up = steps.pick("the parent's velocity", up_v, **_near(t, link, t.v))
+    slid = steps.pick("the rate that slides a link", sliding, **{"that of a turning joint too": turning + sliding})
+    terms = {"that of the parent": v_up, "w x r": cross(w, arm)}
+    terms |= {"z qd of a sliding joint": slid} if slides else {}
+    v = steps.add(f"the velocity of a link: {which}", **terms)
+    t.v.append(v if slides else v + slid)
+
+
+def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """z qd of the axes that turn a link, and of those that slide it."""
+    assert t.qd is not None
+    rates = [zero, zero]
+    for a in (t.axes[i] for i in t.of_link[link]):
+        site = f"the axis z in z qd: of {'turning' if a.turns else 'sliding'} joints"
+        z = t.steps.turn(site, t.R[link], a.direction + zero) if a.world is None else a.world
+        rates[not a.turns] = rates[not a.turns] + z * a.ratio * t.qd[..., a.column, None]
+    return rates[0], rates[1]
+
+
+def _of_frame(t: Poses, link: int, up: int) -> None:
+    """Of a frame that is fixed on a body."""
+    r = t.p[link] - t.p[up]
+    others = {
+        "that from the world's origin": t.p[link] + 0 * r,
+        "in the body's axes": lambda: product(transposed(t.R[up]), r),
+        "that to the body's centre of mass": lambda: product(t.R[up], t.centre(up) + 0 * r),
+    }
+    arm = t.steps.pick("the arm to a frame on a body", r, **others)
+    terms = {"that of the body's origin": t.v[up], "w x r": cross(t.w[up], arm)}
+    t.w.append(t.w[up])
+    t.v.append(t.steps.add("the velocity of a frame on a body", **terms))
+
+
+def _start(t: Poses, link: int, up: int) -> tuple[np.ndarray, np.ndarray]:
+    """The twist that a link starts from."""
+    both = [np.concatenate(np.broadcast_arrays(w, v), -1) for w, v in zip(t.w, t.v, strict=True)]
+    six = t.steps.pick("the motion that a link starts from", both[up], **_near(t, link, both))
+    w = t.steps.pick("the angular velocity that a link starts from", six[..., :3], **_near(t, link, t.w))
+    w = t.steps.pick(array(SPIN), w, **{GROWING: t.w[t.before_in_list(link)]})
+    return w, t.steps.pick(array(SPEED), six[..., 3:], **{GROWING: t.v[t.before_in_list(link)]})
+
+
+def _near(t: Poses, link: int, of: list[np.ndarray]) -> dict[str, np.ndarray]:
+    """What the link before in the list has."""
+    return {f"that of the link before in the list{t.listing}": of[t.before_in_list(link)]}
