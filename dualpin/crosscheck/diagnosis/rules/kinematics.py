@@ -198,6 +198,11 @@ def _of_products(slip: Slip) -> bool:
     return slip.site == MOVING_AXES or slip.site.endswith("by q_k")
 
 
+def _but_symbols(slip: Slip) -> bool:
+    """Whether it is none in Christoffel's sum, which is the same whatever makes the derivatives of M."""
+    return "Christoffel" not in slip.site
+
+
 def _of_walks(slip: Slip) -> bool:
     return slip.site == MOVING_AXES
 
@@ -352,9 +357,9 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_walks, how=CARRIED)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), how=RATED_APART)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED_APART)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):

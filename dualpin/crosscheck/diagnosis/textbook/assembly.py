@@ -303,6 +303,8 @@ def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[in
         slips = {
             f"{minus}dM_{x[:2]}/dq_{x[2]}": partial(part, x, sign)
             for n, own in enumerate(indices) for x in (indices[:n] + y + indices[n + 1 :] for y in "ijk" if y != own)
+        } | {
+            f"{minus}dM_{x[:2]}/dq_{x[2]}": partial(part, x, sign) for x in SYMBOLS.values() if x != indices
         }  # fmt: skip
         x = steps.pick(f"{name} in Christoffel's sum", part(indices, sign), **slips)
         wrong = {"v_j": x * v_j, "v_i": x * v_i, "left out": x + 0 * v_k}
@@ -316,7 +318,9 @@ def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[in
     others = {
         "1": total, "1, and only of the last (dM/dt - d(M v)/dq^T / 2)": rate - 0.5 * transposed(by_q),
     }  # fmt: skip
-    return np.asarray(steps.pick("the factor 1/2 of Christoffel's symbols", 0.5 * total, **others))
+    C = steps.pick("the factor 1/2 of Christoffel's symbols", 0.5 * total, **others)
+    alone = {f"half of that of {name} alone": 0.5 * x.sum(-1) for name, x in terms.items()}
+    return np.asarray(steps.pick("Christoffel's sum, as a whole,", C, **alone))
 
 
 def by_coordinates(f: Callable[[np.ndarray], np.ndarray], q: np.ndarray) -> np.ndarray:

@@ -312,7 +312,6 @@ class Columns:
         self, points: np.ndarray, velocities: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
     ) -> np.ndarray:  # fmt: skip
         steps, mine = self.steps, [self.links[i] for i in group]
-        still = self.world and self.axes[group[0]].base  # axes of the world, for now
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
         w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
@@ -324,8 +323,8 @@ class Columns:
                "that of the root": self.w[0][..., None, None, :] + 0 * w,
                **self._others(group, self.w, w)},
         )  # fmt: skip
-        if not still:
-            z = self._in_rate(z, group, which)
+        if not self.axes[group[0]].base:
+            z = self._in_rate(z, group)
         ends = velocities[..., None, :] + 0 * u
         body_w, body_v, body_p = (self._carriers(links, x)[..., None, :] for x in (self.w, self.v, self.poses.p))
         wrong = {
@@ -333,10 +332,9 @@ class Columns:
             "that of its body's origin with w x p added, not w x r": body_v + cross(body_w, p) + 0 * ends,
             "that of its body's origin with r x w added, not w x r": body_v - cross(body_w, p - body_p) + 0 * ends,
             "w x r alone, without that of its body's origin": cross(body_w, p - body_p) + 0 * ends,
-            "that of its body's origin with w x the sum of both positions": body_v
-            + cross(body_w, p + body_p)
-            + 0 * ends,
-        }
+            "that of its body's origin with w x the sum of both positions":
+                body_v + cross(body_w, p + body_p) + 0 * ends,
+        }  # fmt: skip
         ends = steps.pick(f"the velocity of the end of a lever arm: at {whose}", ends, **wrong)
         u = steps.pick(
             f"the velocity of a joint in the rate of a lever arm: {which}", u, **self._others(group, self.v, u)
@@ -365,15 +363,13 @@ class Columns:
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
 
-    def _in_rate(self, z: np.ndarray, group: list[int], which: str) -> np.ndarray:
-        """The axes of these columns, as codes find them again for their rates."""
+    def _in_rate(self, z: np.ndarray, group: list[int]) -> np.ndarray:
+        """The axes of joints, as codes find them again for the rates of columns."""
+        a = np.concatenate([self.axes[i].direction for i in group], -2)
         R = stacked(self.poses.R, [self.links[i] for i in group], 2)[..., None, :, :, :]
-        a = (
-            stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)[..., None, :, :]
-            + 0 * R[..., 0]
-        )
+        a = a + 0 * R[..., 0]
         wrong = {"not turned into world axes": a, "turned by the transposed matrix": product(transposed(R), a)}
-        return np.asarray(self.steps.pick(f"the axis in the rate of a column: {which}", z, **wrong))
+        return np.asarray(self.steps.pick("the axis in the rate of a column", z, **wrong))
 
     def _others(self, group: list[int], of: Sequence[np.ndarray], like: np.ndarray) -> dict[str, object]:
         """What other links have than those that the joints of a group move."""

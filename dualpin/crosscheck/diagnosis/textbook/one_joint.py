@@ -58,9 +58,12 @@ def _carried_by(cols: Columns, m: int) -> tuple[np.ndarray, np.ndarray]:
     wrong = {
         f"that by a {'sliding' if turns else 'turning'} one": sliding if turns else turning, "zero": 0 * turning,
         "that of origins alone": six(0 * z, v) if turns else sliding,
-    }  # fmt: skip
+    } | ({"[z_k; z_k], that of origins as by a sliding one": six(z, z)} if turns else {})  # fmt: skip
     site = f"the derivative of axes and origins by a {'turning' if turns else 'sliding'} joint"
     x = steps.pick(site, turning if turns else sliding, **wrong)
     masks = {"those before it": of_earlier[None, None], "all those of a path": of_both[None, None]}
-    x = x * steps.pick("the axes and origins that a joint moves", right[None, None], **masks)
-    return x[..., :3], x[..., 3:]
+    moved_axes, moved_origins = (
+        steps.pick(f"what a joint moves in derivatives of columns: {what}", right[None, None], **masks)
+        for what in ("axes", "origins")
+    )
+    return x[..., :3] * moved_axes, x[..., 3:] * moved_origins
