@@ -365,9 +365,9 @@ class Columns:
 
     def _in_rate(self, z: np.ndarray, group: list[int]) -> np.ndarray:
         """The axes of joints, as codes find them again for the rates of columns."""
-        a = np.concatenate([self.axes[i].direction for i in group], -2)
+        a = stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)
         R = stacked(self.poses.R, [self.links[i] for i in group], 2)[..., None, :, :, :]
-        a = a + 0 * R[..., 0]
+        a = a[..., None, :, :] + 0 * R[..., 0]
         wrong = {"not turned into world axes": a, "turned by the transposed matrix": product(transposed(R), a)}
         return np.asarray(self.steps.pick("the axis in the rate of a column", z, **wrong))
 
