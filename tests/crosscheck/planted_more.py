@@ -188,7 +188,7 @@ MORE = {
     "base_tilted": ("base_offset",),
     "six_digits": ("few_digits",), "four_decimals": ("few_digits",), "parent_frame": ("parent_frame",),
     "quaternion_last": ("pose_quaternion",), "angular_local": ("mixed_axes",), "linear_local": ("mixed_axes",),
-    "one_column_sign": ("column_scale",), "one_column_empty": ("column_scale",), "drag": ("drag_fit",),
+    "one_column_sign": ("column_scale",), "one_column_empty": ("column_scale", "zeros"), "drag": ("drag_fit",),
     "viscous_and_coulomb": ("damping_fit", "friction_fit"), "spring_with_rest": ("stiffness_fit", "constant_fit"),
     "rest_torque": ("constant_fit",), "coriolis_differences": ("finite_differences",),
     "coriolis_two_symbols": ("coriolis_symbols",), "coriolis_symbol_sign": ("coriolis_symbols", "transposed"),

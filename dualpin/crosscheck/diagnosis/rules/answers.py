@@ -288,8 +288,17 @@ RATES: dict[str, tuple[str, Callable[[View, str, np.ndarray], np.ndarray]]] = {
 )  # fmt: skip
 def jacobian_rates(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [
-        replace(h, key=k, says=says, terms=("jacobian_dot",), place="change", act=f) for k, (says, f) in RATES.items()
-    ]
+        replace(
+            h,
+            key=k,
+            says=says,
+            terms=("jacobian_dot",),
+            place="change",
+            act=f,
+            cost=0.94 if k == "jdot_zero" else h.cost,
+        )
+        for k, (says, f) in RATES.items()
+    ]  # a rate of zero is plainer than a velocity that is ignored
 
 
 @rule(

@@ -114,7 +114,7 @@ class Steps:
             there, told = Steps(), {new: old for old, news in words.items() for new in news}
             x = algorithm(there)
             for slip in there._found:
-                site, what = told.get((slip.site, slip.what), (slip.site, slip.what))
+                site, what = told.get((_groups(slip.site)[0], slip.what), (slip.site, slip.what))
                 self._found[Slip(site, what, slip.how)] = None
             return x
 
