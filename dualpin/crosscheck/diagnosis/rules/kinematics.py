@@ -81,6 +81,9 @@ KNOWN = {
     ("the angular momentum of a body", "r x m v", "step_sign"): "orbit_sign",
     ("the centre of mass of a body", "", "step_unturned"): "com_frame",
     ("the weight of a body's centre", "1", "step_other"): "com_unweighted",
+    **{
+        ("gravity, in the weight of a body", f"along {axis}, for z", "step_other"): "gravity" for axis in ("x", "y")
+    },
     ("the axis of a column", "", "step_unturned"): "axis_frame",
     ("xyz", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
     **{

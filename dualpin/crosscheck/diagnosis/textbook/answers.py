@@ -15,13 +15,14 @@ from . import gradient
 from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved, torques
 from .attitudes import PLAIN, Ways
 from .columns import Columns
+from .equations import Equations
 from .poses import Poses, stacked
 from .positions import position_rates
 from .references import referred, referred_rate
 from .second import Gradients, Products, SecondDerivatives
 from .steps import Steps
 from .velocities import carried
-from .weighted import RIGHT, Sums
+from .weighted import RIGHT
 
 LINKS, JACOBIANS, DIFFERENTIATED = "", "with velocities by Jacobians", "differentiated"
 SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
@@ -121,11 +122,11 @@ class Made:
         columns = KINDS.get(self.how, Columns)(tree, self.rest, self.in_world)
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
-    def sums(self, tree: Poses) -> Sums:
-        sums = Sums(tree, self.columns(tree), self.rest, self.reading, self.rooted)
+    def sums(self, tree: Poses) -> Equations:
+        sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted)
         sums.spun = self.how == SPUN
         if self.how == PROJECTED:
-            sums.motion = Sums(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)
+            sums.motion = Equations(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)
         return sums
 
     def term(self, term: str) -> np.ndarray:
@@ -151,7 +152,7 @@ class Made:
             return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
         return self._of_motion(term, sums)
 
-    def _at(self, q: np.ndarray) -> Sums:
+    def _at(self, q: np.ndarray) -> Equations:
         """Elsewhere, at rest."""
         return self.sums(self.tree(q[0], moving=False))
 
@@ -164,7 +165,7 @@ class Made:
         listed = list(dict.fromkeys(a.column for a in self.whole.axes))
         return of_symbols(self.rest if self.how == LAGRANGE else RIGHT, dM, s["v"], listed)
 
-    def _of_motion(self, term: str, sums: Sums) -> np.ndarray:
+    def _of_motion(self, term: str, sums: Equations) -> np.ndarray:
         """M and its inverse, forces, and the accelerations that they cause."""
         s, pushed = self.view.states, torques(self.view) if term in PUSHED else None
         if term == "crba":
@@ -184,7 +185,7 @@ class Made:
         forces = self.rest.add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
         return accelerated(M, forces if pushed is None else forces[:, :, None] + pushed)
 
-    def _bias(self, sums: Sums) -> np.ndarray:
+    def _bias(self, sums: Equations) -> np.ndarray:
         view, g = self.view, np.array(self.view.description.gravity)
         if self.how == MASS:
             return view.compute("bias")[None]
@@ -279,8 +280,8 @@ OF_FRAMES = ("fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_accelera
 TREES: WeakKeyDictionary[Case, list[tuple[object, object, bool, Poses]]] = WeakKeyDictionary()
 LARGE = 60  # degrees of freedom beyond which equations of motion by Jacobians take too long
 MOST = 4  # trees of a case that are kept
-SUMMED: dict[str, Callable[[Sums, np.ndarray], np.ndarray]] = {
+SUMMED: dict[str, Callable[[Equations, np.ndarray], np.ndarray]] = {
     "com": lambda sums, g: sums.com, "com_jacobian": lambda sums, g: sums.com_jacobian(),
     "centroidal_momentum_matrix": lambda sums, g: sums.momentum(),
-    "potential_energy": Sums.potential_energy, "gravity": Sums.gravity,
+    "potential_energy": Equations.potential_energy, "gravity": Equations.gravity,
 }  # fmt: skip

@@ -21,11 +21,11 @@ from ...subjects.layout import transposed
 from . import one_joint
 from .assembly import MOST_STEPS, of_symbols
 from .columns import CENTRE
+from .equations import Equations, other_products
 from .second import by_products, same
-from .weighted import Sums, other_products
 
 
-def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: bool = False) -> np.ndarray:
+def coriolis(sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False) -> np.ndarray:
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
     `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
@@ -86,7 +86,7 @@ def coriolis(sums: Sums, by_rates: bool = False, apart: bool = False, carried: b
     return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0], columns)
 
 
-def _turned_wrongly(sums: Sums) -> dict[str, Callable[[], np.ndarray]]:
+def _turned_wrongly(sums: Equations) -> dict[str, Callable[[], np.ndarray]]:
     back = transposed(sums.R)
     return {
         "that in its link's axes, not turned into the world's": lambda: sums.tensors + 0 * sums.R,
@@ -94,7 +94,7 @@ def _turned_wrongly(sums: Sums) -> dict[str, Callable[[], np.ndarray]]:
     }
 
 
-def _by_rates(sums: Sums, order: list[int], apart: bool) -> tuple[np.ndarray, np.ndarray]:
+def _by_rates(sums: Equations, order: list[int], apart: bool) -> tuple[np.ndarray, np.ndarray]:
     """The same, as rates."""
     rates = one_joint.rates(sums.columns, sums.c, sums.links, CENTRE, apart)
     D = np.moveaxis(np.stack(same(*(rates[k][..., order] for k in order)), -1), 3, -1)

@@ -9,10 +9,11 @@ from __future__ import annotations
 import numpy as np
 
 from .columns import ACROSS, LEVER, TO_CENTRE, TO_LINK, Columns
+from .equations import Equations
 from .poses import Poses
 from .steps import EVERYWHERE, Steps
 from .tree import Tree
-from .weighted import RIGHT, Sums
+from .weighted import RIGHT
 
 IN_JACOBIANS = {
     ("the acceleration of the centre of mass", "alpha x r"): [(LEVER, TO_CENTRE)],
@@ -30,6 +31,6 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 
     def made(there: Steps) -> np.ndarray:
         poses = Poses(tree.robot, tree.description, q[0], None, RIGHT, fused=tree.fused)
-        return Sums(poses, Columns(poses, there), there).of_bodies
+        return Equations(poses, Columns(poses, there), there).of_bodies
 
     return steps.through(IN_JACOBIANS, made)
