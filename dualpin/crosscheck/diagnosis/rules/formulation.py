@@ -30,7 +30,7 @@ LIKELY = {
 """What kinds of slips cost more than a term that is left out, or has another sign or factor, since they are rarer."""
 COST = 1.15
 """More than that of a cause of the other rules: what these explain as well, they explain first."""
-RARE = ("quaternions", "products of exponentials", "about centres of mass", "body Jacobians")
+RARE = ("quaternions", "products of exponentials", "about centres of mass", "about their centres", "body Jacobians")
 RARER = 0.02
 """What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
 SPATIAL = 0.002
