@@ -48,6 +48,11 @@ OF_BODIES = (
     "gravity, in the axes",
 )  # fmt: skip
 """Sites at which Jacobians are brought to bodies."""
+OF_BRACKETS = (
+    "the joints by which a column has a derivative", "the derivative of a body's mass matrix",
+    "the cross product of motions, v x: in J_j x J_l",
+)  # fmt: skip
+"""Sites of C by brackets of Jacobians."""
 OF_LISTS = ("the product of the exponentials before", "the pose of a link at home")
 """Sites at which it matters in poses whether fixed links are merged."""
 Which = Callable[[Slip], bool]
@@ -97,12 +102,14 @@ def _jacobians(
     for fused, holds in ((False, _unmerged), (True, merges)):
         variant = ", ".join(x for x in (FUSED * fused, form, f"Jacobians of {frames.value}") if x)
         of, when = partial(run, fused=fused, frames=frames), partial(_on_fixed_base, holds)
-        made = partial(formulation, NAME, terms, KNOWN, variant, when, COST + FUSING * fused, batched=True)
+        matrix = ("coriolis",)
+        for some, sites in ((tuple(t for t in terms if t not in matrix), searched), (matrix, _at(OF_BRACKETS))):
+            made = partial(formulation, NAME, some, KNOWN, variant, when, COST + FUSING * fused, batched=True)
 
-        def add(only: Which, after: Callable[[Case], bool], made: Any = made, of: Any = of) -> None:
-            made(only=only, afterwards=after)(of)
+            def add(only: Which, after: Callable[[Case], bool], made: Any = made, of: Any = of) -> None:
+                made(only=only, afterwards=after)(of)
 
-        _register(add, _read, searched)
+            _register(add, _read, sites)
 
 
 def _poses() -> None:

@@ -11,19 +11,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...subjects.layout import transposed
+from ...subjects.layout import product, transposed
 from ..case import View
 from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home
-from .exponentials import IN_BODIES, OF_FRAMES, Exponentials
+from .exponentials import IN_BODIES, OF_FRAMES, Exponentials, other_velocities
 from .products import crm
-from .screws import START, adjoint, exponential, inverted
-from .steps import Steps
+from .screws import START, adjoint, exponential, inverted, six
+from .steps import Steps, cross
 from .tree import Link, tree_of
 from .wholes import Pose, itself, multiplied, times
 
-OF_RATES = ("jacobian_dot", "frame_acceleration")
-TERMS = ("jacobian", "frame_velocity", *OF_RATES, *IN_BODIES)
+TERMS = (*OF_FRAMES, *IN_BODIES)
 
 
 def run(
@@ -32,7 +31,7 @@ def run(
     """The term (runs, samples, ...); `fused` as of `Tree`."""
     tree = tree_of(view, fused)
     reference = view.layout.how.reference
-    if tree.floating or (reference == "world" and term in OF_FRAMES) or (reference != "local" and term in OF_RATES):
+    if tree.floating or (reference == "world" and term in OF_FRAMES):
         return None
     return BodyForm(view, tree, steps, frames).term(term)
 
@@ -65,23 +64,29 @@ class BodyForm(Exponentials):
     def of_frame(self, name: str, term: str) -> np.ndarray:
         """The Jacobian of a frame (runs, n, 6, nv), or its rate."""
         columns = self.in_frame(*self.at_home(name))
-        J = self.filled(self._rates(columns) if term == "jacobian_dot" else columns)
-        if self.view.layout.how.reference == "local":
-            return transposed(J)
-        R = self.frame(name)[0][..., None, :, :]
-        halves = (("angular", J[..., :3]), ("linear", J[..., 3:]))
-        w, v = (self.steps.turn(f"the body Jacobian, in world axes: its {half} part", R, x) for half, x in halves)
-        return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
+        J, aligned = self.filled(columns), self.view.layout.how.reference != "local"
+        D = self.filled(self._rates(columns)) if term == "jacobian_dot" else J
+        if aligned and term == "jacobian_dot":  # d/dt (R J) = R (dJ/dt + w x J)
+            spin = product(transposed(J[..., :3]), self.view.states["v"][None])[..., None, :] + 0 * J[..., :3]
+            turning = six([cross(spin, J[..., :3]), cross(spin, J[..., 3:])])
+            parts = {"dJ/dt in its axes": D, "w x J, the turning of the frame": turning}
+            D = self.steps.add("the rate of the body Jacobian, of a frame that turns,", **parts)
+        w, v = D[..., :3], D[..., 3:]
+        if aligned:
+            R = self.frame(name)[0][..., None, :, :]
+            site = "the body Jacobian, in world axes"
+            w, v = self.steps.turn(f"{site}: its angular part", R, w), self.steps.turn(f"{site}: its linear part", R, v)
+        return transposed(six([w, v]))
 
     def _rates(self, columns: dict[int, np.ndarray]) -> dict[int, np.ndarray]:
         v, steps, rates = self.view.states["v"][None], self.steps, dict[int, np.ndarray]()
         V: np.ndarray = np.zeros((*self.q.shape[:-1], 6))
-        whole = V + sum(J * v[..., i, None] for i, J in columns.items())
+        U, whole = 0 * V, V + sum(J * v[..., i, None] for i, J in columns.items())
         for i, J in columns.items():
-            others = {"that of the frame, in every column": whole + 0 * J}
-            behind = steps.pick("the velocity in -V x J", V + 0 * J, **others)
+            rate = v[..., i, None]
+            behind = steps.pick("the velocity in -V x J", V + 0 * J, **other_velocities(V, whole, U, J, rate))
             rates[i] = -crm(steps, "dJ/dt = -V x J", behind, J)
-            V = steps.add("the velocity of the joints behind", **{"the sum so far": V, "J qd": J * v[..., i, None]})
+            U, V = U + J, steps.add("the velocity of the joints behind", **{"the sum so far": V, "J qd": J * rate})
         return rates
 
     def body(self, k: Link) -> np.ndarray:

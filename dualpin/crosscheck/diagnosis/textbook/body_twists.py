@@ -23,7 +23,7 @@ from .attitudes import PLAIN
 from .lumps import tensor
 from .plucker import Model, at_centre, inertia
 from .pushes import Push
-from .screws import adjoint, at_home, exponential, inverted, products, screw, standing
+from .screws import adjoint, at_home, exponential, exponentials, inverted, products, screw, standing
 from .steps import Steps
 from .tree import Link, Tree
 from .tree import Pose as OnParent
@@ -66,7 +66,7 @@ def bodies(steps: Steps, tree: Tree, q: np.ndarray, frames: Frames = Frames.AT_C
             turned = {"the inverse, M^-1 M_f": partial(_from, on, at)}
             T = multiplied(steps, PLAIN, site, ("M_f^-1", back), ("M", itself(on)), right, **turned)
             return adjoint(steps, *T)
-        made = products(steps, tree, home, q)[1]
+        made = products(steps, tree, exponentials(steps, tree, space, q), "in poses")
         A, p = standing(steps, tree, k.number, made, M[k.number], "of bodies")
         if push.reference != "world":
             p = p - standing(steps, tree, k.number, made, at, "of frames")[1]

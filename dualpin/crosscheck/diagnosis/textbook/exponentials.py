@@ -3,6 +3,7 @@
     T_k = T_p exp(S_k q_k)      pose of link k = T_k M_k,  M_k its pose at home
     J_k = Ad(T_p) S_k,   dJ_k/dt = V_p x J_k       V_p of the joints before
     J_f = Ad(T_f^-1) J,  in the axes of a frame
+    dM/dq_l = sum dJ_b^T G_b J_b + J_b^T G_b dJ_b,   dJ_j/dq_l = J_j x J_l of the joints l behind j
     M = sum J_b^T G_b J_b,   J_b = Ad(T_b^-1) J of a body's frame, at its centre of mass
     A = sum Ad(T_b^-1 T_c)^T G_b J_b,   the momentum about the centre of mass, of unit velocities
 
@@ -20,11 +21,12 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .assembly import of_symbols
 from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home, spatial_inertia
 from .plucker import to_parent
 from .products import crm
-from .screws import adjoint, at_home, before, inverted, products, standing
+from .screws import adjoint, at_home, before, exponentials, inverted, products, screw, standing
 from .steps import Steps, cross
 from .transforms import stacked
 from .tree import Link, Tree, tree_of
@@ -35,7 +37,7 @@ OF_BODIES = ("gravity", "crba", "kinetic_energy")
 OF_FRAMES = ("jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration")
 OF_MOTION, OF_MASS = ("fk", *OF_FRAMES), ("com", "com_jacobian", "potential_energy", *OF_BODIES)
 TERMS = OF_MOTION + OF_MASS
-IN_BODIES = (*OF_BODIES, "com_jacobian", "centroidal_momentum_matrix")
+IN_BODIES = (*OF_BODIES, "com_jacobian", "centroidal_momentum_matrix", "coriolis")
 """Terms of Jacobians in bodies' frames."""
 
 
@@ -54,7 +56,17 @@ class Exponentials:
         self.in_bodies, self.frames = frames is not None, frames or Frames.AT_CENTRES
         self.view, self.tree, self.steps, self.q = view, tree, steps, view.states["q"][None]
         self.home = at_home(steps, tree)
-        self.screws, self.products = products(steps, tree, self.home, self.q)
+        self.screws = {k.number: screw(steps, k, self.home) for k in tree.links if k.moves}
+
+    @cached_property
+    def exponentials(self) -> dict[int, Pose]:
+        """Of the joints that move links."""
+        return exponentials(self.steps, self.tree, self.screws, self.q)
+
+    @cached_property
+    def products(self) -> list[Pose]:
+        """Up to every link, of which poses are made."""
+        return products(self.steps, self.tree, self.exponentials, "in poses")
 
     def at_home(self, name: str) -> tuple[int, Pose]:
         """On which link a frame stands, and its pose at home."""
@@ -77,14 +89,15 @@ class Exponentials:
     def columns(self) -> dict[int, np.ndarray]:
         """Of every link that moves: Ad(T) S."""
         steps, out = self.steps, {}
+        made = products(steps, self.tree, self.exponentials, "in columns")
         for k in (k for k in self.tree.links if k.moves):
             up = self.tree.links[k.parent]
-            T, S = self.products[k.parent], self.screws[k.number]
+            T, S = made[k.parent], self.screws[k.number]
             others = {
-                "without that of the joint before": self.products[max(0, up.parent)],
-                "that of the last link, where it should be none": T if k.parent else self.products[-1],
+                "without that of the joint before": made[max(0, up.parent)],
+                "that of the last link, where it should be none": T if k.parent else made[-1],
             }  # fmt: skip
-            R, p = before(steps, self.tree, k, self.products, "in its column", **others)
+            R, p = before(steps, self.tree, k, made, "in Ad of a column", **others)
             S = S + np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 6))
             back = {"by the inverse": partial(_of_inverse, (R, p))}
             out[k.number] = steps.turn("S in a column of the space Jacobian, Ad S,", adjoint(steps, R, p), S, **back)
@@ -100,14 +113,12 @@ class Exponentials:
         v, steps, path = self.view.states["v"][None], self.steps, self.tree.joints_of(self.tree.links[number])
         V: np.ndarray = np.zeros((*self.q.shape[:-1], 6))
         whole = V + sum(self.columns[k.number] * v[..., k.column, None] for k in path)
-        of, last = dict[int, np.ndarray](), V
+        of, U = dict[int, np.ndarray](), 0 * V
         for k in path:
-            J = self.columns[k.number]
-            others = {"that of the link itself, in every column": whole + 0 * J}
-            up = steps.pick("the velocity in V x J", V + 0 * J, **others)
+            J, rate = self.columns[k.number], v[..., k.column, None]
+            up = steps.pick("the velocity in V x J", V + 0 * J, **other_velocities(V, whole, U, J, rate))
             of[k.column] = crm(steps, "dJ/dt = V x J", up, J)
-            last = J * v[..., k.column, None]
-            V = steps.add("the velocity of the joints before", **{"the sum so far": V, "J qd": last})
+            U, V = U + J, steps.add("the velocity of the joints before", **{"the sum so far": V, "J qd": J * rate})
         return self.filled(of)
 
     def filled(self, columns: dict[int, np.ndarray]) -> np.ndarray:
@@ -163,6 +174,9 @@ class Exponentials:
             v, a = (states[x][None, :, None] for x in ("v", "a"))
             parts = {"J a": product(self._frames("jacobian"), a), "dJ/dt v": product(self._frames("jacobian_dot"), v)}
             return np.asarray(self.steps.add("the acceleration of a frame", **parts))
+        if term == "coriolis":
+            dM = np.asarray(sum(self._derivative(k) for k in bodies))
+            return of_symbols(Steps(), dM, states["v"])
         if term in OF_FRAMES:
             x = self._frames("jacobian" if term == "frame_velocity" else term)
             return product(x, states["v"][None, :, None]) if term == "frame_velocity" else x
@@ -219,6 +233,21 @@ class Exponentials:
         terms = {"m Jv^T Jv": k.mass * u @ transposed(u), "Jw^T I Jw": w @ I @ transposed(w)}
         return np.asarray(self.steps.add("the mass matrix of a body", **terms))
 
+    def _derivative(self, k: Link) -> np.ndarray:
+        """dM_ij/dq_l of a body (runs, n, i, j, l), dJ_j/dq_l = J_j x J_l of the joints l behind j."""
+        steps, J, nv = self.steps, self.body(k), self.tree.nv
+        path = [link.column for link in self.tree.joints_of(k)]
+        behind = np.zeros((nv, nv))
+        for place, column in enumerate(path):
+            behind[column, path[place + 1 :]] = 1.0
+        others = {"before it": behind.T[None, None], "of all its path": (behind + behind.T)[None, None]}
+        behind = steps.pick("the joints by which a column has a derivative, those", behind[None, None], **others)
+        dJ = crm(steps, "J_j x J_l of body Jacobians", J[..., :, None, :], J[..., None, :, :]) * behind[..., None]
+        G = spatial_inertia(steps, k, self.home[k.number], self.frames)
+        one = np.einsum("...ilx,...jx->...ijl", dJ, J @ G)
+        terms = {"dJ^T G J": one, "J^T G dJ": np.swapaxes(one, -3, -2)}
+        return np.asarray(steps.add("the derivative of a body's mass matrix", **terms))
+
     def _momentum(self, k: Link) -> np.ndarray:
         """About the centre of mass, in world axes (runs, n, 6, nv)."""
         G = spatial_inertia(self.steps, k, self.home[k.number], self.frames)
@@ -228,6 +257,17 @@ class Exponentials:
         T = multiplied(self.steps, PLAIN, site, ("T_b^-1", back), ("T_c", lambda: centre), made)
         X = adjoint(self.steps, *T)[..., None, :, :]
         return transposed(to_parent(self.steps, "the momentum of a body, Ad^T G J,", X, self.body(k) @ transposed(G)))
+
+
+def other_velocities(
+    V: np.ndarray, whole: np.ndarray, U: np.ndarray, J: np.ndarray, rate: np.ndarray
+) -> dict[str, np.ndarray]:  # fmt: skip
+    """What stands in the place of V, of the joints before or behind: U is the sum of their columns."""
+    return {
+        "that of the link itself, in every column": whole + 0 * J, "without the rates of joints": U + 0 * J,
+        "made with the rate of the column's own joint": U * rate,
+        "that of the joints on the other side": whole - V - J * rate,
+    }  # fmt: skip
 
 
 def _of_inverse(T: Pose) -> np.ndarray:

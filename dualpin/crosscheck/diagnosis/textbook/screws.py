@@ -13,7 +13,7 @@ Lynch and Park, Modern Robotics (2017), sections 3.3 and 4.1.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -67,18 +67,22 @@ def screw(steps: Steps, k: Link, home: list[Pose]) -> np.ndarray:
     return np.asarray(steps.pick("the screw of a turning joint", turning, **wrong))
 
 
-def products(steps: Steps, tree: Tree, home: list[Pose], q: np.ndarray) -> tuple[dict[int, np.ndarray], list[Pose]]:
-    """The screws of links that move, and the products of exponentials of all links."""
-    screws, made = dict[int, np.ndarray](), [START]
+def exponentials(steps: Steps, tree: Tree, screws: Mapping[int, np.ndarray], q: np.ndarray) -> dict[int, Pose]:
+    """Of the screws of links that move."""
+    return {k.number: exponential(steps, screws[k.number], q[..., k.place]) for k in tree.links if k.moves}
+
+
+def products(steps: Steps, tree: Tree, own: Mapping[int, Pose], where: str) -> list[Pose]:
+    """Of the exponentials up to every link."""
+    made = [START]
     for k in tree.links[1:]:
-        T = before(steps, tree, k, made, "in the next one")
+        T = before(steps, tree, k, made, where)
         if k.moves:
-            S = screws[k.number] = screw(steps, k, home)
-            E = exponential(steps, S, q[..., k.place])
-            site = "the product of exponentials, those of the joints before times a joint's own,"
+            E = own[k.number]
+            site = f"the product of exponentials, those of the joints before times a joint's own: {where}"
             T = multiplied(steps, PLAIN, site, ("those before", T), ("its own", itself(E)), times(PLAIN, T, E))
         made.append(T)
-    return screws, made
+    return made
 
 
 def before(steps: Steps, tree: Tree, k: Link, made: list[Pose], where: str, **others: Pose) -> Pose:
@@ -91,7 +95,7 @@ def before(steps: Steps, tree: Tree, k: Link, made: list[Pose], where: str, **ot
     def part(i: int) -> np.ndarray:
         near = tree.near(k, lambda link: of(link)[i] + 0 * T[i])
         wrong = near | {what: x[i] + 0 * T[i] for what, x in others.items()}
-        return np.asarray(steps.pick(f"the product of the exponentials before a joint, {where}", T[i], **wrong))
+        return np.asarray(steps.pick(f"the product of the exponentials before a joint: {where}", T[i], **wrong))
 
     return part(0), part(1)
 
