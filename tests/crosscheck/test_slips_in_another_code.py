@@ -17,9 +17,10 @@ from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
 from dualpin.crosscheck.diagnosis.textbook.slipped import Run, Slipped
 from dualpin.crosscheck.diagnosis.textbook.steps import Slip
+from dualpin.crosscheck.diagnosis.textbook.tree import tree_of
 from dualpin.crosscheck.subjects import Asking, asking
 from dualpin.crosscheck.subjects.running import ask_here
-from tests.crosscheck.test_textbook import PROBE
+from tests.crosscheck.test_textbook import PROBE, answering
 from tests.crosscheck.unseen_codes import source
 
 OTHER = "step_other"
@@ -221,6 +222,17 @@ def test_a_slip_predicts_what_another_code_answers(name):
         planted = Hypothesis("step_other", slip.says, (term,), "formula", Slipped(run, (slip,), True))
         assert not case.score(term).right, term
         assert case.score(term, (planted,)).right, term
+
+
+def test_a_mean_of_centres_counts_links_without_mass():
+    view = answering(asking(PROBE, 2, 0, ("com",))).view(())
+    tree = tree_of(view)
+    poses, moved = tree.poses(view.states["q"][None]), [k for k in tree.links if tree.joints_of(k)]
+    assert any(k.mass == 0 for k in moved)
+    centres = [poses[k.number].p0 + (poses[k.number].R0 @ k.c[..., None])[..., 0] for k in moved]
+    slip = Slip("the centre of mass", "the mean of all links that move, of those without mass too", OTHER)
+    x = Slipped(kinematics.jacobians, (slip,), True)(view, "com")
+    assert np.abs(x - np.mean(centres, axis=0)[0]).max() < 1e-12
 
 
 def test_predictions_of_which_none_is_finite_are_far():

@@ -131,7 +131,17 @@ class Sums:
     def com(self) -> np.ndarray:
         """(runs, n, 3)."""
         m = self.masses("the weight of a body's centre") * self.every("the bodies whose m c is added up")
-        return np.asarray((m[..., None] * self.c).sum(-2) / self.mass)
+        c = (m[..., None] * self.c).sum(-2) / self.mass
+        return np.asarray(self.steps.pick("the centre of mass", c, **self._mean()))
+
+    def _mean(self) -> dict[str, np.ndarray]:
+        """Without masses, links that have none count as well."""
+        t = self.poses
+        bare = [] if t.fused else [k for k, some in enumerate(t.carries()) if some.any() and k not in self.links]
+        if not bare:
+            return {}
+        every = self.c.sum(-2) + stacked(t.p, bare, 1).sum(-2)
+        return {"the mean of all links that move, of those without mass too": every / (len(self.links) + len(bare))}
 
     @cached_property
     def by_axes(self) -> np.ndarray:
