@@ -38,6 +38,10 @@ NEWTON = {
 SPIN = ("wk = wk + z[k] * v[b.dof]", "wk += z[k] * v[b.dof]")
 IN_THE_LOOP, UP = "                up = up + ", "                up += "
 AT_JOINT = '            if b.kind == "revolute":\n                tau[b.dof]'
+ONE_ARRAY = "        tau, kept = np.zeros(self.n), np.zeros((3, self.n))\n"
+LEFT = """            of = [self.bodies[i].dof for i in self.chain(k)]
+            kept[:, of] = Jv[:, of]
+"""
 CHAIN = "the link before in the list, as in a chain"
 BEFORE = "that of the link before in the list (depth first)"
 
@@ -137,6 +141,29 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
         COMPOSITES,
         Slip("the mass that a unit acceleration moves: of a sliding joint", "the link's own", OTHER),
         [("F, N = m[k] * z[k]", "F, N = b.mass * z[k]")],
+    ),
+    "Jacobians of all bodies in one array": (
+        {"gravity": kinematics.jacobians},
+        Slip("the array of a body's Jacobian", in_place.KEPT, OTHER),
+        [
+            ("        tau = np.zeros(self.n)\n        for k, b in enum", ONE_ARRAY + "        for k, b in enum"),
+            ("            tau -= Jv.T", LEFT + "            tau -= kept.T"),
+        ],
+    ),
+    "a block of the spatial inertia without the mass": (
+        BLOCKS,
+        block("[c x]", "without the mass")._replace(site="the block m [c x] of the inertia: the upper right one"),
+        [("b.mass * C], [b", "C], [b")],
+    ),
+    "inertia about the joint, and the moment of the force too": (
+        COMPOSITES,
+        Slip("the inertia that a unit acceleration turns", "that about the joint's origin", OTHER),
+        [("N = I[k] @ z[k]", "N = (I[k] + self.shift(m[k], c[k] - p[k])) @ z[k]")],
+    ),
+    "moments along the parent's axis": (
+        {"bias": NEWTON["bias"]},
+        Slip("the axis of force and moment: of turning links", "that of the parent", OTHER),
+        [("tau[b.dof] = z[k] @ n", "tau[b.dof] = z[max(b.parent, 1)] @ n")],
     ),
     "angular velocities in one array": (MOVING, array("angular velocity", in_place.GROWING), [SPIN]),
     "linear velocities in one array": (

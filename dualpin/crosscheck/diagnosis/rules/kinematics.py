@@ -34,7 +34,7 @@ from ..textbook.answers import (
 from ..textbook.assembly import SYMBOLS
 from ..textbook.columns import ACROSS
 from ..textbook.columns import MOVING as MOVING_AXES
-from ..textbook.in_place import GROWING
+from ..textbook.in_place import GROWING, KEPT
 from ..textbook.lists import branched
 from ..textbook.lumps import CARRIED as IN_CARRIER
 from ..textbook.lumps import READ, TURNED
@@ -164,7 +164,8 @@ def _any(slip: Slip) -> bool:
 
 
 def _in_a_list(slip: Slip) -> bool:
-    return "in the list" in slip.what or slip.how in ("step_last", "step_last_alone")
+    listed = "in the list" in slip.what or slip.what in (GROWING, KEPT)
+    return listed or slip.how in ("step_last", "step_last_alone")
 
 
 def _for_all_joints(slip: Slip) -> bool:

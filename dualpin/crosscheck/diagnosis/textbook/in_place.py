@@ -20,6 +20,7 @@ GROWING = "its parent's, changed in place: the sum so far in the loop, that over
 WHOLE = "its parent's, changed in place: the sum over all links"
 ADDED = "that of all links, since the list repeats one array: the sum over all links"
 LAST = "that of all links, since the list repeats one array: what the last link leaves"
+KEPT = "that of the body before, not set to zero: columns of joints that do not move this body are left in it"
 SPIN, SPEED = "angular velocity", "linear velocity"
 Whole = Callable[[], np.ndarray] | None
 """The sum over all links, where it is known before the loop."""
@@ -44,3 +45,11 @@ def afterwards(steps: Steps, of: str, xs: list[np.ndarray], whole: Whole = None)
 def repeated(rows: list[np.ndarray]) -> dict[str, np.ndarray]:
     """What any link has where a list repeats one array, [x] * n, and links add to it or write into it."""
     return {ADDED: sum(rows[1:], rows[0]), LAST: rows[-1]} if rows else {}
+
+
+def in_one_array(J: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """(..., bodies, 6, axes): what bodies find in one array in which each writes the columns that are `moved`."""
+    found, mine = J.copy(), np.broadcast_to(moved, J.shape).astype(bool)
+    for k in range(1, J.shape[-3]):
+        found[..., k, :, :] = np.where(mine[..., k, :, :], J[..., k, :, :], found[..., k - 1, :, :])
+    return found

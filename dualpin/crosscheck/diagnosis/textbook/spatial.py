@@ -33,7 +33,8 @@ def forces(
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g, in the coordinates `of`."""
     m = of(steps, tree, q)
     vs, accs = _motions(steps, tree, m, q, v, a, gravity(steps, g))
-    f = [_needed(steps, tree, m.I[k.number], k, vs, accs) if k.mass > 0 else 0 * vs[0] for k in tree.links]
+    felt = [k.mass > 0 or m.I[k.number].any() for k in tree.links]  # a slip may give an inertia to what weighs nothing
+    f = [_needed(steps, tree, m.I[k.number], k, vs, accs) if felt[k.number] else 0 * vs[0] for k in tree.links]
     return _inward(steps, tree, m, f, q)
 
 
@@ -235,7 +236,8 @@ def _needed(
     a_k = steps.pick("the acceleration in I a", accs[k.number], **others)
     a_k = steps.mistaken("a in I a", a_k, v=v_k)
     f = steps.add("the force of a body", **{"I a": product(I, a_k), "v x* I v": spin})
-    return np.asarray(steps.part("the forces of bodies", f, tree.bodies.index(k), len(tree.bodies)))
+    heavy = tree.bodies
+    return np.asarray(steps.part("the forces of bodies", f, heavy.index(k), len(heavy)) if k.mass > 0 else f)
 
 
 def _along(steps: Steps, tree: Tree, m: Model, k: Link, f: np.ndarray, own: np.ndarray | None = None) -> np.ndarray:

@@ -19,6 +19,7 @@ from ...subjects.layout import product, transposed
 from ..description import Body
 from .attitudes import INERTIAL
 from .columns import CENTRE, Columns
+from .in_place import KEPT, in_one_array
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .products import wedge
@@ -147,7 +148,9 @@ class Sums:
     def by_axes(self) -> np.ndarray:
         """(runs, n, bodies, 6, axes), of the bodies' centres."""
         wrong = {"R c alone, without the link's origin": self.r}
-        return self.columns.at(self.steps.pick("the point of a body's Jacobian", self.c, **wrong), self.links, CENTRE)
+        J = self.columns.at(self.steps.pick("the point of a body's Jacobian", self.c, **wrong), self.links, CENTRE)
+        J, moved = np.broadcast_arrays(J, self.columns.moving(self.links).astype(float))
+        return self.steps.pick("the array of a body's Jacobian", J, **{KEPT: lambda: in_one_array(J, moved)})
 
     @cached_property
     def jacobians(self) -> np.ndarray:
