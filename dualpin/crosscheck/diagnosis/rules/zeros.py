@@ -17,11 +17,13 @@ BOTH = ("matrix", "coriolis")
 """Forms of answers by which of their axes belong to joints."""
 
 
-def _never_written(x: np.ndarray, form: str) -> np.ndarray:
-    """Of each velocity, whether all that belongs to it is zero."""
-    nv = x.shape[-1]
-    zero = (x == 0).reshape(-1, nv).all(0)
-    return zero & (x == 0).all(axis=(0, -1)) if form in BOTH else zero
+Lost = tuple[np.ndarray, np.ndarray]
+"""Of each velocity, whether its row and its column are zero; where there are no rows, none is."""
+
+
+def _never_written(x: np.ndarray, form: str) -> Lost:
+    columns = (x == 0).reshape(-1, x.shape[-1]).all(0)
+    return (x == 0).all(axis=(0, -1)) if form in BOTH else np.zeros_like(columns), columns
 
 
 @proposer(
@@ -29,22 +31,24 @@ def _never_written(x: np.ndarray, form: str) -> np.ndarray:
     "look which joints the loop leaves out",
 )  # fmt: skip
 def zeros(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    of: dict[tuple[str, ...], list[str]] = {}
+    of: dict[tuple[str, ...], dict[str, Lost]] = {}
     for term, x in case.observed.items():
         form, p = QUESTIONS[term].form, case.predict(term)
         if form not in (*ROWS, *COLUMNS, *BOTH) or p is None or p.shape != x.shape or x.shape[-1] != len(case.how.v):
             continue
-        lost = _never_written(x, form) & ~_never_written(p, form)
+        rows, columns = (
+            zero & ~known for zero, known in zip(_never_written(x, form), _never_written(p, form), strict=True)
+        )
+        lost = rows | columns
         if lost.any() and not lost.all():
             names = tuple(n for n, is_lost in zip(case.how.v, lost, strict=True) if is_lost)
-            of.setdefault(names, []).append(term)
+            of.setdefault(names, {})[term] = rows, columns
 
-    def one(names: tuple[str, ...], terms: list[str]) -> Hypothesis:
-        kept = np.array([float(n not in names) for n in case.how.v])
-
+    def one(names: tuple[str, ...], lost: dict[str, Lost]) -> Hypothesis:
         def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
-            return x * kept * kept[:, None] if QUESTIONS[term].form in BOTH else x * kept
+            rows, columns = lost[term]
+            return x * ~columns * (~rows[:, None] if QUESTIONS[term].form in BOTH else 1)
 
-        return replace(h, terms=tuple(terms), place="answer", act=act, items=names, cost=1.25)
+        return replace(h, terms=tuple(lost), place="answer", act=act, items=names, cost=1.25)
 
-    return [one(names, terms) for names, terms in of.items()]
+    return [one(names, lost) for names, lost in of.items()]

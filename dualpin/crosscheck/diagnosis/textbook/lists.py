@@ -27,6 +27,15 @@ def orders(parent: Sequence[int]) -> dict[str, list[int]]:
     return {"": by_branch} if by_level == by_branch else {" (depth first)": by_branch, " (breadth first)": by_level}
 
 
+def by_stack(parent: Sequence[int]) -> list[int]:
+    """The links as a stack gives them, on which the children of each are laid: the last child first."""
+    stack, found = [0], list[int]()
+    while stack:
+        found.append(stack.pop())
+        stack += [k for k, up in enumerate(parent) if up == found[-1]]
+    return found
+
+
 def branched(d: Description) -> bool:
     """Whether level by level is another order than branch by branch."""
     return [p.joint for p in by_levels(d).parts] != [p.joint for p in listed(d)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .lists import orders
+from .lists import by_stack, orders
 from .poses import Poses
 
 ALL = "those of all joints, also of those that do not move it"
@@ -36,13 +36,26 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
         "those of the joints, without the base": right & ~base,
         "those of joints up to the first fixed one on the way": np.array([_to_fixed(poses, k) for k in links]),
     }
-    for words, order in orders(poses.parent).items():
-        if words.endswith("(breadth first)"):
-            rank = np.array([order.index(k) for k in moved])
-            ends = np.array([max([rank[i] for i in np.flatnonzero(r & ~base)], default=-1) for r in right])
-            earlier = (rank <= ends[:, None]) | (right & base)
-            found["those of all joints with a smaller number, breadth first"] = earlier
+    for words, order in _listed(poses).items():
+        rank = np.array([order.index(k) for k in moved])
+        ends = np.array([max([rank[i] for i in np.flatnonzero(r & ~base)], default=-1) for r in right])
+        own_ends = np.array([order.index(k) for k in links])
+        for what, upto in (("with a smaller number", ends), ("with a smaller number than the link", own_ends)):
+            earlier = (rank <= upto[:, None]) | (right & base)
+            if not any(np.array_equal(earlier, x) for x in found.values()):
+                found[f"those of all joints {what}, {words}"] = earlier
     return found
+
+
+def _listed(poses: Poses) -> dict[str, list[int]]:
+    """The links in the orders of codes."""
+    place = {joint: k for k, joint in enumerate(poses.d.listed)}
+    of_file = sorted(range(len(poses.d.parts)), key=lambda k: place.get(poses.d.parts[k].joint, k))
+    by_level = orders(poses.parent).get(" (breadth first)", [*range(len(poses.parent))])
+    return {
+        "depth first": [*range(len(poses.parent))], "breadth first": by_level,
+        "in the order of a stack": by_stack(poses.parent), "in the order of the file": [0, *(k + 1 for k in of_file)],
+    }  # fmt: skip
 
 
 def _to_fixed(poses: Poses, link: int) -> np.ndarray:
