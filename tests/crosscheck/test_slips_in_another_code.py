@@ -8,13 +8,14 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from dualpin.crosscheck.diagnosis import Case
+from dualpin.crosscheck.diagnosis import RULES, Case
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
 from dualpin.crosscheck.diagnosis.scores import FAR, scored
 from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
+from dualpin.crosscheck.diagnosis.textbook.columns import MOVING as MOVING_AXES
 from dualpin.crosscheck.diagnosis.textbook.slipped import Run, Slipped
 from dualpin.crosscheck.diagnosis.textbook.steps import Slip
 from dualpin.crosscheck.diagnosis.textbook.tree import tree_of
@@ -39,6 +40,18 @@ SPIN = ("wk = wk + z[k] * v[b.dof]", "wk += z[k] * v[b.dof]")
 IN_THE_LOOP, UP = "                up = up + ", "                up += "
 AT_JOINT = '            if b.kind == "revolute":\n                tau[b.dof]'
 ONE_ARRAY = "        tau, kept = np.zeros(self.n), np.zeros((3, self.n))\n"
+WALK = """        while k > 0:
+            if self.bodies[k].kind != "fixed":
+                yield k
+            k = self.bodies[k].parent
+"""
+STACK = """        stack, i = [0], -1
+        while i != k:
+            i = stack.pop()
+            stack += [j for j, b in enumerate(self.bodies) if b.parent == i]
+            if self.bodies[i].kind != "fixed":
+                yield i
+"""
 LEFT = """            of = [self.bodies[i].dof for i in self.chain(k)]
             kept[:, of] = Jv[:, of]
 """
@@ -141,6 +154,11 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
         COMPOSITES,
         Slip("the mass that a unit acceleration moves: of a sliding joint", "the link's own", OTHER),
         [("F, N = m[k] * z[k]", "F, N = b.mass * z[k]")],
+    ),
+    "columns of all that a stack gives before a link": (
+        {"jacobian": kinematics.jacobians},
+        Slip(MOVING_AXES, "those of all joints with a smaller number than the link, in the order of a stack", OTHER),
+        [(WALK, STACK)],
     ),
     "Jacobians of all bodies in one array": (
         {"gravity": kinematics.jacobians},
@@ -260,6 +278,19 @@ def test_a_mean_of_centres_counts_links_without_mass():
     slip = Slip("the centre of mass", "the mean of all links that move, of those without mass too", OTHER)
     x = Slipped(kinematics.jacobians, (slip,), True)(view, "com")
     assert np.abs(x - np.mean(centres, axis=0)[0]).max() < 1e-12
+
+
+def test_a_row_of_the_mass_matrix_that_is_zero_where_its_column_is_not_is_named_as_that_of_the_forces():
+    right = answering(asked())
+    M, tau = right.predict("crba").copy(), right.predict("bias").copy()
+    M[:, 2], tau[:, 2] = 0.0, 0.0
+    case = answering(asked(), {"crba": M, "bias": tau})
+    (rule,) = (rule for rule in RULES if rule.key == "zeros")
+    (found,) = rule.propose(case)
+    assert set(found.terms) == {"crba", "bias"} and found.items == (case.how.v[2],)
+    turned = answering(asked(), {"crba": np.swapaxes(M, 1, 2)})
+    assert all(case.score(t, (found,)).right for t in found.terms)
+    assert [turned.score("crba", (h,)).right for h in rule.propose(turned)] == [True]
 
 
 def test_predictions_of_which_none_is_finite_are_far():

@@ -86,6 +86,7 @@ RUNS = {
     "jacobians": kinematics.jacobians,
     "jacobians, symbolic": partial(kinematics.jacobians, how=kinematics.SYMBOLIC),
     "jacobians, symbolic by rates": partial(kinematics.jacobians, how=kinematics.RATED),
+    "jacobians, symbolic, of the second": partial(kinematics.jacobians, how=kinematics.TRANSPOSED),
     "exponentials": exponentials.run,
     "exponentials of merged bodies": partial(exponentials.run, fused=True, frames=Frames.AT_CENTRES),
     "exponentials of bodies in the base's axes": partial(exponentials.run, frames=Frames.IN_BASE),

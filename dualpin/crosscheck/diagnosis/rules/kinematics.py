@@ -30,6 +30,7 @@ from ..textbook.answers import (
     SEEN,
     SPUN,
     SYMBOLIC,
+    TRANSPOSED,
 )  # fmt: skip
 from ..textbook.assembly import SYMBOLS
 from ..textbook.columns import ACROSS
@@ -47,8 +48,8 @@ from .formulation import COST, FUSING, Terms, formulation
 from .slipping import Slipping, jacobians, poses, reading, rotations, subtrees, velocities
 
 __all__ = [
-    "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "WAYS",
-    "jacobians", "poses", "rotations", "subtrees", "velocities",
+    "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "TRANSPOSED",
+    "WAYS", "jacobians", "poses", "rotations", "subtrees", "velocities",
 ]  # fmt: skip
 
 
@@ -361,6 +362,7 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
+    _register(_name, _run, _terms(matrix=few), only=_askew, how=TRANSPOSED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_walks, how=CARRIED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED_APART)

@@ -29,6 +29,7 @@ SECOND, PROJECTED = "by second derivatives", "with right motions of bodies"
 POINTS = "with velocities of frames by Jacobians, those of joints from link to link"
 PRODUCTS, GRADIENTS = "by products of columns", "by derivatives of columns by each joint"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
+TRANSPOSED = "Christoffel's symbols of derivatives of the second Jacobian, transposed"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
@@ -140,10 +141,11 @@ class Made:
             return self._of_symbols()
         sums = self.sums(self.whole)
         if term == "coriolis":
-            if self.how not in (SYMBOLIC, CARRIED, RATED, RATED_APART):
+            if self.how not in (SYMBOLIC, TRANSPOSED, CARRIED, RATED, RATED_APART):
                 return sums.coriolis()
             apart = self.how == RATED_APART
-            return gradient.coriolis(sums, self.how == RATED or apart, apart, self.how == CARRIED)
+            second = self.how == TRANSPOSED
+            return gradient.coriolis(sums, self.how == RATED or apart, apart, self.how == CARRIED, second)
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":

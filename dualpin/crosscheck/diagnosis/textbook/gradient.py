@@ -25,12 +25,15 @@ from .equations import Equations, other_products
 from .second import by_products, same
 
 
-def coriolis(sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False) -> np.ndarray:
+def coriolis(
+    sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, second: bool = False
+) -> np.ndarray:  # fmt: skip
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
     `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
     `apart`: what joints do to axes and origins of others is not found by Jacobians.
     `carried`: a body's columns are derived by, and of, the joints that carry it, whichever columns it has.
+    `second`: J_i . M dJ_j is made and transposed, not dJ_i . M J_j, which tensors that are not symmetric tell apart.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -51,7 +54,8 @@ def coriolis(sums: Equations, by_rates: bool = False, apart: bool = False, carri
     site = "the bodies of dM/dq_k"
     m = m * sums.every(f"{site}: m Jv^T Jv")
     spin, turning = (sums.every(f"{site}: {of}")[..., None, None] for of in ("Jw^T I Jw", "dI/dq_k"))
-    I_w = w @ transposed(spin * steps.pick("the inertia in dw_i . I w_j", I, **_turned_wrongly(sums)))
+    T = spin * steps.pick("the inertia in dw_i . I w_j", I, **_turned_wrongly(sums))
+    I_w = w @ (T if second else transposed(T))
     parts = {
         "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, m[..., None, None] * u)),
         "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, I_w)),
