@@ -12,7 +12,15 @@ from dualpin.crosscheck.diagnosis import RULES, Case
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
 from dualpin.crosscheck.diagnosis.scores import FAR, scored
-from dualpin.crosscheck.diagnosis.textbook import about_centres, in_place, link_axes, plucker, spatial, world_axes
+from dualpin.crosscheck.diagnosis.textbook import (
+    about_centres,
+    in_place,
+    link_axes,
+    plucker,
+    spatial,
+    walks,
+    world_axes,
+)
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
 from dualpin.crosscheck.diagnosis.textbook.columns import MOVING as MOVING_AXES
@@ -45,6 +53,13 @@ WALK = """        while k > 0:
                 yield k
             k = self.bodies[k].parent
 """
+CHAINS = [
+    f"for i in {of}:\n                if self.bodies[i].kind"
+    for of in (
+        "[x for x in self.chain(k) if x != k]",
+        "[x for x in range(1, k + 1) if self.bodies[x].kind != 'fixed']",
+    )
+]
 STACK = """        stack, i = [0], -1
         while i != k:
             i = stack.pop()
@@ -154,6 +169,26 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
         COMPOSITES,
         Slip("the mass that a unit acceleration moves: of a sliding joint", "the link's own", OTHER),
         [("F, N = m[k] * z[k]", "F, N = b.mass * z[k]")],
+    ),
+    "entries of M by a walk without the body's own joint": (
+        {"crba": COMPOSITES["crba"]},
+        Slip(MOVING_AXES, walks.OWN, OTHER),
+        [("for i in self.chain(k):\n                if self.bodies[i].kind", CHAINS[0])],
+    ),
+    "entries of M by a walk that ends at a fixed joint": (
+        {"crba": COMPOSITES["crba"]},
+        Slip(MOVING_AXES, walks.TO_FIXED, OTHER),
+        [
+            (
+                WALK,
+                WALK.replace("            k = self", "            else:\n                return\n            k = self"),
+            )
+        ],
+    ),
+    "entries of M for all joints of smaller numbers": (
+        {"crba": COMPOSITES["crba"]},
+        Slip(MOVING_AXES, walks.CHAIN, OTHER),
+        [("for i in self.chain(k):\n                if self.bodies[i].kind", CHAINS[1])],
     ),
     "columns of all that a stack gives before a link": (
         {"jacobian": kinematics.jacobians},

@@ -15,8 +15,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...subjects.layout import product
+from .columns import MOVING
 from .steps import HAVE, Steps, cross
 from .tree import Link, Tree, filled
+from .walks import of_joints
 from .weighted import steiners
 
 ONE = np.eye(3)
@@ -36,12 +38,19 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         R0, p0 = poses[0].R0, poses[0].p0
         axes += [(tree.links[0], i, R0[..., :, i % 3], p0, i > 2) for i in range(6)]
     entries: dict[tuple[int, int], np.ndarray] = {}
+    walks = of_joints(tree)
     for k, column, z, o, slides in axes:
         n, f = _unit(steps, z, o, slides, lumps[k.number], own[k.number])
-        below = {link.number for link in tree.joints_of(k)}
         for at, row, y, p, along in axes:
-            if at.number in below or (tree.floating and at.number == 0):
-                entries[row, column] = entries[column, row] = _felt(steps, y, p, along, lumps[k.number], n, f)
+            base = tree.floating and at.number == 0
+            found = {words: np.full((1, 1), float(base or x[k.number, at.number])) for words, x in walks.items()}
+            if not any(x.any() for x in found.values()):
+                continue
+            counts = steps.pick(MOVING, found.pop(""), **found)
+            # a wrong walk may find either of two joints from the other
+            before = entries.get((row, column), 0.0) if 0 < at.number != k.number else 0.0
+            x = before + counts * _felt(steps, y, p, along, lumps[k.number], n, f)
+            entries[row, column] = entries[column, row] = x
     return filled(entries, tree.nv, q)
 
 

@@ -6,10 +6,13 @@ import numpy as np
 
 from .lists import by_stack, orders
 from .poses import Poses
+from .tree import Tree
 
 ALL = "those of all joints, also of those that do not move it"
 CHAIN = "those of all joints with a smaller number, as in one chain"
 
+OWN = "all but that of its own link"
+TO_FIXED = "those of joints up to the first fixed one on the way"
 ENDS = ("all but that of the last joint", "all but that of the first joint")
 
 
@@ -31,10 +34,10 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
         CHAIN: (numbers <= last) | (right & base),
         ENDS[0]: right & (numbers != last),
         ENDS[1]: right & (base | ~first),
-        "all but that of its own link": right & (base | ~own),
+        OWN: right & (base | ~own),
         "only that of the last joint": right & (base | (numbers == last)),
         "those of the joints, without the base": right & ~base,
-        "those of joints up to the first fixed one on the way": np.array([_to_fixed(poses, k) for k in links]),
+        TO_FIXED: np.array([_to_fixed(poses, k) for k in links]),
     }
     for words, order in _listed(poses).items():
         rank = np.array([order.index(k) for k in moved])
@@ -44,6 +47,27 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
             earlier = (rank <= upto[:, None]) | (right & base)
             if not any(np.array_equal(earlier, x) for x in found.values()):
                 found[f"those of all joints {what}, {words}"] = earlier
+    return found
+
+
+def of_joints(tree: Tree) -> dict[str, np.ndarray]:
+    """(links, links): the joints that walks from the link of a joint find, the right one first."""
+    numbers, moves = np.arange(len(tree.links)), np.array([k.moves for k in tree.links])
+    right = np.array([[i in tree.joints_of(k) for i in tree.links] for k in tree.links])
+    first = np.array([min(np.flatnonzero(r), default=-1) for r in right])[:, None]
+    to_fixed = right.copy()
+    for k in tree.links[1:]:
+        to_fixed[k.number] &= k.moves * (to_fixed[k.parent] | (numbers == k.number))
+    found = {
+        "": right,
+        OWN: right & ~np.eye(len(right), dtype=bool),
+        ENDS[1]: right & (numbers != first),
+        TO_FIXED: to_fixed,
+    }
+    for words, order in orders([k.parent for k in tree.links]).items():
+        rank = np.array([order.index(k) for k in range(len(order))])
+        name = "those of all joints with a smaller number, breadth first" if "breadth" in words else CHAIN
+        found[name] = moves & (rank <= rank[:, None])
     return found
 
 
