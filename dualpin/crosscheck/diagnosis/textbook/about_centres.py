@@ -38,12 +38,13 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         R0, p0 = poses[0].R0, poses[0].p0
         axes += [(tree.links[0], i, R0[..., :, i % 3], p0, i > 2) for i in range(6)]
     entries: dict[tuple[int, int], np.ndarray] = {}
-    walks = of_joints(tree)
+    walks = {words: x.astype(float)[None, None] for words, x in of_joints(tree).items()}
     for k, column, z, o, slides in axes:
         n, f = _unit(steps, z, o, slides, lumps[k.number], own[k.number])
         for at, row, y, p, along in axes:
-            base = tree.floating and at.number == 0
-            found = {words: np.full((1, 1), float(base or x[k.number, at.number])) for words, x in walks.items()}
+            found = {words: x[..., k.number, at.number] for words, x in walks.items()}
+            if tree.floating and at.number == 0:  # what moves all
+                found = {"": np.ones((1, 1))}
             if not any(x.any() for x in found.values()):
                 continue
             counts = steps.pick(MOVING, found.pop(""), **found)

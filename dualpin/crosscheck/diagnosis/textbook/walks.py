@@ -53,7 +53,9 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
 def of_joints(tree: Tree) -> dict[str, np.ndarray]:
     """(links, links): the joints that walks from the link of a joint find, the right one first."""
     numbers, moves = np.arange(len(tree.links)), np.array([k.moves for k in tree.links])
-    right = np.array([[i in tree.joints_of(k) for i in tree.links] for k in tree.links])
+    right = np.zeros((len(numbers), len(numbers)), bool)
+    for k in tree.links:
+        right[k.number, [x.number for x in tree.joints_of(k)]] = True
     first = np.array([min(np.flatnonzero(r), default=-1) for r in right])[:, None]
     to_fixed = right.copy()
     for k in tree.links[1:]:
