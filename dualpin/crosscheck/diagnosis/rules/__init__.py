@@ -14,6 +14,7 @@ from . import (  # noqa: F401
     joints,
     kinematics,
     links,
+    listed,
     lumping,
     matrices,
     merging,

@@ -165,7 +165,10 @@ class Articulated:
     """In which coordinates."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
-        tree = tree_of(view, self.fused)
+        return self.answer(view, term, steps, tree_of(view, self.fused))
+
+    def answer(self, view: View, term: str, steps: Steps, tree: Tree) -> np.ndarray | None:
+        """The term, of this tree."""
         q, v, tau = (view.states[k][None] for k in ("q", "v", "tau"))
         g = tree.gravity
         solve = partial(forward, of=self.of)

@@ -233,6 +233,18 @@ class Seen:
         )
 
 
+@dataclass(frozen=True)
+class InOrder:
+    """The same where links are listed in another order, one of `lists.ORDERS`."""
+
+    of: Any
+    """`Dynamics`, `Seen` or `Articulated`."""
+    order: str
+
+    def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
+        return self.of.answer(view, term, steps, tree_of(view, self.of.fused, self.order))
+
+
 def torques(view: View) -> np.ndarray:
     """J^T f of each frame's wrench."""
     pushed = view.compute("rnea_f_ext", view.layout.how.reference)

@@ -16,15 +16,16 @@ Neighbours = dict[str, np.ndarray]
 
 def orders(parent: Sequence[int]) -> dict[str, list[int]]:
     """The links, which are numbered branch by branch; level by level too where that differs."""
-    children: list[list[int]] = [[] for _ in parent]
-    for k, up in enumerate(parent):
-        if up >= 0:
-            children[up].append(k)
-    by_level = [0]
-    for k in by_level:
-        by_level += children[k]
-    by_branch = list(range(len(parent)))
+    by_branch, by_level = list(range(len(parent))), by_queue(parent)
     return {"": by_branch} if by_level == by_branch else {" (depth first)": by_branch, " (breadth first)": by_level}
+
+
+def by_queue(parent: Sequence[int]) -> list[int]:
+    """The links level by level."""
+    found = [0]
+    for k in found:
+        found += [child for child, up in enumerate(parent) if up == k]
+    return found
 
 
 def by_stack(parent: Sequence[int]) -> list[int]:
@@ -34,6 +35,10 @@ def by_stack(parent: Sequence[int]) -> list[int]:
         found.append(stack.pop())
         stack += [k for k, up in enumerate(parent) if up == found[-1]]
     return found
+
+
+ORDERS = {"breadth first": by_queue, "as a stack gives them": by_stack}
+"""Other orders of links, of the numbers of their parents where these are numbered branch by branch."""
 
 
 def branched(d: Description) -> bool:

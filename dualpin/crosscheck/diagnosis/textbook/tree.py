@@ -19,6 +19,7 @@ from ...subjects.convention import base_of
 from ...subjects.layout import product, rotations, transposed
 from ..case import View
 from ..description import Description, Part, merged
+from .lists import ORDERS
 from .lumps import Piece, listed, pieces, products, tensor
 from .steps import Steps
 
@@ -90,6 +91,8 @@ class Tree:
     ----------
     fused : bool
         Whether fixed links are merged into the bodies that carry them, and are no links any more, as in many codes.
+    order : str, optional
+        One of `ORDERS` in which links are listed, if not branch by branch.
 
     Raises
     ------
@@ -97,7 +100,7 @@ class Tree:
         For joints that do not have one axis and one coordinate of their own.
     """
 
-    def __init__(self, view: View, fused: bool = False) -> None:
+    def __init__(self, view: View, fused: bool = False, order: str = "") -> None:
         robot, d = view.robot, merged(view.description) if fused else view.description
         self.robot, self.description, self.fused = robot, view.description, fused
         made_of = pieces(view.description, fused)
@@ -124,6 +127,14 @@ class Tree:
             number[part.link] = len(self.links) - 1
             if joint is not None and part.armature:
                 self.rotors[joint.v] = part.armature
+        self.order = order
+        if order:
+            listed_so = ORDERS[order]([k.parent for k in self.links])
+            at = {-1: -1} | {k: i for i, k in enumerate(listed_so)}
+            self.links = [
+                replace(x, number=at[x.number], parent=at[x.parent]) for x in map(self.links.__getitem__, listed_so)
+            ]
+            number = {link: at[k] for link, k in number.items()}
         nowhere = {link: (link, np.eye(4)) for link in standing}
         self.stands = {link: (number[on], H) for link, (on, H) in (standing if fused else nowhere).items()}
         """Of every link: the number of the one that carries it, and its pose there."""
@@ -140,6 +151,8 @@ class Tree:
         depth_first, order = list(range(len(self.links))), [0]
         for k in order:
             order += self._children[k]
+        if self.order:
+            return {f" ({self.order})": depth_first}
         same = order == depth_first
         return {"": order} if same else {" (depth first)": depth_first, " (breadth first)": order}
 
@@ -250,15 +263,15 @@ def _body(b: object) -> tuple[float, np.ndarray, np.ndarray]:
     return float(mass), np.asarray(c)[None, None], np.asarray(I)[None, None]
 
 
-_TREES: weakref.WeakKeyDictionary[Description, dict[bool, Tree]] = weakref.WeakKeyDictionary()
+_TREES: weakref.WeakKeyDictionary[Description, dict[tuple[bool, str], Tree]] = weakref.WeakKeyDictionary()
 
 
-def tree_of(view: View, fused: bool = False) -> Tree:
+def tree_of(view: View, fused: bool = False, order: str = "") -> Tree:
     """The tree of what a view sees; made once for each description."""
     made = _TREES.setdefault(view.description, {})
-    if fused not in made:
-        made[fused] = Tree(view, fused)
-    return made[fused]
+    if (fused, order) not in made:
+        made[fused, order] = Tree(view, fused, order)
+    return made[fused, order]
 
 
 def spatial(rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:

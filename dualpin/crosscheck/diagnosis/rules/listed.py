@@ -1,0 +1,50 @@
+"""Slips of codes that list links level by level, or as a stack gives them: what stands before a link is another one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from ..case import Case
+from ..textbook import link_axes, plucker, spatial, world_axes
+from ..textbook.articulated import Articulated
+from ..textbook.assembly import Dynamics, InOrder, Seen, by_columns
+from ..textbook.in_place import GROWING, SO_FAR
+from ..textbook.lists import ORDERS, branched
+from ..textbook.steps import Slip
+from .dynamics import FUSED, KNOWN, SPATIAL, merges
+from .formulation import COST, FUSING, formulation
+from .six_vectors import WORLD
+
+FORCES = ("gravity", "bias", "rnea", "crba")
+
+
+def _algorithms() -> Iterator[tuple[str, Any, tuple[str, ...]]]:
+    for name, forces in (
+        ("Newton-Euler in world axes", world_axes.forces), ("Newton-Euler in link axes", link_axes.forces),
+    ):  # fmt: skip
+        yield name, Dynamics(forces, by_columns(forces)), FORCES
+    yield "Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",)
+    yield SPATIAL, Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration")
+    for name, of in ((SPATIAL, plucker.links), (WORLD, plucker.world)):
+        yield name, Dynamics(partial(spatial.forces, of=of), partial(spatial.mass, of=of)), FORCES
+        yield name, Articulated(of=of), ("aba", "minv")
+
+
+def _before(slip: Slip) -> bool:
+    return "in the list" in slip.what or slip.what in (GROWING, SO_FAR)
+
+
+def _listed(fused: bool, case: Case) -> bool:
+    return branched(case.description) and (not fused or merges(case))
+
+
+for _order in ORDERS:
+    for _name, _run, _terms in _algorithms():
+        for _fused in (False, True):
+            formulation(
+                _name, _terms, KNOWN, ", ".join([FUSED] * _fused + [f"links {_order}"]), partial(_listed, _fused),
+                COST + 0.05 + FUSING * _fused, batched=True, only=_before,
+            )(InOrder(replace(_run, fused=_fused), _order))  # fmt: skip
