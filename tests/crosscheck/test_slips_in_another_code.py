@@ -22,7 +22,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     world_axes,
 )
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
-from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, Seen, by_columns
+from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, InOrder, Seen, by_columns
 from dualpin.crosscheck.diagnosis.textbook.columns import MOVING as MOVING_AXES
 from dualpin.crosscheck.diagnosis.textbook.slipped import Run, Slipped
 from dualpin.crosscheck.diagnosis.textbook.steps import Slip
@@ -60,6 +60,9 @@ CHAINS = [
         "[x for x in range(1, k + 1) if self.bodies[x].kind != 'fixed']",
     )
 ]
+NEXT = 'j = next(x for x in todo if x.find("parent").get("link") in index)'
+LEVELS = """known = [x for x in todo if x.find("parent").get("link") in index]
+            j = min(known, key=lambda x: index[x.find("parent").get("link")])"""
 STACK = """        stack, i = [0], -1
         while i != k:
             i = stack.pop()
@@ -189,6 +192,11 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
         {"crba": COMPOSITES["crba"]},
         Slip(MOVING_AXES, walks.CHAIN, OTHER),
         [("for i in self.chain(k):\n                if self.bodies[i].kind", CHAINS[1])],
+    ),
+    "velocities of the link before, level by level": (
+        {"aba": InOrder(WORLD["aba"], "breadth first")},
+        Slip("the motion that a link starts from: its velocity", BEFORE.replace("depth", "breadth"), OTHER),
+        [(NEXT, LEVELS), ("V[k] = V[b.parent]\n", "V[k] = V[k - 1]\n"), ("V[b.parent] + S", "V[k - 1] + S")],
     ),
     "columns of all that a stack gives before a link": (
         {"jacobian": kinematics.jacobians},

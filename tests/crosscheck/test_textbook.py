@@ -32,7 +32,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     transforms,
     world_axes,
 )
-from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns
+from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, InOrder, by_columns
 from dualpin.crosscheck.diagnosis.textbook.body_twists import Frames
 from dualpin.crosscheck.diagnosis.textbook.slipped import Slipped, alike, predicted
 from dualpin.crosscheck.diagnosis.textbook.steps import Steps
@@ -78,6 +78,11 @@ RUNS = {
         )
     },
     "articulated": articulated.Articulated(),
+    "articulated, in the order of a stack": InOrder(articulated.Articulated(), "as a stack gives them"),
+    "world, level by level": InOrder(Dynamics(world_axes.forces, by_columns(world_axes.forces)), "breadth first"),
+    "link, in the order of a stack": InOrder(
+        Dynamics(link_axes.forces, spatial.mass, fused=True), "as a stack gives them"
+    ),
     "lagrange": partial(kinematics.jacobians, how=answers.LAGRANGE),
     "lagrange, with M by its factor": partial(kinematics.jacobians, how=answers.LAGRANGE, factored=True, fused=True),
     "habits": Dynamics(world_axes.forces, habits.mass),
