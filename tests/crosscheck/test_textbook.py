@@ -112,7 +112,7 @@ RUNS = {
 PREDICTS = {
     "exponentials of": exponentials.IN_BODIES, "exponentials in": body_form.TERMS, "exponentials": exponentials.TERMS,
     "transforms by chains": (*transforms.OF_FRAMES, *transforms.OF_BODIES),
-    "transforms": ("fk", *transforms.OF_FRAMES, *transforms.OF_BODIES),
+    "transforms": ("fk", *transforms.OF_FRAMES, *transforms.OF_RATES, *transforms.OF_BODIES),
     "sums": sums.TERMS, "energy": ("kinetic_energy",), "seen in six-vectors": ("frame_velocity", "frame_acceleration"),
     "seen by transforms": ("frame_velocity", "frame_acceleration"),
     "recursion of body twists": ("gravity", "rnea", "crba", "coriolis"),

@@ -75,6 +75,7 @@ def _poses(fused: bool, chained: bool, of: plucker.Coordinates = plucker.links) 
     merged = of is plucker.merged_links
     what = ("poses by chains" if chained else "poses by transforms", FUSED * fused, MERGED * merged)
     terms = ("fk",) * (not chained and not merged) + transforms.OF_FRAMES * (not merged) + transforms.OF_BODIES
+    terms += transforms.OF_RATES * (not chained and not merged)
     formulation(
         SPATIAL, terms, KNOWN, ", ".join(x for x in what if x), merges if fused else lambda case: True, batched=True,
         only=_of_merging if merged else but_tensors,
@@ -130,7 +131,7 @@ def _in(
 
 outside(SPATIAL, spatial.pushed, "links")
 outside("Newton-Euler in link axes", link_axes.pushed, "links")
-CENTRES, WORLD = f"{SPATIAL} about centres of mass", f"{SPATIAL} in world coordinates"
+CENTRES, WORLD = "body twists about centres of mass", f"{SPATIAL} in world coordinates"
 _in(plucker.merged_links, SPATIAL, MERGED, _of_merging, _never)
 _in(plucker.centres, CENTRES, "about centres", elsewhere)
 _in(plucker.world, WORLD, "in the world", elsewhere)

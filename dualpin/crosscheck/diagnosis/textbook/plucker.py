@@ -230,7 +230,7 @@ def _subspace(steps: Steps, k: Link, turning: np.ndarray, sliding: np.ndarray, *
         others = {"[z; 0], as of a turning one": turning, "[z; z]": turning + sliding, "-[0; z]": -sliding}
         return np.asarray(steps.pick("S of a sliding joint", sliding, **others))
     others = {"[0; z], as of a sliding one": sliding, "[z; z]": turning + sliding, "-[z; 0]": -turning}
-    return np.asarray(steps.pick("S of a turning joint", turning, **others, **wrong))
+    return np.asarray(steps.pick(f"S of a turning joint: of {k.type} joints", turning, **others, **wrong))
 
 
 def _about_centre(steps: Steps, k: Link) -> np.ndarray:

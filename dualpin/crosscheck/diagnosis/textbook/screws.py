@@ -64,7 +64,7 @@ def screw(steps: Steps, k: Link, home: list[Pose]) -> np.ndarray:
         "[w; p], with its place itself": six([w, p]), "[0; w], as of a sliding one": sliding,
         "-[w; -w x p]": -turning, "[w; -w x p] with the parent's place": six([w, -cross(w, up[1])]),
     }  # fmt: skip
-    return np.asarray(steps.pick("the screw of a turning joint", turning, **wrong))
+    return np.asarray(steps.pick(f"the screw of a turning joint: of {k.type} joints", turning, **wrong))
 
 
 def exponentials(steps: Steps, tree: Tree, screws: Mapping[int, np.ndarray], q: np.ndarray) -> dict[int, Pose]:

@@ -11,19 +11,23 @@ References: Featherstone, Rigid Body Dynamics Algorithms (2008), sections 2.8, 4
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .body_coriolis import rate
 from .plucker import Coordinates, Model, brought, links, to_parent, transform
 from .products import vector
-from .spatial import composites, of_composite
+from .spatial import composites, of_composite, velocities
 from .steps import Steps, cross
 from .tree import Pose, Tree, tree_of
 
 OF_FRAMES = ("jacobian", "frame_velocity")
+OF_RATES = ("jacobian_dot",)
+"""Of a base that rests, by transforms alone."""
 OF_BODIES = ("com", "com_jacobian", "centroidal_momentum_matrix")
 
 
@@ -49,7 +53,9 @@ class Transforms:
 
     def answer(self, view: View, term: str, steps: Steps, tree: Tree) -> np.ndarray | None:
         """The term (runs, samples, ...), of this tree."""
-        if view.layout.how.reference != "local_world_aligned" and term in OF_FRAMES:
+        if view.layout.how.reference != "local_world_aligned" and term in OF_FRAMES + OF_RATES:
+            return None
+        if term in OF_RATES and (self.chained or tree.floating):
             return None
         poses = tree.poses(view.states["q"][None])
         m = self.of(steps, tree, view.states["q"][None])
@@ -64,8 +70,12 @@ class Transforms:
         if term == "fk":
             return None if self.fused else stacked([_pose(steps, whole[k]) for k, _ in stands])
         R = [x.R0 for x in poses] if self.chained else [transposed(x[..., :3, :3]) for x in whole]
-        J = stacked([_jacobian(steps, tree, m, R[k], k, H) for k, H in stands])
-        return J if term == "jacobian" else product(J, view.states["v"][None, :, None])
+        v = view.states["v"][None]
+        if term == "jacobian_dot":
+            rates = _rates(steps, tree, m, v)
+            return stacked([_moving(steps, tree, m, R[k], k, H, rates, v) for k, H in stands])
+        J = stacked([_in_world(steps, R[k], _jacobian(steps, tree, m, k, H, m.S), H) for k, H in stands])
+        return J if term == "jacobian" else product(J, v[:, :, None])
 
 
 def _from_the_world(steps: Steps, tree: Tree, m: Model) -> list[np.ndarray]:
@@ -98,28 +108,55 @@ def _pose(steps: Steps, X: np.ndarray) -> np.ndarray:
     return T
 
 
-def _jacobian(steps: Steps, tree: Tree, m: Model, R: np.ndarray, number: int, H: np.ndarray) -> np.ndarray:
-    """Of a frame that stands at H on a link whose axes in the world are R."""
-    J = _in_link(steps, tree, m, number)
-    if not np.array_equal(H, np.eye(4)):
-        Q = H[None, None, :3, :3]
-        to_frame = transform(steps, Q, H[None, None, :3, 3])
-        J, R = to_frame @ J, R @ Q
-    R, rows = R[..., None, :, :], transposed(J)
+def _jacobian(
+    steps: Steps, tree: Tree, m: Model, number: int, H: np.ndarray, S: Mapping[int, np.ndarray]
+) -> np.ndarray:  # fmt: skip
+    """Of a frame that stands at H on a link, in its axes."""
+    J = _in_link(steps, tree, m, number, S)
+    return J if np.array_equal(H, np.eye(4)) else transform(steps, H[None, None, :3, :3], H[None, None, :3, 3]) @ J
+
+
+def _rates(steps: Steps, tree: Tree, m: Model, v: np.ndarray) -> dict[int, np.ndarray]:
+    """dS/dt = v x S, of links that move."""
+    vs = velocities(steps, tree, m, v, np.zeros((*v.shape[:-1], 6)))
+    return {number: rate(steps, vs[number], S + 0 * vs[number]) for number, S in m.S.items()}
+
+
+def _moving(
+    steps: Steps, tree: Tree, m: Model, R: np.ndarray, number: int, H: np.ndarray, rates: Mapping[int, np.ndarray],
+    v: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """The rate of the Jacobian of a frame, at its origin, in world axes."""
+    J, D = (transposed(_jacobian(steps, tree, m, number, H, S)) for S in (m.S, rates))
+    w, speed = J[..., :3], product(transposed(J[..., 3:]), v)
+    parts = {
+        "that of a point at rest": D[..., 3:],
+        "w x the velocity of the frame": cross(w, speed[..., None, :] + 0 * w),
+    }
+    linear = steps.add("the rate of the linear part, of a frame that moves,", **parts)
+    return _in_world(steps, R, transposed(np.concatenate(np.broadcast_arrays(D[..., :3], linear), -1)), H)
+
+
+def _in_world(steps: Steps, R: np.ndarray, J: np.ndarray, H: np.ndarray) -> np.ndarray:
+    """In world axes; those of the link that carries the frame are R."""
+    R, rows = (R @ H[:3, :3])[..., None, :, :], transposed(J)
     site = "a column, in the frame's axes"
     w = steps.turn(f"{site}: its angular part", R, rows[..., :3])
     v = steps.turn(f"{site}: its linear part", R, rows[..., 3:])
     return transposed(np.concatenate(np.broadcast_arrays(w, v), -1))
 
 
-def _in_link(steps: Steps, tree: Tree, m: Model, number: int) -> np.ndarray:
-    """The Jacobian of a link in its own axes (runs, samples, 6, nv)."""
+def _in_link(
+    steps: Steps, tree: Tree, m: Model, number: int, S: Mapping[int, np.ndarray] | None = None
+) -> np.ndarray:  # fmt: skip
+    """The Jacobian of a link in its own axes (runs, samples, 6, nv); S by default those of the joints."""
+    S = m.S if S is None else S
     A: np.ndarray = np.eye(6)[None, None]
     columns: dict[int, np.ndarray] = {}
     k = tree.links[number]
     while k.parent >= 0:
         if k.moves:
-            columns[k.column] = brought(steps, "S of a column of the Jacobian", A, m.S[k.number] + 0 * A[..., 0])
+            columns[k.column] = brought(steps, "S of a column of the Jacobian", A, S[k.number] + 0 * A[..., 0])
         X = _own(m, k.number)
         others = {"in the other order": X @ A, "that of the last step alone": X + 0 * A}
         A = steps.pick("the transform from a joint to the frame", A @ X, **others)

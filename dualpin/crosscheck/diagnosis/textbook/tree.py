@@ -50,6 +50,8 @@ class Link:
     """The links that it was made of."""
     length: float = 1.0
     """That of its <axis>, as the file gives it."""
+    type: str = ""
+    """That of its joint in the file: "revolute", "continuous", ..."""
 
     @property
     def moves(self) -> bool:
@@ -255,7 +257,9 @@ def _link(part: Part, number: int, parent: int, column: int, place: int) -> Link
     R, p = part.rotation[None, None], part.position[None, None]
     body = _body(part.body)
     length = 1.0 if part.axis is None else float(np.linalg.norm(part.axis))
-    return Link(number, part.link, parent, R, p, z[None, None], part.slides, column, place, *body, length=length)
+    return Link(
+        number, part.link, parent, R, p, z[None, None], part.slides, column, place, *body, (), length, part.type
+    )
 
 
 def _body(b: object) -> tuple[float, np.ndarray, np.ndarray]:
