@@ -213,7 +213,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(two_causes, Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     causes = _causes(case, searches)
-    for search in searches.values():  # what was found last may explain a term before
+    for term, search in searches.items():  # what was found last may explain a term before
+        tick(f"{term}: what explains other terms")
         search.known([*causes, *_together(causes), *found])
         search.composed()
         if search.open:
