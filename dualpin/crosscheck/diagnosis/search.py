@@ -99,9 +99,10 @@ class Search:
         unsure = (h.key in DOUBTFUL and h.cost > KNOWN) or not set(h.made_of) <= set(explained)
         return unsure or bool(spared(self.case, h))
 
-    def known(self, others: Iterable[Story]) -> None:
+    def known(self, others: Sequence[Story]) -> None:
         """Try what explains other terms: as it is, as other formulations show it, and with any factorisation."""
-        mine: dict[frozenset[object], Story] = {}
+        here = (tuple(h for h in story if self.term in h.terms) for story in others)
+        mine = {identity(s): s for s in here}  # as they are first: there may be time for few
         for story in others:
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
@@ -125,7 +126,7 @@ class Search:
         if self.open:
             self.consider([(h,) for h in self._whole if h.made_of])
 
-    def _by_symbols(self, others: Iterable[Story]) -> dict[frozenset[object], Story]:
+    def _by_symbols(self, others: Sequence[Story]) -> dict[frozenset[object], Story]:
         """C of the mass matrix that a story explains."""
         if self.term != "coriolis" or "crba" not in self.case.observed or self.case.score("crba").right:
             return {}
