@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,7 @@ class Catalogue:
         self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
         self._kin: dict[Any, list[Hypothesis]] = {}
         self._late: dict[int, list[Hypothesis]] = {}
+        self._algorithms: dict[tuple[str, int], dict[Any, list[Hypothesis]]] = {}
         self._looked_at: dict[str, list[list[Hypothesis]]] = {}
 
     def _of_rules(self, late: int) -> list[Hypothesis]:
@@ -44,6 +45,15 @@ class Catalogue:
             for h in self._late[late]:
                 self._kin.setdefault(h.mistake or h.cause, []).append(h)
         return self._late[late]
+
+    def _by_algorithm(self, term: str, late: int) -> Iterable[list[Hypothesis]]:
+        """Those of late rules for a term, together if one algorithm makes them."""
+        if (term, late) not in self._algorithms:
+            found: dict[Any, list[Hypothesis]] = {}
+            for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
+                found.setdefault((h.place, algorithm(h.act) or h.act), []).append(h)
+            self._algorithms[term, late] = found
+        return self._algorithms[term, late].values()
 
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
@@ -60,10 +70,11 @@ class Catalogue:
         few = self._few(term)
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
-        for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
-            if base and (h.place != "formula" or not all(share(h.act, act) for act in formulas)):
+        for some in self._by_algorithm(term, late):
+            if base and (some[0].place != "formula" or not all(share(some[0].act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
-            groups.setdefault(made_of(h.act, term), []).append(h)
+            for h in some:
+                groups.setdefault(made_of(h.act, term), []).append(h)
         # the subject's own answers put together are soon seen; then come algorithms with slips told, and short ones
         sizes = Counter(algorithm(same[0].act) for same in groups.values())
         styles = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..subjects.questions import QUESTIONS
 from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes
@@ -22,7 +23,20 @@ from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules.composed import PARTS, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS
 from .spared import READ, instead, shows, spared
-from .stories import BEAM, Explanation, Near, cheapest, in_time, joins, kept, merged, nearness, numbers_in, reads
+from .stories import (
+    BEAM,
+    Explanation,
+    Near,
+    cheapest,
+    in_time,
+    joins,
+    kept,
+    merged,
+    nearness,
+    numbers_in,
+    reads,
+    to_rounding,
+)
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them
@@ -295,7 +309,8 @@ class Search:
         for block in in_time(list(fresh.values()), until or self.until, STORIES):
             self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
-                if score.right and not any(spared(self.case, h) for h in story if numbers_in(h, story)):
+                right = score.right and (QUESTIONS[self.term].solves or to_rounding(story, score))
+                if right and not any(spared(self.case, h) for h in story if numbers_in(h, story)):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(nearness(story, score))

@@ -12,6 +12,8 @@ from .scores import Score
 
 T = TypeVar("T")
 BEAM = 8
+ROUNDING = 1e-10
+"""An error that two exact causes leave at most."""
 BLOCK = 24  # stories that are scored before the time is looked at: at first
 LONG = 0.25
 """Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
@@ -75,6 +77,12 @@ def reads(story: Iterable[Hypothesis]) -> bool:
 def numbers_in(h: Hypothesis, story: Story) -> bool:
     """Whether other terms must not contradict it: numbers, and several readings of the file, imitate much."""
     return h.key in ESTIMATED or (h.place == "edit" and sum(g.place == "edit" for g in story if g.single) > 1)
+
+
+def to_rounding(story: Story, score: Score) -> bool:
+    """Whether several causes leave no more than rounding: of what one nearly explains many make a little less."""
+    rounded = any(h.place == "relation" or h.key in ("finite_differences", "follows") for h in story)
+    return len(story) == 1 or rounded or score.error <= ROUNDING
 
 
 def joins(h: Hypothesis, story: Story) -> bool:

@@ -57,7 +57,7 @@ def rotation_missing(view: View, term: str, x: np.ndarray) -> np.ndarray:
 
 @rule(
     "at_com", "taken at the link's centre of mass, in the axes of <inertial>",
-    "ask for the link's frame, not its inertial frame", OF_FRAMES, "change",
+    "ask for the link's frame, not its inertial frame", OF_FRAMES, "change", cost=1.01,
 )  # fmt: skip
 def at_com(view: View, term: str, x: np.ndarray) -> np.ndarray:
     bodies = {p.link: p.body for p in view.description.parts}

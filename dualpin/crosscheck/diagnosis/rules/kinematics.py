@@ -277,6 +277,11 @@ def placed(case: Case) -> bool:
     return few(case) and off("fk")(case)
 
 
+def lowered(case: Case) -> bool:
+    """Whether slips in the heights of bodies may show in gravity as the gradient of the potential energy."""
+    return few(case) and off("potential_energy")(case)
+
+
 def fixed(case: Case) -> bool:
     return not case.floating and not_large(case)
 
@@ -356,7 +361,7 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(inverted=not_large), factored=True)
     _register(_name, _run, _terms(forward=alone), how=LAGRANGE, factored=True)
 _register("forward kinematics", poses, _terms(heights=placed), how=DIFFERENTIATED)
-_register("geometric Jacobians", jacobians, _terms(heights=few), how=DIFFERENTIATED)
+_register("geometric Jacobians", jacobians, _terms(heights=lowered), how=DIFFERENTIATED)
 _register("forward kinematics", poses, _terms(matrix=symbols), after="coriolis", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
