@@ -86,6 +86,7 @@ KNOWN = {
         ("gravity, in the weight of a body", f"along {axis}, for z", "step_other"): "gravity" for axis in ("x", "y")
     },
     ("the axis of a column", "", "step_unturned"): "axis_frame",
+    ("the axis z in z qd", "", "step_unturned"): "axis_frame",
     ("xyz", "by its own rpy too", "step_other_turn"): "xyz_after_rpy",
     **{
         (site, "by its own rpy too", "step_other_turn"): "xyz_after_rpy"

@@ -20,7 +20,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .link_axes import felt, own_rates
 from .steps import HAVE, Steps, cross
-from .tree import Link, Pose, Tree, filled, tree_of
+from .tree import THAT_TURN, Link, Pose, Tree, filled, tree_of
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -165,7 +165,7 @@ def _velocity(
     if k.slides:
         u = steps.add("the velocity of a sliding link", **{"that of the place where it is": u, "z qd": z_qd})
     else:
-        w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
+        w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
     which, another, other = ("sliding", "a turning one", turned) if k.slides else ("turning", "a sliding one", slid)
     others = {f"that of {another}": other, "that of a fixed one": fixed}
     joined = {name: np.concatenate(np.broadcast_arrays(*x), -1) for name, x in others.items()}

@@ -24,7 +24,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
-from .tree import Link, Pose, Tree
+from .tree import THAT_TURN, Link, Pose, Tree
 
 OWN_FORCE = "the force in r x f, r to a link's centre of mass,"
 WHOLE_FORCE = "that of the link with all that it carries, not its own"
@@ -129,7 +129,7 @@ def _next(
         qd, qdd = own_rates(steps, tree, k, q, v, a)
         qd_here = rate_in_cross(steps, tree, k, q, v, a)
     if k.moves and not k.slides:
-        w = steps.add("the angular velocity of a turning link", **{"the parent's": w_up, "z qd": k.z * qd})
+        w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w_up, "z qd": k.z * qd})
         w_here = steps.turn("the parent's angular velocity: in w x z qd", R, up.w)
         alpha = steps.add(
             "the angular acceleration of a turning link",

@@ -23,6 +23,9 @@ from .lists import ORDERS
 from .lumps import Piece, listed, pieces, products, tensor
 from .steps import Steps
 
+THAT_TURN, THAT_SLIDE = "of links that move: that turn", "of links that move: that slide"
+"""Which of a group of sites are those of a link."""
+
 
 @dataclass(frozen=True, eq=False)
 class Link:

@@ -12,7 +12,9 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .poses import Poses
+from .references import six
 from .steps import cross
+from .tree import THAT_SLIDE, THAT_TURN
 
 SPINS = (
     "the angular velocity of a link", "the angular velocity that a link starts from", "the motion that a link starts",
@@ -39,14 +41,14 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     up_w, up_v = _start(t, link, up)
     turning, sliding = _rates(t, link, 0 * r)
     turns, slides = (any(t.axes[i].turns == x for i in t.of_link[link]) for x in (True, False))
-    kind = "that turn" if turns else "that slide"
-    which = f"of links that move: {kind}" if t.of_link[link] else "of fixed links"
+    which = (THAT_TURN if turns else THAT_SLIDE) if t.of_link[link] else "of fixed links"
     w_up = steps.pick("the parent's angular velocity: in that of the link", up_w, **_near(t, link, t.w))
     rate = steps.pick("the rate that turns a link", turning, **{"that of a sliding joint too": turning + sliding})
     terms = {"that of the parent": w_up} | ({"z qd": rate} if turns else {})
     own = steps.add(f"the angular velocity of a link: {which}", **terms)
     own = own if turns else own + rate
-    t.w.append(own)
+    if slides and not turns:
+        own = steps.pick("the angular velocity of a sliding link", own, zero=0 * own)
     carries = f"the angular velocity that carries a link's origin: {which.partition(': ')[0]}"
     w = steps.pick(carries, up_w, **{"the link's own": own}, **_near(t, link, t.w))
     others = {
@@ -61,7 +63,22 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     terms = {"that of the parent": v_up, "w x r": cross(w, arm)}
     terms |= {"z qd of a sliding joint": slid} if slides else {}
     v = steps.add(f"the velocity of a link: {which}", **terms)
-    t.v.append(v if slides else v + slid)
+    v = v if slides else v + slid
+    if t.of_link[link]:
+        own, v = _of_other_joints(t, (own, v), (up_w, up_v + cross(up_w, r)), turning + sliding, turns)
+    t.w.append(own)
+    t.v.append(v)
+
+
+def _of_other_joints(
+    t: Poses, right: tuple[np.ndarray, np.ndarray], fixed: tuple[np.ndarray, np.ndarray], rate: np.ndarray, turns: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """The motion of a joint that is taken for another one."""
+    (w, v), which = fixed, "turning" if turns else "sliding"
+    another = ("a sliding one", (w, v + rate)) if turns else ("a turning one", (w + rate, v))
+    others = {f"that of {what}": six(*x) for what, x in (another, ("a fixed one", fixed))}
+    x = t.steps.pick(f"the motion of a {which} link", six(*right), **others)
+    return x[..., :3], x[..., 3:]
 
 
 def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

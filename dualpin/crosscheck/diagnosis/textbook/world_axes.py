@@ -21,7 +21,7 @@ from .in_place import SPIN, Whole, afterwards, array, found
 from .link_axes import OWN_FORCE, RESTING, WHOLE_FORCE, axes, centripetal, felt, gathered, own_rates, rate_in_cross
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
-from .tree import Link, Pose, Tree
+from .tree import THAT_TURN, Link, Pose, Tree
 
 RATE, ACCELERATION = "angular acceleration", "linear acceleration"
 
@@ -198,7 +198,7 @@ def _next(
         w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
         alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
     elif k.moves:
-        w = steps.add("the angular velocity of a turning link", **{"the parent's": w, "z qd": z_qd})
+        w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
         alpha = steps.add("the angular acceleration of a turning link", **rates)
     site = f"that carries a link's origin: {which}"
