@@ -55,6 +55,11 @@ OF_BRACKETS = (
 """Sites of C by brackets of Jacobians."""
 OF_LISTS = ("the product of the exponentials before", "the pose of a link at home")
 """Sites at which it matters in poses whether fixed links are merged."""
+LIKE = {
+    "frame_velocity": "jacobian", "frame_acceleration": "jacobian_dot", "potential_energy": "com",
+    "kinetic_energy": "crba",
+}  # fmt: skip
+"""Terms that are made of others, by the same steps."""
 Which = Callable[[Slip], bool]
 
 
@@ -72,6 +77,10 @@ def _read(slip: Slip) -> bool:
 
 def _never(case: Case) -> bool:
     return False
+
+
+def _like(term: str) -> str:
+    return LIKE.get(term, term)
 
 
 def _always(case: Case) -> bool:
@@ -107,7 +116,7 @@ def _jacobians(
             made = partial(formulation, NAME, some, KNOWN, variant, when, COST + FUSING * fused, batched=True)
 
             def add(only: Which, after: Callable[[Case], bool], made: Any = made, of: Any = of) -> None:
-                made(only=only, afterwards=after)(of)
+                made(only=only, afterwards=after, like=_like)(of)
 
             _register(add, _read, sites)
 
@@ -121,7 +130,7 @@ def _poses() -> None:
     ):
         when = partial(_on_fixed_base, merges if fused else _always)
         made = formulation(
-            NAME, terms, KNOWN, FUSED * fused, when, COST + FUSING * fused, batched=True, only=only
+            NAME, terms, KNOWN, FUSED * fused, when, COST + FUSING * fused, batched=True, only=only, like=_like
         )  # fmt: skip
         made(partial(exponentials.run, fused=fused))
 
