@@ -117,7 +117,7 @@ PREDICTS = {
     "seen by transforms": ("frame_velocity", "frame_acceleration"),
     "recursion of body twists": ("gravity", "rnea", "crba", "coriolis"),
     "seen": ("frame_acceleration",), "pushed": ("rnea_f_ext", "aba_f_ext"), "jacobians, symbolic": ("coriolis",),
-    "jacobians": (*kinematics.SEEN, *kinematics.MOVED),
+    "jacobians": (*kinematics.SEEN, *kinematics.MOVED, "rnea_f_ext", "aba_f_ext"),
     "lagrange": (*kinematics.SEEN, *kinematics.MOVED, "rnea_f_ext", "aba_f_ext"),
 }  # fmt: skip
 """The terms of those that begin so, if not all."""

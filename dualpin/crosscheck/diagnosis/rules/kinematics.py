@@ -296,11 +296,6 @@ RATES = ("jacobian_dot", "frame_acceleration")
 TENSORS = ("centroidal_momentum_matrix", "kinetic_energy", "crba", "minv", "bias", "rnea", "aba", "coriolis")
 
 
-def without(*terms: str) -> Callable[[Case], bool]:
-    """Whether one of these was not asked, so that what is made of it cannot be told to follow."""
-    return lambda case: not set(terms) <= set(case.observed)
-
-
 def lagrangian(case: Case) -> bool:
     """Whether forces may be M a + C v + g with a C that was not asked."""
     return few(case) and "coriolis" not in case.observed
@@ -318,7 +313,7 @@ def massive(case: Case) -> bool:
 
 GROUPS = {
     "lagrange": ("bias", "rnea", "aba"), "forward": ("aba", "aba_f_ext"), "inverted": ("minv", "aba"),
-    "pushed": ("rnea_f_ext",), "pushed_forward": ("aba_f_ext",),
+    "pushed": ("rnea_f_ext", "aba_f_ext"),
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
@@ -326,8 +321,9 @@ GROUPS = {
     "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
 }  # fmt: skip
 _register(
-    "forward kinematics", poses, _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"))
-)
+    "forward kinematics", poses,
+    _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"), pushed=off("fk", "jacobian_dot")),
+)  # fmt: skip
 _register("forward kinematics", poses, _terms(posed=off("fk")), only=_kept_early, early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
@@ -338,10 +334,7 @@ for _rooted in (False, True):  # a root that turns with all others has an energy
         when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=_in_place,
     )(_of(poses, rooted=_rooted))  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
-_register(
-    "geometric Jacobians", jacobians,
-    _terms(*SEEN, moved=not_large, pushed=without("rnea"), pushed_forward=without("crba", "bias")),
-)  # fmt: skip
+_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large, pushed=not_large))
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)

@@ -12,7 +12,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import Case, View
 from . import gradient
-from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved, torques
+from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved
 from .attitudes import PLAIN, Ways
 from .columns import Columns
 from .equations import Equations
@@ -169,7 +169,7 @@ class Made:
 
     def _of_motion(self, term: str, sums: Equations) -> np.ndarray:
         """M and its inverse, forces, and the accelerations that they cause."""
-        s, pushed = self.view.states, torques(self.view) if term in PUSHED else None
+        s, pushed = self.view.states, self._pushed() if term in PUSHED else None
         if term == "crba":
             return sums.mass_matrix
         if PUSHED.get(term, term) == "rnea":
@@ -186,6 +186,11 @@ class Made:
         h = self._bias(sums)
         forces = self.rest.add("the forces that accelerate", **{"tau": s["tau"] + 0 * h, "the bias": -h})
         return accelerated(M, forces if pushed is None else forces[:, :, None] + pushed)
+
+    def _pushed(self) -> np.ndarray:
+        """J^T f of each frame's wrench."""
+        J = self._jacobian(self.whole, [self.whole.number[f] for f in self.view.frames])
+        return product(transposed(J), self.view.states["f_ext"][None, :, None])
 
     def _bias(self, sums: Equations) -> np.ndarray:
         view, g = self.view, np.array(self.view.description.gravity)
