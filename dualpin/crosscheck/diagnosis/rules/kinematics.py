@@ -9,6 +9,7 @@ from typing import Any
 
 from ..case import Case
 from ..textbook.answers import (
+    ABOUT,
     CARRIED,
     DIFFERENTIATED,
     GRADIENTS,
@@ -200,6 +201,11 @@ def _of_axes(slip: Slip) -> bool:
     return slip.site.startswith(of_axes)
 
 
+def _of_centres(slip: Slip) -> bool:
+    """Whether it is one of the places of bodies' centres."""
+    return slip.site.startswith(("the centre of mass of a body", "the place of a body's", "the frame in which a body"))
+
+
 def _of_products(slip: Slip) -> bool:
     return slip.site == MOVING_AXES or slip.site.endswith("by q_k")
 
@@ -344,6 +350,7 @@ _register(
     "forward kinematics", poses, _terms(of_velocity=off("frame_velocity", "jacobian_dot")), only=_of_spins, how=SPUN
 )
 _register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=_of_axes, how=SPUN)
+_register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=_of_centres, how=ABOUT)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(rates=fixed), how=PRODUCTS)
 _register("geometric Jacobians", jacobians, _terms(matrix=fixed), only=_of_products, how=PRODUCTS)

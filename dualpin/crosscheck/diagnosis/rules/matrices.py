@@ -127,7 +127,9 @@ def coriolis_symbols(h: Hypothesis, case: Case) -> list[Hypothesis]:
             return np.asarray(sum(k * part(rate, B) for k, part in zip(counts, SYMBOLS.values(), strict=True)))
 
         words = " + ".join(f"{k:g} {name}" for k, name in zip(counts, SYMBOLS, strict=True) if k).replace("+ -", "- ")
-        return replace(h, terms=("coriolis",), place="change", act=act, values=words, cost=1.1)
+        return replace(
+            h, terms=("coriolis",), place="change", act=act, values=f"{_miscounted(counts)}, C = {words}", cost=1.1
+        )
 
     x = case.observed.get("coriolis")
     if x is None or not np.isfinite(x).all():
@@ -138,6 +140,20 @@ def coriolis_symbols(h: Hypothesis, case: Case) -> list[Hypothesis]:
     A = np.stack([(p - zero).ravel() for p in parts if p is not None], axis=1)
     counts = np.round(2 * np.linalg.lstsq(A, (x - zero).ravel(), rcond=None)[0]) / 2
     return [made(counts.tolist())] if counts.any() and np.abs(counts).max() <= 2 else []
+
+
+def _miscounted(counts: Sequence[float]) -> str:
+    """Which of the terms of Christoffel's sum counts otherwise, in words."""
+    ratios = {name: 2 * k * sign for (name, sign), k in zip(TERMS_OF_SYMBOLS.items(), counts, strict=True)}
+    if set(ratios.values()) == {2.0}:
+        return "without the factor 1/2"
+    words = {0.0: "is left out", -1.0: "has the other sign", 2.0: "is counted twice"}
+    wrong = {name: words.get(k, f"is counted {k:g} times") for name, k in ratios.items() if k != 1}
+    return " and ".join(f"{name} {how}" for name, how in wrong.items()) or "with all its terms"
+
+
+TERMS_OF_SYMBOLS = {"dM_ij/dq_k": 1.0, "dM_ik/dq_j": 1.0, "dM_jk/dq_i": -1.0}
+"""The same parts as sums over k, and their signs."""
 
 
 SQUARES = {

@@ -34,6 +34,7 @@ CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
 SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
+ABOUT = "about the right centre of mass"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 MASS = "M in itself and in forward dynamics"
 SEEN = (
@@ -126,6 +127,7 @@ class Made:
     def sums(self, tree: Poses) -> Equations:
         sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted)
         sums.spun = self.how == SPUN
+        sums.about = self.view.compute("com")[None] if self.how == ABOUT else None
         if self.how == PROJECTED:
             sums.motion = Equations(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)
         return sums

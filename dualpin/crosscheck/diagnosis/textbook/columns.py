@@ -157,7 +157,7 @@ class Columns:
         halves = []
         for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
             wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
-            halves.append(self.steps.pick(f"{MOVING}: in {rows} rows", x, **wrong))
+            halves.append(self.steps.pick(f"the joints that have {rows} rows in a Jacobian", x, **wrong))
         return joined(halves, -2)
 
     def _columns(

@@ -55,6 +55,8 @@ class Sums:
         Of the bodies.
     m : array
         (runs, 1, bodies).
+    about : array, optional
+        The robot's centre of mass about which momenta are taken, if it is not that of these bodies.
     p, R, r, c : array
         (runs, n, bodies, ...): origins and orientations of the links, the centres of mass from there, and in the world.
     """
@@ -64,6 +66,7 @@ class Sums:
     ) -> None:  # fmt: skip
         """`rooted` says that links which nothing moves count as bodies too."""
         self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
+        self.about: np.ndarray | None = None
         carries, d = poses.carries(), poses.d
         every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
         counted = [(k, b) for k, b in every if rooted or carries[k].any()]
@@ -86,11 +89,30 @@ class Sums:
         others = {"by the parent's matrix": lambda: stacked(poses.R, parents, 2)}
         com = steps.components("the centre of mass of a body, in its link's axes,", com)
         self.local = com + 0 * self.p
-        self.r = steps.turn("the centre of mass of a body", self.R, self.local, **others)
+        there, origin = self._standing("in placing its centre")
+        self.r = steps.turn("the centre of mass of a body", there, self.local, **others) + (origin - self.p)
         wrong = {"that of the parent": lambda: stacked(poses.p, parents, 1) + 0 * self.p}
         p = steps.pick("the origin from which a body's centre is counted", self.p, **wrong)
         c = steps.add("the place of a body's centre", **{"the link's origin": p, "R c": self.r})
         self.c = np.asarray(steps.components("the place of a body's centre, in world axes,", c))
+
+    def _standing(self, where: str) -> tuple[np.ndarray, np.ndarray]:
+        """R and p of the frames in which bodies stand, with frames before them on their way from the root."""
+        t = self.poses
+        up = [max(0, t.parent[k]) for k in self.links]
+        still = [t.p[k] - t.travel.get(k, 0 * t.p[k]) for k in self.links]
+
+        def both(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+            return np.concatenate(np.broadcast_arrays(R, p[..., None] + 0 * R), -1)[..., :4]
+
+        others = {
+            "that of its joint, before it moves": lambda: both(
+                stacked(t.before, self.links, 2), stacked(still, list(range(len(still))), 1)
+            ),
+            "that of its parent": lambda: both(stacked(t.R, up, 2), stacked(t.p, up, 1)),
+        }  # fmt: skip
+        H = self.steps.pick(f"the frame in which a body stands: {where}", both(self.R, self.p), **others)
+        return H[..., :3], H[..., 3]
 
     def _piece(self, link: int, b: Body) -> Piece:
         """A link's body in the axes of what carries it, or in its own."""
@@ -213,13 +235,14 @@ class Sums:
             "its diagonal alone": tensors * ONE,
         }  # fmt: skip
         I = self.steps.pick("the tensor of a body", tensors, **wrong)
-        return np.asarray(self.steps.congruent("the inertia of a body", self.R, I))
+        there, _ = self._standing("in turning its tensor")
+        return np.asarray(self.steps.congruent("the inertia of a body", there, I))
 
     def momentum(self) -> np.ndarray:
         """(runs, n, 6, nv): about the centre of mass, in world axes."""
         steps, rows = self.steps, transposed(self.jacobians)
         w, v = rows[..., :3], rows[..., 3:]
-        root, G = self.poses.p[0][..., None, :], self.com[..., None, :]
+        root, G = self.poses.p[0][..., None, :], (self.com if self.about is None else self.about)[..., None, :]
         ends = {"the body's centre": self.c, "the robot's centre of mass": -G}
         arm = steps.add("the arm of a body's momentum", **ends)
         wrong = {
