@@ -22,6 +22,9 @@ SYMBOLS = (answers.SYMBOLIC, answers.CARRIED, answers.RATED, answers.RATED_APART
 MADE = {
     **{how: (partial(kinematics.jacobians, how=how), ("coriolis",)) for how in SYMBOLS},
     answers.GRADIENTS: (partial(kinematics.jacobians, how=answers.GRADIENTS), ("jacobian_dot", "coriolis")),
+    answers.BY_PARENTS: (partial(kinematics.jacobians, how=answers.BY_PARENTS), ("jacobian_dot",)),
+    answers.SPUN: (partial(kinematics.jacobians, how=answers.SPUN_BY_PARENTS), ("bias",)),
+    answers.ABOUT: (partial(kinematics.jacobians, how=answers.ABOUT), ("centroidal_momentum_matrix",)),
     answers.DIFFERENTIATED: (partial(kinematics.jacobians, how=answers.DIFFERENTIATED), ("gravity",)),
     "body": (body_jacobians.run, body_jacobians.TERMS),
     "body, by the world's": (partial(body_jacobians.run, by_world=True), body_jacobians.TERMS),
@@ -100,3 +103,33 @@ def test_groups_of_groups_of_steps():
     x = [made.pick(site, 1.0, other=0.0) for site in ("the arm: of joints: to a frame", "the arm: of the base")]
     assert x == [0.0, 1.0]
     assert "the arm, of joints, is other" in slip.says
+
+
+def test_a_slip_of_velocities_shows_by_the_links_whose_velocities_turn_axes(probe):
+    """w x z is the same for a link and its parent, until z qd is wrong."""
+    slip = Slip("the axis z in z qd: of turning joints", "", "step_unturned")
+    made = [
+        kinematics.poses(probe, "jacobian_dot", Steps(*slips), how=how)[0]
+        for how in (answers.LINKS, answers.BY_PARENTS) for slips in ((), (slip,))
+    ]  # fmt: skip
+    right, wrong, same, other = made
+    assert apart(right, same) < 1e-13
+    assert min(apart(wrong, right), apart(other, right), apart(wrong, other)) > 1e-3
+
+
+def test_bodies_that_stand_in_the_frame_before_a_joint_s_own_motion(probe):
+    """Their centres are where these would be if their own joints stood at zero."""
+    slip = Slip("the frame in which a body stands", "that of its joint, before it moves", "step_other")
+    com = kinematics.jacobians(probe, "com", Steps(slip))[0]
+    joints, moments, total = {j.name: j for j in probe.robot}, 0.0 * com, 0.0
+    on = probe.description.carriers()
+    for part in (p for p in probe.description.parts if p.body is not None and on[p.link] != probe.description.root):
+        q = probe.states["q"].copy()
+        if part.joint in joints:
+            q[:, joints[part.joint].q] = 0.0
+        tree = answers.Made(probe).tree(q)
+        k = tree.number[part.link]
+        moments += part.body.mass * (tree.R[k][0] @ part.body.com + tree.p[k][0])
+        total += part.body.mass
+    assert apart(com, moments / total) < 1e-12
+    assert apart(com, probe.compute("com")) > 1e-3

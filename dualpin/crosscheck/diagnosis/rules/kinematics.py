@@ -10,6 +10,7 @@ from typing import Any
 from ..case import Case
 from ..textbook.answers import (
     ABOUT,
+    BY_PARENTS,
     CARRIED,
     DIFFERENTIATED,
     GRADIENTS,
@@ -30,6 +31,7 @@ from ..textbook.answers import (
     SECOND,
     SEEN,
     SPUN,
+    SPUN_BY_PARENTS,
     SYMBOLIC,
     TRANSPOSED,
 )  # fmt: skip
@@ -349,6 +351,8 @@ for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacob
 _register(
     "forward kinematics", poses, _terms(of_velocity=off("frame_velocity", "jacobian_dot")), only=_of_spins, how=SPUN
 )
+for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity")):
+    _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=_of_spins, how=_how)
 _register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=_of_axes, how=SPUN)
 _register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=_of_centres, how=ABOUT)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)

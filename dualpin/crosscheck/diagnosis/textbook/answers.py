@@ -34,6 +34,8 @@ CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
 SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
+BY_PARENTS = "with axes that turn by the parent's angular velocity"
+SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
 ABOUT = "about the right centre of mass"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 MASS = "M in itself and in forward dynamics"
@@ -122,11 +124,12 @@ class Made:
 
     def columns(self, tree: Poses) -> Columns:
         columns = KINDS.get(self.how, Columns)(tree, self.rest, self.in_world)
+        columns.by_parents = self.how in (BY_PARENTS, SPUN_BY_PARENTS)
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Equations:
         sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted)
-        sums.spun = self.how == SPUN
+        sums.spun = self.how in (SPUN, SPUN_BY_PARENTS)
         sums.about = self.view.compute("com")[None] if self.how == ABOUT else None
         if self.how == PROJECTED:
             sums.motion = Equations(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)

@@ -41,6 +41,8 @@ class Columns:
         (runs, n, axes, 3): directions of the axes, and origins of the links that they move.
     w, v : list of array
         Motions of the links: from link to link, or `by_jacobians`.
+    by_parents : bool
+        Whether axes turn by w of their parents, not of their own links: w x z is the same for both.
     world : (bool, bool)
         Whether the subject writes the base's columns for angular and linear velocities in world axes.
     """
@@ -58,7 +60,7 @@ class Columns:
         self.listed, self.follow = beside(poses.parent, self.links, (self.before, self.after))
         self.o = stacked(poses.p, self.links, 1)
         self.z = self._whole([self._directions(g, which) for g, which in self.groups], -2)
-        self.w, self.v, self.by_product = poses.w, poses.v, False
+        self.w, self.v, self.by_product, self.by_parents = poses.w, poses.v, False, False
 
     def by_jacobians(self) -> Columns:
         """With the motions of links as the product of their Jacobians and the velocity; the root's is given."""
@@ -313,7 +315,8 @@ class Columns:
     ) -> np.ndarray:  # fmt: skip
         steps, mine = self.steps, [self.links[i] for i in group]
         z, o, p = self.z[..., None, group, :], self.o[..., None, group, :], points[..., None, :]
-        w, u = stacked(self.w, mine, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
+        turning = [self.parents[i] for i in group] if self.by_parents else mine
+        w, u = stacked(self.w, turning, 1)[..., None, :, :], stacked(self.v, mine, 1)[..., None, :, :]
         frames = stacked(self.w, list(links), 1)[..., :, None, :]
         arms = self._arms(group, links, p, o)
         r = steps.pick(f"the lever arm in the rate of a column: {which}: to {whose}", p - o, **arms)
