@@ -12,12 +12,13 @@ from ..textbook import link_axes, plucker, spatial, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, InOrder, Seen, by_columns
 from ..textbook.in_place import GROWING, SO_FAR
-from ..textbook.lists import ORDERS, branched
+from ..textbook.lists import LISTED, ORDERS, branched
 from ..textbook.steps import Slip
 from .dynamics import FUSED, KNOWN, SPATIAL, merges
 from .formulation import COST, FUSING, formulation
 from .six_vectors import WORLD
 
+CHAIN = "as in a chain"
 FORCES = ("gravity", "bias", "rnea", "crba")
 
 
@@ -28,13 +29,14 @@ def _algorithms() -> Iterator[tuple[str, Any, tuple[str, ...]]]:
         yield name, Dynamics(forces, by_columns(forces)), FORCES
     yield "Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",)
     yield SPATIAL, Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration")
-    for name, of in ((SPATIAL, plucker.links), (WORLD, plucker.world)):
-        yield name, Dynamics(partial(spatial.forces, of=of), partial(spatial.mass, of=of)), FORCES
-        yield name, Articulated(of=of), ("aba", "minv")
+    yield SPATIAL, Dynamics(spatial.forces, spatial.mass), FORCES
+    yield SPATIAL, Articulated(), ("aba", "minv")
+    yield WORLD, Articulated(of=plucker.world), ("aba", "minv")
 
 
-def _before(slip: Slip) -> bool:
-    return "in the list" in slip.what or slip.what in (GROWING, SO_FAR)
+def _before(order: str, slip: Slip) -> bool:
+    """Slips of a list, where they are those of this one."""
+    return slip.what in (GROWING, SO_FAR) or ("in the list" in slip.what and slip.what.endswith((LISTED[order], CHAIN)))
 
 
 def _listed(fused: bool, case: Case) -> bool:
@@ -46,5 +48,5 @@ for _order in ORDERS:
         for _fused in (False, True):
             formulation(
                 _name, _terms, KNOWN, ", ".join([FUSED] * _fused + [f"links {_order}"]), partial(_listed, _fused),
-                COST + 0.05 + FUSING * _fused, batched=True, only=_before,
+                COST + 0.05 + FUSING * _fused, batched=True, only=partial(_before, _order),
             )(InOrder(replace(_run, fused=_fused), _order))  # fmt: skip

@@ -244,6 +244,11 @@ class InOrder:
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.of.answer(view, term, steps, tree_of(view, self.of.fused, self.order))
 
+    def steps_of(self, term: str) -> dict[Any, str]:
+        """Those of the algorithm itself, which is proposed before: they are found once."""
+        of = getattr(self.of, "steps_of", None)
+        return dict(of(term)) if of else {(self.of, term): term}
+
 
 def torques(view: View) -> np.ndarray:
     """J^T f of each frame's wrench."""

@@ -39,6 +39,8 @@ def by_stack(parent: Sequence[int]) -> list[int]:
 
 ORDERS = {"breadth first": by_queue, "as a stack gives them": by_stack}
 """Other orders of links, of the numbers of their parents where these are numbered branch by branch."""
+LISTED = {"breadth first": " (breadth first)", "as a stack gives them": " (depth first)"}
+"""What they are called."""
 
 
 def branched(d: Description) -> bool:

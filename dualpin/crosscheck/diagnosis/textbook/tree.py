@@ -19,7 +19,7 @@ from ...subjects.convention import base_of
 from ...subjects.layout import product, rotations, transposed
 from ..case import View
 from ..description import Description, Part, merged
-from .lists import ORDERS
+from .lists import LISTED, ORDERS
 from .lumps import Piece, listed, pieces, products, tensor
 from .steps import Steps
 
@@ -157,7 +157,7 @@ class Tree:
         for k in order:
             order += self._children[k]
         if self.order:
-            return {f" ({self.order})": depth_first}
+            return {LISTED[self.order]: depth_first}
         same = order == depth_first
         return {"": order} if same else {" (depth first)": depth_first, " (breadth first)": order}
 
