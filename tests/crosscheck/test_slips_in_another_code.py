@@ -278,7 +278,7 @@ def answered(changes: list[tuple[str, str]]) -> Case:
 
 
 def made(text: str, ask: Asking) -> object:
-    names: dict[str, object] = {"__name__": "other"}
+    names: dict[str, object] = {"__name__": __name__}
     exec(compile(text, "other", "exec"), names)
     return names["Code"](ask.text)
 
@@ -334,6 +334,22 @@ def test_a_row_of_the_mass_matrix_that_is_zero_where_its_column_is_not_is_named_
     turned = answering(asked(), {"crba": np.swapaxes(M, 1, 2)})
     assert all(case.score(t, (found,)).right for t in found.terms)
     assert [turned.score("crba", (h,)).right for h in rule.propose(turned)] == [True]
+
+
+@pytest.mark.parametrize(
+    ("number", "what"), [("b.parent", "by X of its parent"), ("i + 1", "by X of the next link in the list")]
+)
+def test_forces_that_are_handed_on_by_the_matrix_of_another_link(number, what):
+    ask = asking(PROBE, 2, 0, ("bias",))
+    there = f"[*Xup, np.eye(6)][{number}].T @ F[i]"
+    text = source("sixvectors")
+    assert text.count("Xup[i].T @ F[i]") == 1
+    case = Case(ask_here(made(text.replace("Xup[i].T @ F[i]", there), ask), ask, lambda what: None))
+    run = Dynamics(spatial.forces, spatial.mass, fused=True)
+    slip = Slip("the force that is handed on, X^T f,", what, "step_other_turn")
+    planted = Hypothesis("step_other_turn", slip.says, ("bias",), "formula", Slipped(run, (slip,), True))
+    assert not case.score("bias").right
+    assert case.score("bias", (planted,)).right
 
 
 def test_predictions_of_which_none_is_finite_are_far():

@@ -20,7 +20,7 @@ from ..case import View
 from .assembly import MOST_STEPS, derivatives, solved, torques
 from .in_place import array, repeated
 from .link_axes import gathered, of_joint
-from .plucker import Coordinates, Model, brought, links, to_parent, to_parent_inertia
+from .plucker import Coordinates, Model, brought, links, of_others, to_parent, to_parent_inertia
 from .products import crf, crm
 from .spatial import OF_FIXED, gravity, hand_on, start, velocities
 from .steps import HAVE, Steps
@@ -111,7 +111,7 @@ def _inward(
     I_up = to_parent_inertia(steps, "a child's inertia, X^T I^a X,", X, Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
     I_up = steps.summed("the inertia that children hand on", I_up, **tree.alone(k, I_up))
-    p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa)
+    p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa, of_others(tree, m, k))
     p_up = steps.summed("the bias force that children hand on", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
     up = k.parent
@@ -138,7 +138,7 @@ def _last(
     columns: dict[int, np.ndarray] = {}
     for k in tree.links[1:]:
         a_up = start(steps, tree, k, acc, "acceleration")
-        a_k = brought(steps, "the parent's acceleration", m.X[k.number], a_up)
+        a_k = brought(steps, "the parent's acceleration", m.X[k.number], a_up, beside=of_others(tree, m, k))
         if k.moves:
             b = bodies[k.number]
             a_up = a_k

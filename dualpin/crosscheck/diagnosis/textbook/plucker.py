@@ -184,24 +184,41 @@ def _exchanged(k: Link, pose: Pose) -> np.ndarray:
     return np.asarray(-r_J @ E_J @ E_T - E_J @ r_T @ E_T)
 
 
-def brought(steps: Steps, site: str, X: np.ndarray | None, m: np.ndarray, plain: bool = False) -> np.ndarray:
-    """X m, with what may stand in the place of X; `plain` where nothing but its transpose may."""
+def of_others(tree: Tree, m: Model, k: Link) -> dict[str, np.ndarray]:
+    """X of other links, by what they do in the place of a link's own."""
+    others = {"by X of its parent": k.parent, "by X of the next link in the list": (k.number + 1) % len(tree.links)}
+    mine = m.X[k.number]
+    found = {what: m.X[i] for what, i in others.items() if i >= 0}
+    return {
+        what: X for what, X in found.items() if X is not None and mine is not None and X.shape[-2:] == mine.shape[-2:]
+    }
+
+
+def brought(
+    steps: Steps, site: str, X: np.ndarray | None, m: np.ndarray, plain: bool = False,
+    beside: Mapping[str, np.ndarray] | None = None,
+) -> np.ndarray:  # fmt: skip
+    """X m, with what may stand in the place of X: also X of others `beside`; if `plain`, nothing but its transpose."""
     if X is None:
         return m
-    others = {
+    others: dict[str, Callable[[], Any]] = {
         "by the inverse": lambda: np.linalg.inv(steps.few(X)),
         "as a force, by X^-T": lambda: transposed(np.linalg.inv(steps.few(X))),
+        **{what: partial(steps.few, Y) for what, Y in (beside or {}).items()},
     }
     return np.asarray(steps.turn(site, X, m, **({} if plain else others)))
 
 
-def to_parent(steps: Steps, site: str, X: np.ndarray | None, f: np.ndarray) -> np.ndarray:
-    """X^T f, with what may stand in the place of X^T."""
+def to_parent(
+    steps: Steps, site: str, X: np.ndarray | None, f: np.ndarray, beside: Mapping[str, np.ndarray] | None = None
+) -> np.ndarray:  # fmt: skip
+    """X^T f, with what may stand in the place of X^T: also that of others `beside`."""
     if X is None:
         return f
-    others = {
+    others: dict[str, Callable[[], Any]] = {
         "by the inverse of X, as a motion": lambda: np.linalg.inv(steps.few(X)),
         "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(steps.few(X))),
+        **{what: partial(steps.few, transposed(Y)) for what, Y in (beside or {}).items()},
     }
     return np.asarray(steps.turn(site, transposed(X), f, **others))
 

@@ -18,7 +18,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .in_place import GROWING, WHOLE, afterwards, array
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
-from .plucker import Coordinates, Model, brought, links, to_frame, to_parent, to_parent_inertia
+from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to_parent, to_parent_inertia
 from .products import crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
@@ -138,7 +138,8 @@ def _inward(steps: Steps, tree: Tree, m: Model, f: list[np.ndarray], q: np.ndarr
         if k.moves:
             columns[k.column] = _along(steps, tree, m, k, f[k.number], own[k.number])
         if k.parent >= 0:
-            handed = to_parent(steps, "the force that is handed on, X^T f,", m.X[k.number], f[k.number])
+            X, beside = m.X[k.number], of_others(tree, m, k)
+            handed = to_parent(steps, "the force that is handed on, X^T f,", X, f[k.number], beside)
             if not k.moves:
                 handed = steps.pick(f"{OF_FIXED}: its force", handed, nothing=0 * handed)
             handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
@@ -171,7 +172,7 @@ def _next(
         v_up = steps.pick(array("velocity"), v_up, **{GROWING: vs[-1]})
         a_up = steps.pick(array("acceleration"), a_up, **{GROWING: accs[-1]})
     v_k = next_velocity(steps, tree, k, m, v_up, v)
-    a_k = brought(steps, "the parent's acceleration", X, a_up)
+    a_k = brought(steps, "the parent's acceleration", X, a_up, beside=of_others(tree, m, k))
     if k.number in tree.first and X is not None:
         wrong = unturned(k, tree.poses(q)[k.number], accs[0][..., 3:])
         a_k = steps.pick(FIRST, a_k, **{what: np.concatenate([0 * x, x], -1) for what, x in wrong.items()})
@@ -194,7 +195,7 @@ def _rank(tree: Tree, k: Link) -> str:
 
 def next_velocity(steps: Steps, tree: Tree, k: Link, m: Model, v_up: np.ndarray, v: np.ndarray) -> np.ndarray:
     """The velocity of a link, of its parent's."""
-    v_k = brought(steps, "the parent's velocity", m.X[k.number], v_up)
+    v_k = brought(steps, "the parent's velocity", m.X[k.number], v_up, beside=of_others(tree, m, k))
     if not k.moves:
         return v_k
     S_qd = m.axis(steps, k, "in S qd") * v[..., k.column, None]
