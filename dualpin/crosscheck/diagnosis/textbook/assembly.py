@@ -310,7 +310,7 @@ def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[in
 
     def part(indices: str, sign: float) -> np.ndarray:
         i, j, k = (at[x] for x in indices)
-        return np.asarray(sign * dM[:, :, i, j, k])
+        return np.asarray(sign * steps.few(dM)[:, :, i, j, k])
 
     v_k, v_j, v_i = v[:, None, None, :], v[:, None, :, None], v[:, :, None, None]
     terms = {}
@@ -324,7 +324,10 @@ def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[in
             f"{minus}dM_{x[:2]}/dq_{x[2]}": partial(part, x, sign) for x in SYMBOLS.values() if x != indices
         }  # fmt: skip
         x = steps.pick(f"{name} in Christoffel's sum", part(indices, sign), **slips)
-        wrong = {"v_j": x * v_j, "v_i": x * v_i, "left out": x + 0 * v_k}
+        wrong = {
+            "v_j": lambda x=x: steps.few(x) * v_j, "v_i": lambda x=x: steps.few(x) * v_i,
+            "left out": lambda x=x: steps.few(x) + 0 * v_k,
+        }  # fmt: skip
         terms[name] = steps.pick(f"the velocity in Christoffel's sum: that of {name}", x * v_k, **wrong)
     c = steps.add("Christoffel's symbols", **terms)
     count = v.shape[-1]

@@ -12,7 +12,7 @@ for Robot Manipulators, IJRR 3 (1984).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 
 import numpy as np
@@ -184,19 +184,24 @@ class Columns:
         zero = np.zeros_like(lever)
         z = z + zero
         angular, lever = self._exchanged(z, r, lever, group)
+
+        def of(w: np.ndarray, v: np.ndarray) -> Callable[[], np.ndarray]:
+            return lambda: six(steps.few(w), steps.few(v))
+
         column = steps.pick(
             f"the column of a turning axis: {which}", six(angular, lever),
-            **{"[0; z x r], without z": six(zero, lever), "[0; z], as of a sliding one": six(zero, z),
-               "[z; z]": six(z, z), "[z x r; z]": six(lever, z)},
+            **{"[0; z x r], without z": of(zero, lever), "[0; z], as of a sliding one": of(zero, z),
+               "[z; z]": of(z, z), "[z x r; z]": of(lever, z)},
         )  # fmt: skip
         slide = six(zero, z)
         if not self.turns[group].all():
+            across = cross(z, r)
             slide = steps.pick(
                 f"the column of a sliding axis: {which}", slide,
-                **{"[z; z x r], as of a turning one": six(z, cross(z, r)), "[z; z]": six(z, z), "zero": 0 * slide,
-                   "[0; z x r]": six(zero, cross(z, r)), "[z; 0]": six(z, zero), "[0; -z]": -slide,
-                   "[0; z + o], as if the axis were a point of the link": six(zero, z + o),
-                   "[0; z + z x r]": six(zero, z + cross(z, r)), "[0; r]": six(zero, r + zero)},
+                **{"[z; z x r], as of a turning one": of(z, across), "[z; z]": of(z, z), "zero": of(zero, zero),
+                   "[0; z x r]": of(zero, across), "[z; 0]": of(z, zero), "[0; -z]": of(zero, -z),
+                   "[0; z + o], as if the axis were a point of the link": of(zero, z + o),
+                   "[0; z + z x r]": of(zero, z + across), "[0; r]": of(zero, r + zero)},
             )  # fmt: skip
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
@@ -232,29 +237,34 @@ class Columns:
 
     def _arms(self, group: list[int], links: Sequence[int], p: np.ndarray, o: np.ndarray) -> dict[str, object]:
         """Other lever arms."""
-        t = self.poses
+        t, few = self.poses, self.steps.few
         found: dict[str, object] = {
-            "counted from the world's origin": lambda: p + 0 * o,
-            "counted from the joint to the world's origin": lambda: -o + 0 * p,
-            "the sum of both positions, not their difference": lambda: p + o,
+            "counted from the world's origin": lambda: few(p) + 0 * few(o),
+            "counted from the joint to the world's origin": lambda: -few(o) + 0 * few(p),
+            "the sum of both positions, not their difference": lambda: few(p) + few(o),
         }  # fmt: skip
         if not self.axes[group[0]].base:
             parents = [self.parents[i] for i in group]
 
             def counted(to: np.ndarray) -> np.ndarray:
-                from_root = o[..., 0, :, :] - t.p[0][..., None, :]  # a joint without another one has the root before it
-                return p - (t.p[0][..., None, :] + self._moved(group, from_root, to, 0.0))[..., None, :, :]
+                root = few(t.p[0])[..., None, :]
+                from_root = few(o)[..., 0, :, :] - root  # a joint without another one has the root before it
+                return few(p) - (root + self._moved(group, from_root, to, 0.0))[..., None, :, :]
 
             found |= {
-                "counted from the root link": lambda: p - t.p[0][..., None, None, :] + 0 * o,
-                "counted from the joint's parent link": lambda: p - stacked(t.p, parents, 1)[..., None, :, :],
+                "counted from the root link": lambda: few(p) - few(t.p[0])[..., None, None, :] + 0 * few(o),
+                "counted from the joint's parent link": (
+                    lambda: few(p) - few(stacked(t.p, parents, 1))[..., None, :, :]
+                ),
                 "counted from the joint before": partial(counted, self.before),
                 "counted from the next joint": partial(counted, self.after),
-                "that of the joint itself from the world's origin": lambda: o + 0 * p,
-                "counted from the first joint": lambda: p - o[..., :1, :] + 0 * o,
-                "counted from the centre of mass of the joint's link": lambda: p - self._centres(group) + 0 * o,
+                "that of the joint itself from the world's origin": lambda: few(o) + 0 * few(p),
+                "counted from the first joint": lambda: few(p) - few(o)[..., :1, :] + 0 * few(o),
+                "counted from the centre of mass of the joint's link": (
+                    lambda: few(p) - few(self._centres(group)) + 0 * few(o)
+                ),
                 "counted to the origin of the link that carries the point": (
-                    lambda: self._carriers(links, t.p)[..., None, :] - o + 0 * p
+                    lambda: few(self._carriers(links, t.p))[..., None, :] - few(o) + 0 * few(p)
                 ),
                 **{f"counted from {w}": partial(counted, to) for w, to in (self.listed | self.follow).items()},
             }  # fmt: skip

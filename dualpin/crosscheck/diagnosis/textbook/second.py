@@ -32,7 +32,7 @@ class SecondDerivatives(Columns):
         """(runs, n, points, 6, axes): d/dt of `at`."""
         if any(a.base for a in self.axes) or len(set(self.links)) < len(self.axes):
             raise ValueError("a base that moves, or joints of several axes")
-        steps, count = self.steps, len(self.axes)
+        steps, few, count = self.steps, self.steps.few, len(self.axes)
         J = np.swapaxes(self.at(points, links, whose), -1, -2)  # (..., axes, 6)
         dp, z = J[..., 3:], self.z[..., None, :, :] + 0 * J[..., :3]
         carries = self.poses.carries()[self.links]  # (k, m): m is k, or before it on its path
@@ -67,17 +67,17 @@ class SecondDerivatives(Columns):
         ddp = steps.add(site, **terms)
         both = where(earlier | later | own)
         others = {
-            "z_k x dp_m whichever comes first": lambda: both * of_k,
-            "z_m x dp_k whichever comes first": lambda: both * of_m,
+            "z_k x dp_m whichever comes first": lambda: few(both) * few(of_k),
+            "z_m x dp_k whichever comes first": lambda: few(both) * few(of_m),
             "with the axis of the later joint before the column of the earlier one": lambda: (
-                where(earlier) * of_k + where(later) * of_m + where(own[None]) * of_k
+                where(few(earlier) | own) * few(of_k) + where(few(later)) * few(of_m)
             ),
         }  # fmt: skip
         ddp = steps.pick("the second derivative of a position, as a product,", ddp, **others)
         turning = turns[:, None, None] * turns[None, :, None] * cross(z_m, z_k)
         others = {
-            "that by later joints": lambda: where(later) * turning,
-            "that by all joints of the path": lambda: both * turning,
+            "that by later joints": lambda: where(few(later)) * few(turning),
+            "that by all joints of the path": lambda: few(both) * few(turning),
         }  # fmt: skip
         dz = steps.pick("the derivative of an axis by earlier joints", where(earlier) * turning, **others)
         dz = steps.add("the derivative of an angular column", **{"z_m x z_k": dz})

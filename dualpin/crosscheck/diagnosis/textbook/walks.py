@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 import numpy as np
 
 from .lists import by_stack, orders
@@ -17,13 +19,28 @@ ENDS = ("all but that of the last joint", "all but that of the first joint")
 
 
 def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) -> dict[str, np.ndarray]:
-    """(links, axes): the axes that wrong walks find.
+    """(links, axes): the axes that wrong walks find; not to be written to, since they are kept for the next run.
 
     Parameters
     ----------
     base, before : array
         (axes,): whether an axis is one of a floating base, and the axis of the nearest joint below, or -1.
     """
+    tree = tuple(poses.parent), tuple(map(tuple, poses.of_link)), tuple(a.link for a in poses.axes)
+    key = tree, base.tobytes(), np.asarray(before).tobytes(), tuple(links)
+    known = _FOUND.get(key)
+    if known is None:
+        if len(_FOUND) >= MOST:
+            _FOUND.clear()
+        known = _FOUND[key] = _found(poses, base, before, links)
+    return known
+
+
+MOST = 256  # questions whose answers are kept: those of a few trees
+_FOUND: dict[Hashable, dict[str, np.ndarray]] = {}
+
+
+def _found(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) -> dict[str, np.ndarray]:
     right = poses.carries()[links]
     moved = np.array([a.link for a in poses.axes])
     last = np.array([max(np.flatnonzero(r & ~base), default=-1) for r in right])[:, None]
