@@ -114,3 +114,27 @@ def test_what_belongs_in_a_place_is_told_of_places_that_there_are():
     texts = [p.read_text(encoding="utf-8") for p in sorted(FOLDER.glob("*.py")) if p.name != "words.py"]
     heads = {site.rstrip(",") for site in RIGHT}
     assert {head for head in heads if not any(f'"{head}' in text for text in texts)} == set()
+
+
+def test_slips_made_together_are_those_made_one_by_one():
+    rng = np.random.default_rng(5)
+    x, y, R = rng.normal(size=(1, 2, 3)), rng.normal(size=(1, 2, 4, 3)), rng.normal(size=(1, 2, 3, 3))
+
+    def algorithm(steps: Steps) -> np.ndarray:
+        """Arrays of several numbers of axes at one site, and alternatives of which each is made in few runs alone."""
+        a, b = steps.components("a vector", x), steps.components("a vector", y)
+        c = steps.turn("a turn", R, a, **{"by the inverse": lambda: np.linalg.inv(steps.few(R))})
+        c = steps.pick("a choice", c, twice=lambda: 2 * steps.few(c), another=x, none=0 * c)
+        d = steps.add("a sum", **{"b": b, "c": c[..., None, :], "1": 1.0})
+        return steps.tabled(
+            "a matrix", d, {"that of another": R[0, 0]}, lambda M: (M @ steps.few(d)[..., None])[..., 0]
+        )
+
+    steps = Steps()
+    right, slips = algorithm(steps), [(), *((s,) for s in steps.found)]
+    assert len(slips) > 25
+    together = algorithm(Steps.together(slips))
+    for slip, made in zip(slips, together, strict=True):
+        alone = algorithm(Steps(*slip)) if slip else right
+        assert np.abs(made - alone[0]).max() < 1e-14, slip
+        assert not slip or np.abs(made - right[0]).max() > 1e-3, slip

@@ -260,15 +260,14 @@ class Steps:
 
         def chosen(alike: _Alike) -> tuple[_Rows, np.ndarray]:
             stacked = np.stack([matrices[slips[0].what] for slips, ks in alike.items() for _ in ks])
-            shape = len(stacked), *[1] * (np.ndim(right) - own - 1), *stacked.shape[1:]
-            rows = self._chosen([k for ks in alike.values() for k in ks])
-            return rows, stacked.reshape(shape) if self.rows > 1 else stacked[0]
+            return self._chosen([k for ks in alike.values() for k in ks]), stacked
 
         made = self._planned(site, "table", (), lambda: [(name, "step_other") for name in matrices], chosen)
         if made is None:
             return right
         (at, self._of), C = made
-        x = wrong(C)
+        axes = [1] * (np.ndim(right) - own - 1)
+        x = wrong(C.reshape(-1, *axes, *C.shape[1:]) if self.rows > 1 else C[0])
         self._of = _same
         return self._placed(right, [(at, x)])
 
