@@ -1,10 +1,14 @@
-"""Where links stand on bodies, and the directions in which joints move."""
+"""Where links stand on bodies, the directions in which joints move, and their columns in a Jacobian."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+from .references import six
+from .steps import Steps, cross
 
 
 @dataclass
@@ -32,3 +36,29 @@ class Axis:
     base: bool = False
     world: np.ndarray | None = None
     """The direction in the world, where it was kept when the link was placed."""
+
+
+def of_kind(steps: Steps, which: str, turns: np.ndarray, made: tuple[np.ndarray, ...]) -> np.ndarray:
+    """(..., axes, 6): the column of an axis, by whether it `turns`, made of z, z x r, z, r, and a point o of it."""
+    angular, lever, z, r, o = made
+    zero = np.zeros_like(lever)
+
+    def of(w: np.ndarray, v: np.ndarray) -> Callable[[], np.ndarray]:
+        return lambda: six(steps.few(w), steps.few(v))
+
+    column = steps.pick(
+        f"the column of a turning axis: {which}", six(angular, lever),
+        **{"[0; z x r], without z": of(zero, lever), "[0; z], as of a sliding one": of(zero, z),
+           "[z; z]": of(z, z), "[z x r; z]": of(lever, z)},
+    )  # fmt: skip
+    slide = six(zero, z)
+    if not turns.all():
+        across = cross(z, r)
+        slide = steps.pick(
+            f"the column of a sliding axis: {which}", slide,
+            **{"[z; z x r], as of a turning one": of(z, across), "[z; z]": of(z, z), "zero": of(zero, zero),
+               "[0; z x r]": of(zero, across), "[z; 0]": of(z, zero), "[0; -z]": of(zero, -z),
+               "[0; z + o], as if the axis were a point of the link": of(zero, z + o),
+               "[0; z + z x r]": of(zero, z + across), "[0; r]": of(zero, r + zero)},
+        )  # fmt: skip
+    return np.asarray(turns * column + (1 - turns) * slide)

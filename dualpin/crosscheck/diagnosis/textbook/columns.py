@@ -19,6 +19,7 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
+from .axes import of_kind
 from .lists import beside
 from .poses import Poses, stacked
 from .references import joined, six
@@ -181,30 +182,10 @@ class Columns:
         r = steps.pick(f"the lever arm of a column: {which}: to {whose}", arm, **self._arms(group, links, p, o))
         lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: cross(z, r)})
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
-        zero = np.zeros_like(lever)
-        z = z + zero
+        z = z + np.zeros_like(lever)
         angular, lever = self._exchanged(z, r, lever, group)
-
-        def of(w: np.ndarray, v: np.ndarray) -> Callable[[], np.ndarray]:
-            return lambda: six(steps.few(w), steps.few(v))
-
-        column = steps.pick(
-            f"the column of a turning axis: {which}", six(angular, lever),
-            **{"[0; z x r], without z": of(zero, lever), "[0; z], as of a sliding one": of(zero, z),
-               "[z; z]": of(z, z), "[z x r; z]": of(lever, z)},
-        )  # fmt: skip
-        slide = six(zero, z)
-        if not self.turns[group].all():
-            across = cross(z, r)
-            slide = steps.pick(
-                f"the column of a sliding axis: {which}", slide,
-                **{"[z; z x r], as of a turning one": of(z, across), "[z; z]": of(z, z), "zero": of(zero, zero),
-                   "[0; z x r]": of(zero, across), "[z; 0]": of(z, zero), "[0; -z]": of(zero, -z),
-                   "[0; z + o], as if the axis were a point of the link": of(zero, z + o),
-                   "[0; z + z x r]": of(zero, z + across), "[0; r]": of(zero, r + zero)},
-            )  # fmt: skip
-        turns = self.turns[group, None]
-        return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+        J = of_kind(steps, which, self.turns[group, None], (angular, lever, z, r, o))
+        return np.swapaxes(J, -1, -2)
 
     def _exchanged(
         self, z: np.ndarray, r: np.ndarray, lever: np.ndarray, group: list[int]
@@ -251,18 +232,17 @@ class Columns:
                 from_root = few(o)[..., 0, :, :] - root  # a joint without another one has the root before it
                 return few(p) - (root + self._moved(group, from_root, to, 0.0))[..., None, :, :]
 
+            def counted_from(x: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
+                return lambda: few(p) - few(x()) + 0 * few(o)
+
             found |= {
-                "counted from the root link": lambda: few(p) - few(t.p[0])[..., None, None, :] + 0 * few(o),
-                "counted from the joint's parent link": (
-                    lambda: few(p) - few(stacked(t.p, parents, 1))[..., None, :, :]
-                ),
+                "counted from the root link": counted_from(lambda: t.p[0][..., None, None, :]),
+                "counted from the joint's parent link": counted_from(lambda: stacked(t.p, parents, 1)[..., None, :, :]),
                 "counted from the joint before": partial(counted, self.before),
                 "counted from the next joint": partial(counted, self.after),
                 "that of the joint itself from the world's origin": lambda: few(o) + 0 * few(p),
-                "counted from the first joint": lambda: few(p) - few(o)[..., :1, :] + 0 * few(o),
-                "counted from the centre of mass of the joint's link": (
-                    lambda: few(p) - few(self._centres(group)) + 0 * few(o)
-                ),
+                "counted from the first joint": counted_from(lambda: o[..., :1, :]),
+                "counted from the centre of mass of the joint's link": counted_from(lambda: self._centres(group)),
                 "counted to the origin of the link that carries the point": (
                     lambda: few(self._carriers(links, t.p))[..., None, :] - few(o) + 0 * few(p)
                 ),

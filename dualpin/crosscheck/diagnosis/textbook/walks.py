@@ -27,7 +27,8 @@ def walks(poses: Poses, base: np.ndarray, before: np.ndarray, links: list[int]) 
         (axes,): whether an axis is one of a floating base, and the axis of the nearest joint below, or -1.
     """
     tree = tuple(poses.parent), tuple(map(tuple, poses.of_link)), tuple(a.link for a in poses.axes)
-    key = tree, base.tobytes(), np.asarray(before).tobytes(), tuple(links)
+    names = tuple(poses.d.listed), tuple(p.joint for p in poses.d.parts)
+    key = tree, names, base.tobytes(), np.asarray(before).tobytes(), tuple(links)
     known = _FOUND.get(key)
     if known is None:
         if len(_FOUND) >= MOST:
