@@ -43,7 +43,7 @@ class Piece(NamedTuple):
     @property
     def fixed(self) -> bool:
         """Whether it stands on another link."""
-        return bool(np.abs(self.Q - ONE).max() > 0 or self.p.any())
+        return bool(self.p.any() or (self.Q != ONE).any())
 
 
 def listed(d: Description) -> list[Part]:
@@ -151,15 +151,19 @@ def at_once(steps: Steps, group: list[Piece]) -> Body:
     return Body(float(total), C, np.zeros(3), ONE, I)
 
 
-def _centres(masses: np.ndarray, centres: np.ndarray) -> dict[str, np.ndarray]:
+def _centres(masses: np.ndarray, centres: np.ndarray) -> dict[str, np.ndarray | Callable[[], np.ndarray]]:
     """What may stand in the place of the common centre."""
     mass, weighted = masses.sum(), masses @ centres
     ends = {"the first link": 0, "the last link": -1}
-    found = {
-        "the mean of the links' centres": centres.mean(0), "the sum m c, not divided by the mass": weighted,
-        "the mean of the centres of links with mass": centres[masses > 0].mean(0) if mass else 0 * weighted,
-        "the sum of m c, divided by the number of links": weighted / len(masses), "the sum of the links' centres":
-        centres.sum(0), "the mean weighted by the squares of masses": masses**2 @ centres / ((masses**2).sum() or 1.0),
+    found: dict[str, np.ndarray | Callable[[], np.ndarray]] = {
+        "the mean of the links' centres": lambda: centres.mean(0), "the sum m c, not divided by the mass": weighted,
+        "the mean of the centres of links with mass": (
+            lambda: centres[masses > 0].mean(0) if mass else 0 * weighted
+        ),
+        "the sum of m c, divided by the number of links": lambda: weighted / len(masses),
+        "the sum of the links' centres": lambda: centres.sum(0), "the mean weighted by the squares of masses": (
+            lambda: masses**2 @ centres / ((masses**2).sum() or 1.0)
+        ),
     }  # fmt: skip
     for words, k in ends.items():
         rest = weighted - masses[k] * centres[k]
@@ -195,17 +199,7 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
         whole = steps.add("the mass of what is there and a fixed link", **terms)
         terms = {"m c of what is there": m * c, "m c of the fixed link": mass * new}
         moment = steps.add("the sum m c of what is there and a fixed link", **terms)
-        others = {
-            "the mean of the two": (c + new) / 2, "that of what is there": c, "that of the new link": new,
-            "the mean of the two, where there is some": (c + new) / 2 if m > 0 else c,
-            "the mean of the two, of the first its own": (c + new) / 2 if m > 0 else new,
-            "the mean weighted by each other's mass": (mass * c + m * new) / ((m + mass) or 1.0),
-            "the sum of m c, divided by the mass of what is there": (m * c + mass * new) / (m or mass or 1.0),
-            "the sum of m c, divided by the mass of the new link": (m * c + mass * new) / (mass or 1.0),
-            "the sum of m c, not divided": m * c + mass * new,
-            "c of what is there with m c of the new link": (c + mass * new) / ((m + mass) or 1.0),
-            "m c of what is there with c of the new link": (m * c + new) / ((m + mass) or 1.0),
-        }  # fmt: skip
+        others = _common(m, c, mass, new)
         C = steps.pick("the centre of what is there and a fixed link", moment / (whole or 1.0), **others)
         others = {
             "the centre before it was added": c, "the body's origin": np.zeros(3), "the link's own centre": new,
@@ -225,6 +219,24 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
     return Body(float(m), c, np.zeros(3), ONE, I)
 
 
+def _common(
+    m: np.ndarray, c: np.ndarray, mass: np.ndarray, new: np.ndarray
+) -> dict[str, np.ndarray | Callable[[], np.ndarray]]:
+    """What may stand in the place of the centre of what is there and a new link."""
+    both = (m + mass) or 1.0
+    return {
+        "the mean of the two": lambda: (c + new) / 2, "that of what is there": c, "that of the new link": new,
+        "the mean of the two, where there is some": lambda: (c + new) / 2 if m > 0 else c,
+        "the mean of the two, of the first its own": lambda: (c + new) / 2 if m > 0 else new,
+        "the mean weighted by each other's mass": lambda: (mass * c + m * new) / both,
+        "the sum of m c, divided by the mass of what is there": lambda: (m * c + mass * new) / (m or mass or 1.0),
+        "the sum of m c, divided by the mass of the new link": lambda: (m * c + mass * new) / (mass or 1.0),
+        "the sum of m c, not divided": lambda: m * c + mass * new,
+        "c of what is there with m c of the new link": lambda: (c + mass * new) / both,
+        "m c of what is there with c of the new link": lambda: (m * c + new) / both,
+    }  # fmt: skip
+
+
 def _alone(p: Piece, c: np.ndarray) -> np.ndarray:
     return np.concatenate([[p.mass], c, tensor(Steps(), p)[0, 0].ravel()])
 
@@ -241,28 +253,30 @@ def _share(
     """What one of two bodies adds to the inertia of both; `others` are other points for the arm."""
     site = f"the arm of Steiner's term: {whose}"
     d = steps.add(site, **{"the body's centre": c, "the common centre": -about})
-    d = steps.pick(site, d, **{f"counted from {what}": c - x for what, x in others.items()})
+    d = steps.pick(site, d, **{f"counted from {what}": partial(np.subtract, c, x) for what, x in others.items()})
     m = steps.pick(f"the mass in Steiner's term: {whose}", m, **{"1": np.ones(())})
     terms = {"the tensor": I, "Steiner's term": _steiner(steps, m, d, f": {whose}")}
     return np.asarray(steps.add(f"a body's share of the inertia: {whose}", **terms))
 
 
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:
-    outer = steps.pick(OUTER, np.outer(d, d), **by_elements(d))
-    wrong = {"d.d in each entry": d @ d * np.ones((3, 3)), "d d by elements, on the diagonal": np.diag(d * d)}
+    outer = steps.pick(OUTER, d[:, None] * d, **{what: partial(of, d) for what, of in BY_ELEMENTS.items()})
+    wrong: dict[str, Callable[[], np.ndarray]] = {
+        "d.d in each entry": lambda: d @ d * np.ones((3, 3)),
+        "d d by elements, on the diagonal": lambda: np.diag(d * d),
+    }
     square = steps.pick("d.d 1 in Steiner's term of merging", d @ d * ONE, **wrong)
     terms = {"m d.d 1": m * square, "-m d d^T": -m * outer}
     return np.asarray(steps.add(f"Steiner's term of merging{which}", **terms))
 
 
-def by_elements(d: np.ndarray) -> dict[str, np.ndarray]:
-    """What a product by elements makes in the place of d d^T."""
-    rows = np.ones((3, 1)) * d * d
-    return {
-        "the product d d by elements, in each row": rows, "the product d d by elements, in each column": rows.T,
-        "the product d d by elements, on the diagonal alone": np.diag(d * d),
-        "d.d, in each entry": d @ d * np.ones((3, 3)),
-    }  # fmt: skip
+BY_ELEMENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "the product d d by elements, in each row": lambda d: np.ones((3, 1)) * d * d,
+    "the product d d by elements, in each column": lambda d: (np.ones((3, 1)) * d * d).T,
+    "the product d d by elements, on the diagonal alone": lambda d: np.diag(d * d),
+    "d.d, in each entry": lambda d: d @ d * np.ones((3, 3)),
+}
+"""What a product by elements makes in the place of d d^T."""
 
 
 def products(steps: Steps, group: Sequence[Piece], C: np.ndarray) -> np.ndarray:
@@ -270,6 +284,6 @@ def products(steps: Steps, group: Sequence[Piece], C: np.ndarray) -> np.ndarray:
     more = np.zeros((1, 1, 3, 3))
     for p in group if len(group) > 1 else ():
         d = p.Q @ p.com + p.p - C
-        right, wrong = np.outer(d, d)[None, None], {k: x[None, None] for k, x in by_elements(d).items()}
+        right, wrong = np.outer(d, d)[None, None], {k: of(d)[None, None] for k, of in BY_ELEMENTS.items()}
         more = more - p.mass * (steps.pick(OUTER, right, **wrong) - right)
     return more

@@ -307,8 +307,9 @@ class Steps:
             return None
         key = site, of, names
         if key not in self._plans:
-            kinds, rows = set(possible()), dict[int, list[Slip]]()
-            for k, slip in (mine for group in (*_groups(site), *groups) for mine in self._at.get(group, ())):
+            here = [mine for group in (*_groups(site), *groups) for mine in self._at.get(group, ())]
+            kinds, rows = set(possible() if here else ()), dict[int, list[Slip]]()
+            for k, slip in here:
                 if (slip.what, slip.how) in kinds:
                     rows.setdefault(k, []).append(slip)
             alike: _Alike = {}
