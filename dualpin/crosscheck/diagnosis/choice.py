@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
+from .case import Case
 from .hypothesis import Hypothesis, Story, cost, identity, style
+from .spared import READ, spared
 
 VISITS = 50_000  # of the search for the cheapest common story
 AGAIN = 0.1
@@ -15,6 +17,30 @@ AGAIN = 0.1
 ALIKE = 0.03
 """What a slip costs less in a formulation in which another cause is told: one code has one way of writing."""
 MOST = 16  # stories of a term that it looks at
+DOUBT = 0.35
+"""What a cause costs besides, times the share of the terms it would have changed that are right without it."""
+DOUBTED = 0.5
+"""The same of a mistake in reading, which is made once for all terms."""
+OWN = ("gravity",)
+"""Keys of numbers that each function may have for itself: right terms contradict them half as much."""
+APART = ("kinetic_energy", "coriolis")
+"""Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
+FOLLOWING = 0.9
+"""How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
+
+
+def prices(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], float]:
+    """What right terms contradict costs more; what follows from terms that are explained, less."""
+    off = {t for t in case.observed if not case.score(t).right}
+
+    def price(h: Hypothesis) -> float:
+        if h.key == "follows" and set(h.made_of) <= set(explained):
+            return h.cost - FOLLOWING
+        against = {t for t in spared(case, h) if h.place != "formula" or t not in APART}
+        doubt = (DOUBTED if h.place in READ else DOUBT) / (1 + (h.key in OWN))
+        return h.cost + (doubt * len(against) / len(against | (off & set(h.terms))) if against else 0.0)
+
+    return price
 
 
 def cheapest(

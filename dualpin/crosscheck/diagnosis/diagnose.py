@@ -6,7 +6,7 @@ import itertools
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 
@@ -14,7 +14,7 @@ from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
-from .choice import as_causes, cause_of, cheapest
+from .choice import as_causes, cause_of, cheapest, prices
 from .hypothesis import Hypothesis, Story, cost, identity, ordered
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
@@ -29,14 +29,6 @@ BUDGETS = (8.0, 50.0)
 
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
-DOUBT = 0.35
-"""What a cause costs besides, times the share of the terms it would have changed that are right without it."""
-OWN = ("gravity",)
-"""Keys of numbers that each function may have for itself: right terms contradict them half as much."""
-APART = ("kinetic_energy", "coriolis")
-"""Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
-FOLLOWING = 0.9
-"""How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
@@ -257,7 +249,7 @@ def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
 
 def _picked(case: Case, searches: Mapping[str, Search]) -> dict[str, Story]:
     options = {t: s.stories for t, s in searches.items() if not s.open}
-    return cheapest(options, _price(case, options))
+    return cheapest(options, prices(case, options))
 
 
 def _together(causes: Sequence[Story]) -> list[Story]:
@@ -272,7 +264,7 @@ def _united(stories: Sequence[Story]) -> list[Story]:
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:
     options = {t: e.stories for t, e in told.items() if e.named}
-    picked = cheapest(options, _price(case, options))
+    picked = cheapest(options, prices(case, options))
     whose: dict[tuple[object, ...], tuple[list[Hypothesis], list[str]]] = {}
     for term, story in picked.items():
         for h in story:
@@ -336,20 +328,6 @@ def _doubtful(
     evidence = {t: [errors[t], after[t]] for t in terms}
     before, left = max(errors[t] for t in terms), max(after.values())
     return Finding("partly", says, terms, before, left, list(h.items), fix=h.fix, evidence=evidence)
-
-
-def _price(case: Case, explained: Collection[str]) -> Callable[[Hypothesis], float]:
-    """What right terms contradict costs more; what follows from terms that are explained, less."""
-    off = {t for t in case.observed if not case.score(t).right}
-
-    def price(h: Hypothesis) -> float:
-        if h.key == "follows" and set(h.made_of) <= set(explained):
-            return h.cost - FOLLOWING
-        against = {t for t in spared(case, h) if h.place != "formula" or t not in APART}
-        doubt = DOUBT / 2 if h.key in OWN else DOUBT
-        return h.cost + (doubt * len(against) / len(against | (off & set(h.terms))) if against else 0.0)
-
-    return price
 
 
 def _add(findings: list[Finding], new: Finding | None) -> None:
