@@ -57,19 +57,20 @@ def pairs(
     x, right = few.observed[term], few.predict(term)
     if right is None or x.shape != right.shape or not np.isfinite(x).all() or term == "fk":
         return []
-    tolerance, direction = TOLERANCE * max(1.0, float(np.abs(right).max())), _direction(right.size)
-    groups: dict[str, tuple[np.ndarray, list[Hypothesis]]] = {}
-    for same, p in predicted:
-        if p is None or p.shape != right.shape:
-            continue
-        change = (p - right).ravel()
-        size = np.abs(change).max()
-        if np.isfinite(size) and size > tolerance:  # what changes all alike is one
-            groups.setdefault(f"{change @ direction:.9g}", (change, []))[1].extend(same)
+    kept = [(same, p) for same, p in predicted if p is not None and p.shape == right.shape]
+    if not kept:
+        return []
+    tolerance = TOLERANCE * max(1.0, float(np.abs(right).max()))
+    with np.errstate(all="ignore"):  # some predictions are no numbers
+        changes = np.array([p.ravel() for _, p in kept]) - right.ravel()
+        along = changes @ _direction(right.size)
+    groups: dict[str, tuple[int, list[Hypothesis]]] = {}
+    for k in np.flatnonzero(np.isfinite(along) & (np.abs(changes).max(axis=1) > tolerance)):
+        groups.setdefault(f"{along[k]:.9g}", (int(k), []))[1].extend(kept[k][0])  # what changes all alike is one
     if not groups:
         return []
-    changes, alike = zip(*groups.values(), strict=True)
-    found = itertools.islice(adding_up(np.array(changes), (x - right).ravel(), tolerance), MOST)
+    first, alike = zip(*groups.values(), strict=True)
+    found = itertools.islice(adding_up(changes[list(first)], (x - right).ravel(), tolerance), MOST)
     return [story for i, j in found for story in _joined(alike[i], alike[j])]
 
 
