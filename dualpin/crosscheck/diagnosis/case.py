@@ -29,6 +29,8 @@ COLUMNS = 100_000
 """How many columns (stories x samples x velocities) are predicted at once: intermediate results stay small."""
 PLAIN = ("word", "edit", "state", "force")
 """Places that change forward dynamics as they change M and h."""
+READ = ("word", "edit", "state")
+"""Places of what is read, from the columns to the file."""
 KEPT = 512
 """How many robots of edited descriptions are kept."""
 KEPT_BYTES = 2**26
@@ -175,6 +177,14 @@ class Case:
 
     def view(self, story: Story) -> View | None:
         """Robot, layout and states under a story."""
+        return self._view(story) if any(h.place in READ for h in story) else self._as_asked
+
+    @cached_property
+    def _as_asked(self) -> View | None:
+        """Under stories of what is made of it: slips, forces, answers."""
+        return self._view(())
+
+    def _view(self, story: Story) -> View | None:
         wording, description = self.wording, self.description
         for h in story:
             if h.place == "word":
