@@ -352,6 +352,26 @@ def test_forces_that_are_handed_on_by_the_matrix_of_another_link(number, what):
     assert case.score("bias", (planted,)).right
 
 
+SECOND, FIRST = "(X[i] - L[i + 1 :, i] @ X[i + 1 :])", "(X[i] - L[i, :i] @ X[:i])"
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ((SECOND, "(X[i] - L[i, i + 1 :] @ X[i + 1 :])"), "second substitution reads L"),
+        ((FIRST, "(X[i] - L[:i, i] @ X[:i])"), "first substitution reads L^T"),
+        ((f"{SECOND} / L[i, i]", SECOND), "second substitution that does not divide"),
+        ((f"{FIRST} / L[i, i]", FIRST), "first substitution that does not divide"),
+    ],
+)
+def test_substitutions_with_a_factor_that_are_wrong(change, words):
+    case = answered([change])
+    (rule,) = (rule for rule in RULES if rule.key == "inverse_factors")
+    told = [str(h) for h in rule.propose(case) if case.score("minv", (h,)).right]
+    assert not case.score("minv").right
+    assert len(told) == 1 and words in told[0]
+
+
 def test_predictions_of_which_none_is_finite_are_far():
     x = np.ones((2, 3))
     assert scored(x, [np.full((2, 3), np.inf), None], np.full(2, 1e-9)) == [FAR, FAR]

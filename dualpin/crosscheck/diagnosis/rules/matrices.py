@@ -249,12 +249,28 @@ def coriolis_frozen(view: View, term: str, x: np.ndarray) -> np.ndarray:
     return transposed(P) @ other.answer("coriolis", C, s, M) @ P
 
 
+def _diagonal(K: np.ndarray) -> np.ndarray:
+    return K * np.eye(K.shape[-1])
+
+
+def _unit(K: np.ndarray) -> np.ndarray:
+    """The inverse of L with ones on its diagonal."""
+    L = np.linalg.inv(K)
+    return np.asarray(np.linalg.inv(L - _diagonal(L) + np.eye(L.shape[-1])))
+
+
 FACTORS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "stand in the other order (L^-1 L^-T of M = L L^T)": lambda K: K @ transposed(K),
     "are L^-1 twice (M = L L^T)": lambda K: K @ K,
     "are L^-T twice (M = L L^T)": lambda K: transposed(K @ K),
     "lack L^-T: L^-1 alone (M = L L^T)": lambda K: K,
     "lack L^-1: L^-T alone (M = L L^T)": transposed,
+    "are D^-1 L^-1, D the diagonal of L: the second substitution reads L, not L^T": lambda K: _diagonal(K) @ K,
+    "are L^-T D^-1, D the diagonal of L: the first substitution reads L^T, not L": lambda K: (
+        transposed(K) @ _diagonal(K)
+    ),
+    "are found by a second substitution that does not divide by the diagonal of L": lambda K: transposed(_unit(K)) @ K,
+    "are found by a first substitution that does not divide by the diagonal of L": lambda K: transposed(K) @ _unit(K),
 }
 """What may be made of K = L^-1, which depends on the order of the columns: these act on the subject's."""
 
