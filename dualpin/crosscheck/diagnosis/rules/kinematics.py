@@ -36,7 +36,7 @@ from ..textbook.answers import (
     TRANSPOSED,
 )  # fmt: skip
 from ..textbook.assembly import SYMBOLS
-from ..textbook.columns import ACROSS
+from ..textbook.columns import ACROSS, HERE
 from ..textbook.columns import MOVING as MOVING_AXES
 from ..textbook.in_place import GROWING, KEPT
 from ..textbook.lists import branched
@@ -131,7 +131,9 @@ def _register(
     cost, like = COST + 0.05 * bool(variant), _in_mass if how.get("how") == MASS or factored else shown_in(run)
     slow = partial(_answers, after)
     alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
-    listing = only or (_in_a_list if levels else _for_all_joints if rooted else _askew if factored else _any)
+    listing = only or (
+        _in_a_list if levels else _for_all_joints if rooted else _askew if factored else _both_ways if how else _any
+    )
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     formulation(
@@ -166,6 +168,11 @@ def _both(a: Callable[[Case], bool], b: Callable[[Case], bool], case: Case) -> b
 
 def _any(slip: Slip) -> bool:
     return True
+
+
+def _both_ways(slip: Slip) -> bool:
+    """Whether it is not in Jacobians alone, whose rates are right: one way to make these is enough."""
+    return slip.site != HERE
 
 
 def _in_a_list(slip: Slip) -> bool:

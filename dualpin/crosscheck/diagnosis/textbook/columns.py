@@ -30,6 +30,7 @@ CENTRE, LEVER = "a centre of mass", "the lever arm to a centre of mass"
 ACROSS = "z x r"
 TO_LINK, TO_CENTRE = "the arm to the link's origin", "R c, from there to the centre of mass,"
 MOVING = "the axes that have a column"
+HERE = f"{MOVING}: in a Jacobian, not in its rate"
 UNCOUNTED = " (links without one do not count)"
 
 
@@ -156,7 +157,7 @@ class Columns:
     def at(self, points: np.ndarray, links: Sequence[int], whose: str = "a frame") -> np.ndarray:
         """(runs, n, points, 6, axes): [w; v] of points (runs, n, points, 3) of links, by the rate of each axis."""
         J = self._whole([self._columns(points, links, g, which, whose) for g, which in self.groups], -1)
-        J, found = J * self.moving(links), self._walks(list(links))
+        J, found = J * self.moving(links, HERE), self._walks(list(links))
         halves = []
         for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
             wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
@@ -253,21 +254,20 @@ class Columns:
     def _centres(self, group: list[int]) -> np.ndarray:
         """(runs, n, 1, axes, 3): the centres of mass of the links that joints move."""
         t, links = self.poses, [self.links[i] for i in group]
-        centres = np.stack([t.centre(k) for k in links])
-        return (stacked(t.p, links, 1) + product(stacked(t.R, links, 2), centres))[..., None, :, :]
+        there = product(stacked(t.R, links, 2), np.stack([t.centre(k) for k in links]))
+        return (stacked(t.p, links, 1) + there)[..., None, :, :]
 
-    def moving(self, links: Sequence[int]) -> np.ndarray:
+    def moving(self, links: Sequence[int], site: str = MOVING) -> np.ndarray:
         """(runs, 1, points, 1, axes): whether an axis moves a point."""
         right = self.poses.carries()[list(links)][None, None, :, None]
         wrong = {name: x[None, None, :, None] for name, x in self._walks(list(links)).items()}
-        found = self.steps.pick(MOVING, right, **wrong)
-        uncounted = {name + UNCOUNTED: wrong[name] for name in self._uncounted}
-        return np.asarray(self.steps.mistaken(MOVING, found, **uncounted))
+        found = self.steps.pick(site, right, **wrong)
+        return np.asarray(self.steps.mistaken(site, found, **{x + UNCOUNTED: wrong[x] for x in self._uncounted}))
 
     def counted(self, links: Sequence[int]) -> np.ndarray:
         """(runs, 1, links): whether links count as bodies, where this is seen from the same walk."""
         shaped = {name + UNCOUNTED: x[None, None, list(links)] for name, x in self._uncounted.items()}
-        return np.asarray(self.steps.mistaken(MOVING, np.ones((1, 1, len(links)), bool), **shaped))
+        return np.asarray(self.steps.mistaken(HERE, np.ones((1, 1, len(links)), bool), **shaped))
 
     @cached_property
     def _uncounted(self) -> dict[str, np.ndarray]:
