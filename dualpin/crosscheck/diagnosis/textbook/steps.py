@@ -265,10 +265,10 @@ class Steps:
         made = self._planned(site, "table", (), lambda: [(name, "step_other") for name in matrices], chosen)
         if made is None:
             return right
-        (at, self._of), C = made
-        axes = [1] * (np.ndim(right) - own - 1)
+        ((at, of), C), outer = made, self._of
+        axes, self._of = [1] * (np.ndim(right) - own - 1), of
         x = wrong(C.reshape(-1, *axes, *C.shape[1:]) if self.rows > 1 else C[0])
-        self._of = _same
+        self._of = outer
         return self._placed(right, [(at, x)])
 
     def each(self, site: str, items: Sequence[T]) -> Sequence[T]:
@@ -326,10 +326,10 @@ class Steps:
         made = self._planned(site, of, names, possible, self._each)
         if made is None:
             return right
-        parts = []
+        parts, outer = [], self._of
         for slips, (at, self._of) in made:
             parts.append((at, wrong(slips, self._of)))
-        self._of = _same
+        self._of = outer
         return self._placed(right, parts)
 
     def _each(self, alike: _Alike) -> list[tuple[tuple[Slip, ...], _Rows]]:
