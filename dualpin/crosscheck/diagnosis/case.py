@@ -276,7 +276,7 @@ class Case:
     def _evaluated(self, term: str, together: Sequence[tuple[Story, View]]) -> tuple[list[Any], list[Any]]:
         """The term for every story, and the mass matrix or Jacobian that its layout needs besides."""
         question = QUESTIONS[term]
-        acts = [in_one([h.act for h in story if h.place == "formula"]) for story, _ in together]
+        acts = [in_one([h.act for h in s if h.place == "formula" and term in h.terms]) for s, _ in together]
         views = [view for _, view in together]
         xs = _by_formulas(term, acts, views)
         plain = [k for k, x in enumerate(xs) if x is None]
