@@ -13,7 +13,7 @@ from . import additive
 from .case import Case
 from .hypothesis import Hypothesis, Story, ordered, style
 from .rules import RULES
-from .rules.register import SLIPS
+from .rules.register import SLIPS, Rule
 from .scores import Score
 from .stories import in_time, kept, nearness
 from .textbook.slipped import algorithm, made_of, share
@@ -34,23 +34,33 @@ class Catalogue:
         few = case.asking.samples < 2  # at one state what need only have something in common with an answer has it
         proposed = (h for rule in RULES if not rule.late for h in rule.propose(case))
         self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
-        self._kin: dict[Any, list[Hypothesis]] = {}
-        self._late: dict[int, list[Hypothesis]] = {}
+        self._proposed: dict[int, list[Hypothesis]] = {}
+        self._late: dict[tuple[int, str], dict[Any, list[Hypothesis]]] = {}
         self._algorithms: dict[tuple[str, int], dict[Any, list[Hypothesis]]] = {}
         self._looked_at: dict[str, list[list[Hypothesis]]] = {}
 
-    def _of_rules(self, late: int) -> list[Hypothesis]:
-        if late not in self._late:
-            self._late[late] = [h for rule in RULES if rule.late == late for h in rule.propose(self.case)]
-            for h in self._late[late]:
-                self._kin.setdefault(h.mistake or h.cause, []).append(h)
-        return self._late[late]
+    def _of_rules(self, late: int, term: str) -> dict[Any, list[Hypothesis]]:
+        """Those of late rules that show in a term, by mistakes."""
+        if (late, term) not in self._late:
+            found: dict[Any, list[Hypothesis]] = {}
+            for k, rule in enumerate(RULES):
+                for h in self._of_rule(k, rule, term) if rule.late == late else ():
+                    found.setdefault(h.mistake or h.cause, []).append(h)
+            self._late[late, term] = found
+        return self._late[late, term]
+
+    def _of_rule(self, k: int, rule: Rule, term: str) -> Iterable[Hypothesis]:
+        if rule.of_term:
+            return rule.of_term(self.case, term)
+        if k not in self._proposed:
+            self._proposed[k] = list(rule.propose(self.case))
+        return (h for h in self._proposed[k] if term in h.terms)
 
     def _by_algorithm(self, term: str, late: int) -> Iterable[list[Hypothesis]]:
         """Those of late rules for a term, together if one algorithm makes them."""
         if (term, late) not in self._algorithms:
             found: dict[Any, list[Hypothesis]] = {}
-            for h in (h for h in self._of_rules(late) if term in h.terms and not h.afterwards):
+            for h in (h for same in self._of_rules(late, term).values() for h in same if not h.afterwards):
                 found.setdefault((h.place, algorithm(h.act) or h.act), []).append(h)
             self._algorithms[term, late] = found
         return self._algorithms[term, late].values()
@@ -60,7 +70,8 @@ class Catalogue:
 
     def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
         """The same mistake as other formulations, or what is made of them, show it."""
-        return [k for k in self._kin.get(h.mistake or h.cause, ()) if term in k.terms]
+        used = {late for late, _ in self._late}
+        return [k for late in used for k in self._of_rules(late, term).get(h.mistake or h.cause, ())]
 
     def slips(self, term: str, until: float, base: Story = (), late: int = SLIPS) -> list[Story]:
         """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.

@@ -116,8 +116,9 @@ class Search:
     def known(self, others: Sequence[Story]) -> None:
         """Try what explains other terms: as it is, as other formulations show it, and with any factorisation."""
         here = (tuple(h for h in story if self.term in h.terms) for story in others)
-        mine = {identity(s): s for s in here}  # as they are first: there may be time for few
-        for story in others:
+        mine = {identity(s): s for s in here}
+        self.consider(mine.values())
+        for story in others if not self.exact else ():  # finding them as others show them takes long
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [ordered(itertools.chain(*some)) for some in several]

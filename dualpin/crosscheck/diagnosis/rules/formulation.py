@@ -88,29 +88,36 @@ def formulation(
         return -SPATIAL if of_space else rarer
 
     def decorate(run: Run) -> Run:
+        def asked(case: Case) -> list[str]:
+            return [t for t in (terms(case) if callable(terms) else terms) if t in case.observed] if when(case) else []
+
+        def slips(case: Case, term: str) -> list[Slip]:
+            return list(filter(only, _slips(run, case, like(term), alike)))
+
+        def made(case: Case, slip: Slip, shown: Sequence[str]) -> Hypothesis:
+            key = (known or {}).get(slip)
+            return Hypothesis(
+                key or slip.how, f"{name}: {slip.says}", tuple(shown), "formula", Slipped(run, (slip,), batched),
+                slip.fix, variant=variant, cost=cost + LIKELY.get(slip.how, 0.0) + extra(case) - USUAL * bool(key),
+                afterwards=afterwards(case), mistake=_mistake(slip, key, alike),
+            )  # fmt: skip
+
         def propose(case: Case) -> list[Hypothesis]:
-            if not when(case):
-                return []
-            asked = [t for t in (terms(case) if callable(terms) else terms) if t in case.observed]
-            wrong = [t for t in asked if t in case.wrong]
             touched: dict[Slip, set[str]] = {}
-            more, slips = extra(case), {t: _slips(run, case, t, alike) for t in dict.fromkeys(map(like, wrong))}
-            for term in wrong:
-                for slip in filter(only, slips[like(term)]):
-                    touched.setdefault(slip, set(asked) - set(wrong)).add(term)  # of right ones `spared` finds out
-            return [
-                Hypothesis(
-                    (known or {}).get(slip, slip.how), f"{name}: {slip.says}", tuple(t for t in asked if t in shown),
-                    "formula", Slipped(run, (slip,), batched), slip.fix, variant=variant,
-                    cost=cost + LIKELY.get(slip.how, 0.0) + more - USUAL * (slip in (known or {})),
-                    afterwards=afterwards(case),
-                    mistake=_mistake(slip, (known or {}).get(slip), alike),
-                )
-                for slip, shown in touched.items()
-            ]  # fmt: skip
+            all_asked = asked(case)
+            right = {t for t in all_asked if t not in case.wrong}  # of these `spared` finds out
+            for term in (t for t in all_asked if t in case.wrong):
+                for slip in slips(case, term):
+                    touched.setdefault(slip, set(right)).add(term)
+            return [made(case, slip, [t for t in all_asked if t in shown]) for slip, shown in touched.items()]
+
+        def of_term(case: Case, term: str) -> list[Hypothesis]:
+            shown = asked(case)
+            return [made(case, slip, shown) for slip in slips(case, term)] if term in shown else []
 
         lines = {**(says or {}), **rows()}
-        RULES.append(Rule(name, name, "compare the step with the equation of the book", propose, lines, late=True))
+        fix = "compare the step with the equation of the book"
+        RULES.append(Rule(name, name, fix, propose, lines, late=True, of_term=of_term))
         return run
 
     return decorate

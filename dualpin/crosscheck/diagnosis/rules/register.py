@@ -49,6 +49,8 @@ class Rule:
     """Where it proposes several keys: what each says."""
     late: int = 0
     """One of those above where its hypotheses are tried only if no single cause of other rules explains a term."""
+    of_term: Callable[[Case, str], Iterable[Hypothesis]] | None = None
+    """Where finding them takes long: those that show in one term, each as if it showed in all that it is asked for."""
 
 
 RULES: list[Rule] = []
