@@ -107,6 +107,11 @@ class Hypothesis:
     def identity(self) -> tuple[Any, ...]:
         return *self.cause, self.variant
 
+    @property
+    def named(self) -> bool:
+        """Whether it is a slip with a key of its own, which all formulations share."""
+        return len(self.mistake) == 1
+
     @cached_property
     def alone(self) -> frozenset[Any]:
         """The identity of the story that says nothing else."""

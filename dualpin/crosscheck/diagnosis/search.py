@@ -118,7 +118,8 @@ class Search:
         here = (tuple(h for h in story if self.term in h.terms) for story in others)
         mine = {identity(s): s for s in here}
         self.consider(mine.values())
-        for story in others if not self.exact else ():  # finding them as others show them takes long
+        # finding what other formulations show takes long: where these explain it, what has a name of its own is told
+        for story in others if not self.exact else [s for s in others if any(h.named for h in s)]:
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [ordered(itertools.chain(*some)) for some in several]
