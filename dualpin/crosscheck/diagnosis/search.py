@@ -245,6 +245,8 @@ class Search:
             near = [n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE]
             beam = kept([n for n in near if shows(self.case, n.story[0])])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
+            nearest = itertools.combinations([h for (h,) in kept(near)], 2)  # what other terms speak against too
+            more += [ordered(two) for two in nearest if joins(two[1], two[:1])]
             level = self.consider([*more, *(s for story in beam for s in self._with(story, whole))], self._part())
             self._further(level, whole)
 
