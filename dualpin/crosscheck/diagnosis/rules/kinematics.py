@@ -10,6 +10,8 @@ from typing import Any
 from ..case import Case
 from ..textbook.answers import (
     ABOUT,
+    BOTH,
+    BY_AXES,
     BY_PARENTS,
     CARRIED,
     DIFFERENTIATED,
@@ -200,14 +202,8 @@ def _of_spins(slip: Slip) -> bool:
 
 def _of_axes(slip: Slip) -> bool:
     """Whether it is one of the angular part of columns."""
-    of_axes = (
-        "the axis of a column",
-        "the joint whose axis",
-        "the direction in a column",
-        "the column of a",
-        MOVING_AXES,
-    )
-    return slip.site.startswith(of_axes)
+    axes = ("the axis of a column", "the joint whose axis", "the direction in a column", "the column of a", MOVING_AXES)
+    return slip.site.startswith(axes)
 
 
 def _of_centres(slip: Slip) -> bool:
@@ -379,9 +375,11 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
-    _register(_name, _run, _terms(matrix=few), only=_askew, how=TRANSPOSED)
+    for _how in (TRANSPOSED, BOTH):
+        _register(_name, _run, _terms(matrix=few), only=_askew, how=_how)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_walks, how=CARRIED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_axes, how=BY_AXES)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED_APART)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -30,9 +31,17 @@ POINTS = "with velocities of frames by Jacobians, those of joints from link to l
 PRODUCTS, GRADIENTS = "by products of columns", "by derivatives of columns by each joint"
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 TRANSPOSED = "Christoffel's symbols of derivatives of the second Jacobian, transposed"
+BOTH = "Christoffel's symbols of derivatives of both Jacobians"
+BY_AXES = "Christoffel's symbols of derivatives by joints' own axes"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
+OF_SYMBOLS: dict[str, dict[str, Any]] = {
+    SYMBOLIC: {}, TRANSPOSED: {"tensors": gradient.SECOND}, BOTH: {"tensors": gradient.EACH},
+    CARRIED: {"carried": True}, BY_AXES: {"apart": True},
+    RATED: {"by_rates": True}, RATED_APART: {"by_rates": True, "apart": True},
+}  # fmt: skip
+"""How `gradient` makes Christoffel's symbols."""
 SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
 BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
@@ -146,11 +155,9 @@ class Made:
             return self._of_symbols()
         sums = self.sums(self.whole)
         if term == "coriolis":
-            if self.how not in (SYMBOLIC, TRANSPOSED, CARRIED, RATED, RATED_APART):
+            if self.how not in OF_SYMBOLS:
                 return sums.coriolis()
-            apart = self.how == RATED_APART
-            second = self.how == TRANSPOSED
-            return gradient.coriolis(sums, self.how == RATED or apart, apart, self.how == CARRIED, second)
+            return gradient.coriolis(sums, **OF_SYMBOLS[self.how])
         if term in SUMMED:
             return SUMMED[term](sums, g)
         if term == "kinetic_energy":

@@ -13,6 +13,7 @@ the velocity mapping for a serial kinematic chain, Mechanism and Machine Theory 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -24,16 +25,19 @@ from .columns import CENTRE
 from .equations import Equations, other_products
 from .second import by_products, same
 
+SECOND, EACH = "of the second Jacobian", "of both Jacobians"
+
 
 def coriolis(
-    sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, second: bool = False
+    sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, tensors: str = ""
 ) -> np.ndarray:  # fmt: skip
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
     `by_rates`: derivatives of Jacobians are their rates where one joint moves alone.
     `apart`: what joints do to axes and origins of others is not found by Jacobians.
     `carried`: a body's columns are derived by, and of, the joints that carry it, whichever columns it has.
-    `second`: J_i . M dJ_j is made and transposed, not dJ_i . M J_j, which tensors that are not symmetric tell apart.
+    `tensors`: J_i . M dJ_j is made and transposed (SECOND), not dJ_i . M J_j, or each is made by itself (EACH), which
+    tensors that are not symmetric tell apart.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -44,7 +48,10 @@ def coriolis(
     w, u = J[..., :3], J[..., 3:]
     which = sums.poses.carries()[sums.links][None, None] if carried else cols.moving(sums.links)[..., 0, :]
     moved = which[..., order].astype(float)
-    dw, du = _by_rates(sums, order, apart) if by_rates else by_products(cols, w, u, moved, order)
+    z = cols.z[..., None, order, :]
+    own = cols.turns[order, None] * z
+    of_axes = partial(by_products, cols, w, u, moved, order, own if apart else w)
+    dw, du = _by_rates(sums, order, apart) if by_rates else of_axes()
     last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
     counted = steps.pick(
         "the bodies in dM/dq_k", np.ones_like(moved), **{"the last one that joint k moves alone": last}
@@ -55,19 +62,19 @@ def coriolis(
     m = m * sums.every(f"{site}: m Jv^T Jv")
     spin, turning = (sums.every(f"{site}: {of}")[..., None, None] for of in ("Jw^T I Jw", "dI/dq_k"))
     T = spin * steps.pick("the inertia in dw_i . I w_j", I, **_turned_wrongly(sums))
-    I_w = w @ (T if second else transposed(T))
-    parts = {
-        "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, m[..., None, None] * u)),
-        "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, I_w)),
-    }  # fmt: skip
-    half = steps.add("the derivative of the first Jacobian in M", **parts)
-    other = np.swapaxes(half, 2, 3)
+
+    def of_one(T: np.ndarray) -> np.ndarray:
+        parts = {
+            "m dv_i . v_j": np.einsum("rnbikx,rnbjx->rnijk", *same(du, m[..., None, None] * u)),
+            "dw_i . I w_j": np.einsum("rnbikx,rnbjx->rnijk", *same(dw, w @ transposed(T))),
+        }  # fmt: skip
+        return np.asarray(steps.add("the derivative of the first Jacobian in M", **parts))
+
+    half = of_one(transposed(T) if tensors == SECOND else T)
+    other = np.swapaxes(of_one(transposed(T)) if tensors == EACH else half, 2, 3)
     axes = w
     if apart:
-        z = cols.z[..., None, order, :]
-        axes = steps.pick(
-            "the axes that turn tensors", cols.turns[order, None] * z, **{"those of sliding joints too": z}
-        )
+        axes = steps.pick("the axes that turn tensors", own, **{"those of sliding joints too": z})
     I = steps.pick("the inertia in dI/dq_k", I, **_turned_wrongly(sums))
     W, T = cross_matrix(moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
     terms = {

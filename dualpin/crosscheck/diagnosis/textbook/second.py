@@ -102,7 +102,7 @@ class Products(Columns):
         J, qd = np.swapaxes(self.at(points, links, whose), -1, -2), self.poses.qd
         assert qd is not None
         moved = self.moving(links)[..., 0, :].astype(float)
-        by_q = by_products(self, J[..., :3], J[..., 3:], moved, list(range(len(self.axes))))
+        by_q = by_products(self, J[..., :3], J[..., 3:], moved, list(range(len(self.axes))), J[..., :3])
         rate = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
         dw, du = ((x * rate).sum(-2) for x in same(*by_q))
         return np.swapaxes(np.concatenate([dw, du], -1), -1, -2)
@@ -125,21 +125,26 @@ class Gradients(Columns):
 
 
 def by_products(
-    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int]
+    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves."""
+    """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves.
+
+    `axes` are those about which joints turn others: their angular columns, or their own axes.
+    """
     steps, count = cols.steps, len(order)
     carries = cols.poses.carries()[[cols.axes[i].link for i in order]][:, order]
     listed = np.tril(np.ones((count, count), bool))[None, None, None]
     before = steps.pick(MOVING, carries[None, None, None], **{ALL: listed, CHAIN: listed})[..., None]  # k carries i
     both = (moved[..., :, None] * moved[..., None, :])[..., None]  # of every body
-    w_i, u_i, w_k, u_k = *same(w[..., :, None, :], u[..., :, None, :]), *same(w[..., None, :, :], u[..., None, :, :])
-    of_w = {"w_k x w_i": before * both * cross(w_k + 0 * w_i, w_i + 0 * w_k)}
+    w, u, axes = same(w, u, axes)
+    w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
+    a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
+    of_w = {"w_k x w_i": before * both * cross(a_k + 0 * w_i, w_i + 0 * a_k)}
     dw = steps.add("the derivative of an angular column by q_k", **of_w)
-    by_axis = both * cross(w_k + 0 * u_i, u_i + 0 * w_k)
+    by_axis = both * cross(a_k + 0 * u_i, u_i + 0 * a_k)
     terms = {
         "w_k x v_i, of joints before it,": before * by_axis,
-        "w_i x v_k, of joints behind it,": ~before * both * cross(w_i + 0 * u_k, u_k + 0 * w_i),
+        "w_i x v_k, of joints behind it,": ~before * both * cross(a_i + 0 * u_k, u_k + 0 * a_i),
     }  # fmt: skip
     du = steps.add("the derivative of a linear column by q_k", **terms)
     return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})
