@@ -18,7 +18,7 @@ from tests.crosscheck.test_blind import PROBE
 from tests.crosscheck.test_kinematic_slips import apart, silent
 from tests.random_robots import random_urdf
 
-SYMBOLS = (answers.SYMBOLIC, answers.CARRIED, answers.RATED, answers.RATED_APART)
+SYMBOLS = tuple(answers.OF_SYMBOLS)
 MADE = {
     **{how: (partial(kinematics.jacobians, how=how), ("coriolis",)) for how in SYMBOLS},
     answers.GRADIENTS: (partial(kinematics.jacobians, how=answers.GRADIENTS), ("jacobian_dot", "coriolis")),
