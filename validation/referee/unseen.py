@@ -70,6 +70,20 @@ BY_READING = {
     "Jacobians of links, 15 more": ("4518e1b, another reader", 10, 2, 0, 2, 1),
     "Jacobians of links, floating base": ("efb2491", 3, 0, 0, 1, 0),
     "pairs of all three": ("efb2491", 5, 3, 6, 2, 0),
+    "world axes, first question": ("d04124b", 13, 2, 3, 2, 0),
+    "world axes, second question": ("2adc14f", 22, 1, 2, 0, 0),
+    "world axes, 23 more": ("2adc14f", 17, 4, 1, 1, 0),
+    "world axes, pairs, first question": ("d04124b", 2, 2, 2, 0, 0),
+    "world axes, pairs, second question": ("2adc14f", 2, 1, 5, 0, 0),
+    "body twists, first question": ("d04124b", 6, 2, 2, 2, 0),
+    "body twists, second question": ("2adc14f", 8, 2, 2, 1, 0),
+    "body twists, 12 more": ("2adc14f", 9, 1, 1, 0, 1),
+    "spatial vectors, first question": ("d04124b", 8, 1, 3, 0, 0),
+    "spatial vectors, second question": ("2adc14f", 7, 3, 1, 1, 0),
+    "spatial vectors, 12 more": ("2adc14f", 3, 3, 2, 4, 0),
+    "spatial vectors, floating base": ("d04124b, 2adc14f", 5, 2, 1, 0, 0),
+    "body twists and spatial vectors, pairs, first question": ("d04124b", 3, 2, 1, 0, 0),
+    "body twists and spatial vectors, pairs, second question": ("2adc14f", 2, 0, 4, 2, 0),
 }
 """Version, and how many were read as each of `READINGS`; what was missed was told before the next was asked."""
 
@@ -208,6 +222,11 @@ def by_sentences() -> list[str]:
         "told, by kinds, before the next was asked, and after the last. `python -m validation.referee.unseen --read",
         "GROUP` prints the answers of today's",
         "version to a group, beside its sentences.", "",
+        "Two further authors did the same with codes that are not here: NumPy in *world axes* (Newton-Euler, geometric",
+        "Jacobians, Christoffel's symbols of analytic derivatives; a pool of 236), products of exponentials with *body",
+        "twists* after Lynch and Park (115) and Featherstone's algorithms in *spatial vectors* (143). The kinds that the",
+        "first questions missed were told before the second ones were asked; what the second ones and the further",
+        "mistakes missed, afterwards.", "",
         f"| group (version) | read | {' | '.join(READINGS)} | with equivalents |", "|---|" + "---|" * 7,
     ]  # fmt: skip
     for group, (version, *counts) in BY_READING.items():
