@@ -224,8 +224,8 @@ def by_sentences() -> list[str]:
         "version to a group, beside its sentences.", "",
         "Two further authors did the same with codes that are not here: NumPy in *world axes* (Newton-Euler, geometric",
         "Jacobians, Christoffel's symbols of analytic derivatives; a pool of 236), products of exponentials with *body",
-        "twists* after Lynch and Park (115) and Featherstone's algorithms in *spatial vectors* (143). The kinds that the",
-        "first questions missed were told before the second ones were asked; what the second ones and the further",
+        "twists* after Lynch and Park (115) and Featherstone's algorithms in *spatial vectors* (143). What the",
+        "first questions missed was told, by kinds, before the second ones were asked; what these and the further",
         "mistakes missed, afterwards.", "",
         f"| group (version) | read | {' | '.join(READINGS)} | with equivalents |", "|---|" + "---|" * 7,
     ]  # fmt: skip
