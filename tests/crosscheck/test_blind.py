@@ -19,14 +19,9 @@ def asked(robot: str, floating: bool = False, terms: tuple[str, ...] = tuple(QUE
     return asking(robot, 8, 0, terms, floating=floating)
 
 
-LONG = 16.0
-"""Seconds of processor time, twice those of an arm: what is named counts here, on slow machines too."""
-
-
 def named(ask: Asking, names: tuple[str, ...]) -> bool:
     """Whether each mistake is named, and nothing else but what follows from it."""
-    case = Case(ask_here(wrong(*names)(ask.text, ask.floating), ask, lambda what: None))
-    found = diagnose(case, LONG)
+    found = diagnose(Case(ask_here(wrong(*names)(ask.text, ask.floating), ask, lambda what: None)))
     told, keys = {f.key for f in found.findings}, [set(MISTAKES[n][0].split()) for n in names]
     return all(told & k for k in keys) and told <= BESIDES.union(*keys)
 

@@ -270,7 +270,7 @@ def asked() -> Asking:
 
 
 def answered(changes: list[tuple[str, str]]) -> Case:
-    text = source("arm")
+    text = source("composites")
     for old, new in changes:
         assert text.count(old) == 1, old
         text = text.replace(old, new)

@@ -53,7 +53,7 @@ KNOWN = 1.06
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
-LITTLE = 0.2  # of the root mean square: causes that leave no more are looked at with one more
+LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -252,9 +252,10 @@ class Search:
 
     def _further(self, near: Sequence[Near], more: Sequence[Hypothesis]) -> None:
         """One cause more, beside what leaves little."""
+        until = self._part()
         for n in sorted(near, key=lambda n: n.score.rms)[:FEW_CAUSES]:
-            if self.open and n.score.rms < LITTLE * self.before.rms:
-                self.consider(self._with(n.story, more))
+            if self.open and n.score.rms < LITTLE * self.before.rms and time.process_time() < until:
+                self.consider(self._with(n.story, more), until)
 
     def pairs(self) -> None:
         """Two causes together, from those that come nearest; of numbers of one body, those that they may imitate."""
