@@ -247,10 +247,11 @@ class Poses:
         else:
             T, before = ways.of_axis(steps, about, x), A
             self._motions[link] = T, 0 * axis
-            away = lambda: p + product(ways.matrix(before), axis + 0 * p) * x[..., None]  # noqa: E731
-            p = steps.pick(
-                "the position of a turning link", p, **{"that of its origin moved along the axis by q": away}
-            )
+            moved = {
+                "that of its origin moved along the axis by q":
+                    lambda: p + product(ways.matrix(before), axis + 0 * p) * x[..., None]
+            }  # fmt: skip
+            p = steps.pick("the position of a turning link", p, **moved)
             A = steps.pick(
                 "the rotation of a link", ways.then(A, T),
                 **{
