@@ -144,7 +144,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
 
     def one_more(search: Search) -> None:
         together = [s for s in _picked(case, searches).values() if len(s) > 1]
-        search.added([*_united(together), *_causes(case, searches)])
+        told = {h.cause for other in searches.values() for s in other.stories if len(s) == 1 for h in s}
+        search.added([*_united(together), *_causes(case, searches)], told)
 
     def one_more_reading(search: Search) -> None:
         search.added_readings(_causes(case, searches))
@@ -152,9 +153,12 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def besides(search: Search) -> None:
         search.slips_besides(_causes(case, searches)[:BESIDES])
 
+    def merging(search: Search) -> None:
+        search.merging(_causes(case, searches)[:BESIDES])
+
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     rare = "rare readings of the file and of inputs"
-    merging, reading = "slips of merging fixed links", "a slip of other terms and a reading"
+    lumped, reading = "slips of merging fixed links", "a slip of other terms and a reading"
     adding_up = "two causes whose changes add up"
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
@@ -174,7 +178,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 before = [t for t in off if not searches[t].open][:FIRST]
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
-            stage(merging, Search.merging, unknown, [term])
+            stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
     if not catalogue.settled:
@@ -184,7 +188,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(beside, besides, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
-    stage(merging, Search.merging, lambda s: not (s.good or s.remerged), off)
+    stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
     stage(adding_up, Search.sums, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
@@ -194,14 +198,14 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     for term in off:  # what is soon looked at comes first; what explains one of them may explain the next
         stage(rare, Search.readings, lambda s: doubtful(s, lambda x: x.reread), [term])
         stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), [term])
-        stage(merging, Search.merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
+        stage(lumped, merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
     stage(beside, besides, unexplained, off)
     stage(rare, Search.readings, lambda s: s.open and not s.reread, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)
-    stage(merging, Search.merging, lambda s: s.open and not s.remerged, off)
+    stage(lumped, merging, lambda s: s.open and not s.remerged, off)
     stage(two_causes, Search.pairs, lambda s: True, off)
     stage("three causes together", Search.triples, unexplained, off)
     causes = _causes(case, searches)

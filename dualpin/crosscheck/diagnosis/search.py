@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import time
+from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
@@ -19,9 +20,11 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
+from .rules import derived
 from .rules.composed import PARTS, by_symbols
-from .rules.register import INERTIAL, MERGING, READINGS
+from .rules.dynamics import FUSED
+from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .spared import READ, instead, shows, spared
 from .stories import (
     BEAM,
@@ -40,7 +43,8 @@ from .stories import (
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them
-MADE = 6  # variants of a cause, of several algorithms, beside which slips are looked for
+MADE, MOST_MADE = 6, 16  # variants of a cause beside which slips are looked for: at least, and where that is quick
+QUICK = 1.0  # seconds of processor time for them
 NEAREST = 3  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
@@ -124,7 +128,7 @@ class Search:
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [ordered(itertools.chain(*some)) for some in several]
             mine |= {identity(s): s for s in itertools.chain(together, *shown)}
-        mine |= self._by_symbols(others)
+        mine |= self._by_symbols(others) | self._derived(others)
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
@@ -150,6 +154,19 @@ class Search:
         found = [h for s in of_mass[:FEW_CAUSES] if (h := by_symbols(self.case, s))]
         return {identity((h,)): (h,) for h in found}
 
+    def _derived(self, others: Sequence[Story]) -> dict[frozenset[object], Story]:
+        """Derivatives and regressors of what is explained of other terms."""
+        made: list[Hypothesis] = []
+        if self.term == "joint_torque_regressor":
+            made += derived.by_parameters(self.case)
+        elif self.term in derived.PARTS and not self.exact:
+            of = [t for t in ("aba", "rnea") if t in derived.PARTS[self.term] and t in self.case.wrong]
+            mine = [s for s in others if not any(h.made_of for h in s)]
+            told = [(t, [s for s in mine if all(t in h.terms for h in s)][:STORIES]) for t in of]
+            explain = [s for t, some in told for s in some if self.case.score(t, s).right][:FEW_CAUSES]
+            made += derived.by_derivatives(self.case, self.term, explain)
+        return {identity((h,)): (h,) for h in made}
+
     def singles(self) -> None:
         """Single causes, of which those of one link or joint may hold for several."""
         self.tried = True
@@ -163,11 +180,12 @@ class Search:
         self._near_slips += [h for n in near for h in n.story]
         self.slipped = True
 
-    def merging(self) -> None:
+    def merging(self, causes: Sequence[Story]) -> None:
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less."""
         if self.term in INERTIAL:
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]
+            self._slips_with(self._nearest(causes), MERGING)
         self.remerged = True
 
     def sums(self) -> None:
@@ -201,25 +219,32 @@ class Search:
         near.sort(key=lambda x: (not x[0], float(f"{x[1].score.rms:.9g}"), cost(x[1].story)))
         return [n for _, n in near if np.isfinite(n.score.error)]
 
-    def _slips_with(self, nearest: Sequence[Near]) -> None:
+    def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:
         made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
-        for cause in [*made[:MADE], *[n for n in nearest if n not in made][:2]]:
-            if self.open and not self.late:
-                self.consider(self.catalogue.slips(self.term, self.until, cause.story))
+        begun = time.process_time()
+        for k, cause in enumerate([*_in_turns(made)[:MOST_MADE], *[n for n in nearest if n not in made][:2]]):
+            many = MADE <= k < len(made) and time.process_time() - begun > QUICK
+            if self.open and not self.late and not many:
+                self.consider(self.catalogue.slips(self.term, self.until, cause.story, late))
 
     def _shown(self, h: Hypothesis) -> list[Story]:
         """A cause of other terms as it shows in this one."""
         same = [(h,)] if self.term in h.terms else []
         return [*same, *((k,) for k in self.catalogue.kin(h, self.term))]
 
-    def added(self, found: Sequence[Story]) -> None:
-        """What explains other terms, and one cause more; beside a slip, one that changes what its algorithm answers."""
+    def added(self, found: Sequence[Story], told: Collection[object]) -> None:
+        """What explains other terms, and one cause more; beside a slip, one that changes what its algorithm answers.
+
+        Of readings, beside a slip, only those that are `told` of another term: each makes a robot of its own.
+        """
         for story in self._besides(found):
             whole = self.catalogue.of(self.term, False, self.case.score(self.term, story).error)
             for more in ([*self._fits(story), *whole], self._single):  # a link alone is rarer
                 if self.open:
                     edits = not any(h.place == "formula" for h in story)
-                    some = [h for h in more if h.place not in READ or (edits and shows(self.case, h))]
+                    some = [
+                        h for h in more if h.place not in READ or h.cause in told or (edits and shows(self.case, h))
+                    ]
                     self._further(self.consider(self._with(story, some)), some)
         for story in self._by_symbols(found).values():
             more = [h for h in self._whole if h.place == "answer"]
@@ -229,7 +254,8 @@ class Search:
         """Slips that explain other terms, of a robot that is read wrongly: each such robot is computed by itself."""
         for story in self._besides(found):
             if self.open and any(h.place == "formula" for h in story):
-                self.consider(self._with(story, [h for h in self._whole if h.place in READ]))
+                read = [h for h in self._whole if h.place in READ and shows(self.case, h) and not spared(self.case, h)]
+                self.consider(self._with(story, read))
 
     def _besides(self, found: Sequence[Story]) -> list[Story]:
         """Causes of other terms to which another one is added: of each its nearest variant first."""
@@ -348,3 +374,14 @@ class Search:
 
     def _part(self) -> float:
         return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)
+
+
+def _in_turns(near: Sequence[Near]) -> list[Near]:
+    """The nearest of each algorithm, then the next of each: of links that are merged, and of those that are not."""
+    places: Counter[str] = Counter()
+    ranked = []
+    for n in near:
+        algorithm = ", ".join(style(h) + h.variant.replace(FUSED, "").strip(", ") for h in n.story)
+        ranked.append((places[algorithm], n))
+        places[algorithm] += 1
+    return [n for _, n in sorted(ranked, key=lambda x: x[0])]
