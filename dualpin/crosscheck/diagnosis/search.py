@@ -21,8 +21,8 @@ from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
-from .rules import derived
-from .rules.composed import PARTS, by_symbols
+from .rules.composed import PARTS
+from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.dynamics import FUSED
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .spared import READ, instead, shows, spared
@@ -158,13 +158,12 @@ class Search:
         """Derivatives and regressors of what is explained of other terms."""
         made: list[Hypothesis] = []
         if self.term == "joint_torque_regressor":
-            made += derived.by_parameters(self.case)
-        elif self.term in derived.PARTS and not self.exact:
-            of = [t for t in ("aba", "rnea") if t in derived.PARTS[self.term] and t in self.case.wrong]
-            mine = [s for s in others if not any(h.made_of for h in s)]
-            told = [(t, [s for s in mine if all(t in h.terms for h in s)][:STORIES]) for t in of]
-            explain = [s for t, some in told for s in some if self.case.score(t, s).right][:FEW_CAUSES]
-            made += derived.by_derivatives(self.case, self.term, explain)
+            made += by_parameters(self.case)
+        elif self.term in SOURCES and not self.exact:
+            of = [t for t in ("aba", "rnea") if t in SOURCES[self.term] and t in self.case.wrong]
+            told = [s for s in others if not any(h.made_of for h in s)]
+            explain = [s for t in of for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right]
+            made += by_derivatives(self.case, self.term, explain[:FEW_CAUSES])
         return {identity((h,)): (h,) for h in made}
 
     def singles(self) -> None:
@@ -221,10 +220,10 @@ class Search:
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:
         made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
-        begun = time.process_time()
-        for k, cause in enumerate([*_in_turns(made)[:MOST_MADE], *[n for n in nearest if n not in made][:2]]):
-            many = MADE <= k < len(made) and time.process_time() - begun > QUICK
-            if self.open and not self.late and not many:
+        first, begun = _in_turns(made)[:MOST_MADE], time.process_time()
+        for k, cause in enumerate([*first, *[n for n in nearest if n not in made][:2]]):
+            long = MADE <= k < len(first) and time.process_time() - begun > QUICK
+            if self.open and not self.late and not long:
                 self.consider(self.catalogue.slips(self.term, self.until, cause.story, late))
 
     def _shown(self, h: Hypothesis) -> list[Story]:

@@ -10,9 +10,8 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product
-from ..apart import elsewhere
 from ..case import Case, View
-from ..hypothesis import Hypothesis, Story
+from ..hypothesis import Hypothesis
 from ..textbook import sums
 from ..textbook.words import rows
 from .dynamics import SUMS
@@ -77,46 +76,6 @@ def parts_of(term: str, case: Case) -> tuple[str, ...]:
 def _right(term: str, case: Case) -> bool:
     x = case.observed.get(term)
     return x is None or not np.isfinite(x).all() or case.score(term).right
-
-
-# --- the Coriolis matrix of a wrong mass matrix ---------------------------------------------------
-
-STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
-"""Weights of central differences of sixth order."""
-STEP = 0.02
-"""Of positions: what the differences leave out and what they round are both below 1e-11."""
-MOST = 12
-"""Degrees of freedom up to which a mass matrix is differentiated."""
-
-
-def by_symbols(case: Case, story: Story) -> Hypothesis | None:
-    """C from Christoffel's symbols of the mass matrix that a story predicts, of few joints on a fixed base.
-
-    References: Siciliano et al., Robotics (2009), equation 7.45.
-    """
-    names = [j.name for j in case.robot if j.mimic is None]
-    if case.floating or case.robot.nv > MOST or case.robot.nq != len(names) or any(h.made_of for h in story):
-        return None
-
-    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
-        here, q = view.case, view.states["q"]
-        (n, nv), steps = q.shape, [s * k for k in STENCIL for s in (1, -1)]
-        moved = q[:, None, None, :] + STEP * np.array(steps)[None, :, None, None] * np.eye(nv)
-        states = {k: np.repeat(y, len(steps) * nv, axis=0) for k, y in view.states.items()}
-        M = elsewhere(here, {**states, "q": moved.reshape(-1, nv)}).predict("crba", story)
-        if M is None:
-            raise ValueError("no mass matrix")
-        weights = [np.sign(k) * STENCIL[abs(k)] / STEP for k in steps]
-        dM = np.einsum("s,nskij->nijk", weights, M.reshape(n, len(steps), nv, *M.shape[-2:]))
-        dM, v = dM[..., [names.index(name) for name in here.how.v]], here.sent["v"]
-        rate, by_q = np.einsum("nijk,nk->nij", dM, v), np.einsum("nijk,nj->nik", dM, v)
-        return np.asarray(0.5 * (rate + by_q - np.swapaxes(by_q, -1, -2)))
-
-    says = "it is made of M by Christoffel's symbols, and differs as crba does"
-    return Hypothesis(
-        "follows", says, ("coriolis",), "answer", act, "repair crba first", cost=1.3, made_of=("crba",),
-        variant=" and ".join(map(str, story)),
-    )  # fmt: skip
 
 
 # --- with another mistake -------------------------------------------------------------------------

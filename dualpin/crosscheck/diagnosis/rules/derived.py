@@ -1,12 +1,13 @@
-"""Derivatives and regressors of which a code's own answers to other terms are made: wrong where these are.
+"""Matrices of which a code's own answers to other terms are the source: wrong where these are.
 
-A code that differentiates its rnea, or puts d tau/dv together of its C and d tau/da of its M, makes every mistake of
-these again.  Each block is looked at by itself, since each may be made in a way of its own.
+C of Christoffel's symbols of its M, derivatives of its rnea and aba, a regressor of its torques.  What explains the
+source is differentiated numerically.  Each block of derivatives is looked at by itself: a code that differentiates its
+rnea by q may put d tau/dv together of its C and take d tau/da from its M.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -16,89 +17,131 @@ from ...subjects.layout import product
 from ..apart import elsewhere
 from ..case import Case, View
 from ..hypothesis import Hypothesis, Story
-from .composed import MOST, STENCIL
 
+STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
+"""Weights of central differences of sixth order."""
 STEP = 2e-3
 """Of all inputs: for a light joint's acceleration, of 1e3 rad/s^2, differences leave out 1e-9 and round 1e-10."""
-INPUTS = {"rnea": ("q", "v", "a"), "aba": ("q", "v", "tau")}
-PARTS = {"rnea_derivatives": ("rnea", "coriolis", "crba"), "aba_derivatives": ("aba", "rnea", "crba", "coriolis")}
-"""What derivatives may be made of: the function itself first."""
+MOST = 12
+"""Degrees of freedom up to which predictions are differentiated."""
+SOURCES = {"rnea_derivatives": ("rnea", "coriolis", "crba"), "aba_derivatives": ("aba", "rnea", "crba", "coriolis")}
+"""What derivatives may be made of."""
 
 
-def by_derivatives(case: Case, term: str, stories: list[Story]) -> Iterator[Hypothesis]:
-    """Derivatives of what a story predicts, of few joints on a fixed base; the last is without one."""
+def _differentiable(case: Case) -> bool:
+    """Few joints on a fixed base, whose velocities are the rates of their positions."""
+    free = sum(j.mimic is None for j in case.robot)
+    return not case.floating and case.robot.nv <= MOST and case.robot.nq == free
+
+
+def _columns(case: Case) -> list[int]:
+    """Where the subject's columns are among dualpin's."""
     names = [j.name for j in case.robot if j.mimic is None]
-    made_of = tuple(t for t in PARTS[term] if t in case.wrong)
-    if case.floating or case.robot.nv > MOST or case.robot.nq != len(names) or not made_of:
-        return
-    says = f"it is made of derivatives, and differs as {', '.join(made_of)} {'does' if len(made_of) == 1 else 'do'}"
-    for story in [*stories, ()]:
-
-        def act(view: View, term: str, x: np.ndarray, story: Story = story) -> np.ndarray:
-            made = _of_rnea if term == "rnea_derivatives" else _of_aba
-            return _nearest(view.case.observed[term], [x, *made(view, names, story)])
-
-        yield Hypothesis(
-            "follows", says,
-            (term,), "answer", act, f"repair {made_of[0]} first", cost=1.3, made_of=made_of,
-            variant=" and ".join(map(str, story)),
-        )  # fmt: skip
+    return [names.index(name) for name in case.how.v]
 
 
-def _nearest(observed: np.ndarray, options: list[np.ndarray]) -> np.ndarray:
-    """Of each block, the option that is nearest to what was answered."""
-    off = [np.nan_to_num(np.abs(x - observed), nan=np.inf).max(axis=(0, 2, 3)) for x in options]
-    best = np.argmin(off, axis=0)
-    return np.stack([options[best[k]][:, k] for k in range(len(best))], axis=1)
-
-
-def _of_rnea(view: View, names: list[str], story: Story) -> list[np.ndarray]:
-    case = view.case
-    S = _differences(case, "rnea", story, view.states, names)
-    C, M = case.observed.get("coriolis", S[:, 1] / 2), case.observed.get("crba", S[:, 2])
-    return [S, np.stack([S[:, 0], 2 * C, M], axis=1)]
-
-
-def _of_aba(view: View, names: list[str], story: Story) -> list[np.ndarray]:
-    """Of its own function, or M^-1 (tau - rnea) differentiated at the accelerations that it answers."""
-    case = view.case
-    if "aba" not in case.observed:
-        return []
-    own = bool(story) and case.score("aba", story).right
-    out = [_differences(case, "aba", story, view.states, names)] if own else []
-    a = case.observed["aba"][:, [case.how.v.index(name) for name in names]]
-    inverse = np.linalg.inv(case.observed["crba"] if "crba" in case.observed else view.compute("crba"))[:, None]
-    for of in dict.fromkeys([story, ()]):
-        if not of or ("rnea" in case.observed and case.score("rnea", of).right):
-            S = _differences(case, "rnea", of, {**view.states, "a": a}, names)
-            out.append(np.concatenate([-inverse @ S[:, :2], inverse], axis=1))
-    if "coriolis" in case.observed:
-        halves = -2 * inverse[:, 0] @ case.observed["coriolis"]
-        out.append(np.stack([out[-1][:, 0], halves, inverse[:, 0]], axis=1))
-    return out
-
-
-def _differences(
-    case: Case, of: str, story: Story, states: dict[str, np.ndarray], names: list[str]
-) -> np.ndarray:  # fmt: skip
-    """(n, inputs, row, column) by central differences of the sixth order."""
+def _differences(case: Case, of: str, by: str, story: Story, states: Mapping[str, np.ndarray]) -> np.ndarray:
+    """(n, ..., column): the derivatives of what a story predicts by each entry of one input."""
     steps = [s * k for k in STENCIL for s in (1, -1)]
     weights = [np.sign(k) * STENCIL[abs(k)] / STEP for k in steps]
     n, nv = states["v"].shape
     many = {k: np.repeat(y, len(steps) * nv, axis=0) for k, y in states.items()}
-    blocks = []
-    for key in INPUTS[of]:
-        moved = states[key][:, None, None, :] + STEP * np.array(steps)[None, :, None, None] * np.eye(nv)
-        y = elsewhere(case, {**many, key: moved.reshape(-1, nv)}).predict(of, story)
-        if y is None:
-            raise ValueError(f"no {of}")
-        blocks.append(np.einsum("s,nsji->nij", weights, y.reshape(n, len(steps), nv, nv)))
-    return np.stack(blocks, axis=1)[..., [names.index(name) for name in case.how.v]]
+    moved = states[by][:, None, None, :] + STEP * np.array(steps)[None, :, None, None] * np.eye(nv)
+    y = elsewhere(case, {**many, by: moved.reshape(-1, nv)}).predict(of, story)
+    if y is None:
+        raise ValueError(f"no {of}")
+    found = np.einsum("s,ns...->n...", weights, y.reshape(n, len(steps), nv, *y.shape[1:]))
+    return np.moveaxis(found, 1, -1)[..., _columns(case)]
+
+
+# --- the Coriolis matrix of a wrong mass matrix ---------------------------------------------------
+
+
+def by_symbols(case: Case, story: Story) -> Hypothesis | None:
+    """C from Christoffel's symbols of the mass matrix that a story predicts.
+
+    References: Siciliano et al., Robotics (2009), equation 7.45.
+    """
+    if not _differentiable(case) or any(h.made_of for h in story):
+        return None
+
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        dM, v = _differences(view.case, "crba", "q", story, view.states), view.case.sent["v"]
+        rate, by_q = np.einsum("nijk,nk->nij", dM, v), np.einsum("nijk,nj->nik", dM, v)
+        return np.asarray(0.5 * (rate + by_q - np.swapaxes(by_q, -1, -2)))
+
+    says = "it is made of M by Christoffel's symbols, and differs as crba does"
+    return Hypothesis(
+        "follows", says, ("coriolis",), "answer", act, "repair crba first", cost=1.3, made_of=("crba",),
+        variant=" and ".join(map(str, story)),
+    )  # fmt: skip
+
+
+# --- derivatives ----------------------------------------------------------------------------------
+
+
+def by_derivatives(case: Case, term: str, stories: Sequence[Story]) -> Iterator[Hypothesis]:
+    """Derivatives of what each of these stories predicts; the last is without a story."""
+    made_of = tuple(t for t in SOURCES[term] if t in case.wrong)
+    if not _differentiable(case) or not made_of:
+        return
+    says = f"it is made of derivatives, and differs as {', '.join(made_of)} {'does' if len(made_of) == 1 else 'do'}"
+    options = _of_rnea if term == "rnea_derivatives" else _of_aba
+    for story in [*stories, ()]:
+
+        def act(view: View, term: str, x: np.ndarray, story: Story = story) -> np.ndarray:
+            return _nearest(view.case.observed[term], [x, *options(view, story)])
+
+        yield Hypothesis(
+            "follows", says, (term,), "answer", act, f"repair {made_of[0]} first", cost=1.3, made_of=made_of,
+            variant=" and ".join(map(str, story)),
+        )  # fmt: skip
+
+
+def _nearest(observed: np.ndarray, options: Sequence[np.ndarray]) -> np.ndarray:
+    """Of each block, the option that is nearest to what was answered."""
+    off = [np.nan_to_num(np.abs(x - observed), nan=np.inf).max(axis=(0, 2, 3)) for x in options]
+    best = np.argmin(off, axis=0)
+    return np.stack([options[k][:, block] for block, k in enumerate(best)], axis=1)
+
+
+def _blocks(case: Case, of: str, by: Sequence[str], story: Story, states: Mapping[str, np.ndarray]) -> np.ndarray:
+    """(n, inputs, row, column)."""
+    return np.stack([_differences(case, of, one, story, states) for one in by], axis=1)
+
+
+def _of_rnea(view: View, story: Story) -> Iterator[np.ndarray]:
+    """Its derivatives, or those by q alone, beside 2 C and M."""
+    observed, found = view.case.observed, _blocks(view.case, "rnea", ("q", "v", "a"), story, view.states)
+    yield found
+    C, M = observed.get("coriolis", found[:, 1] / 2), observed.get("crba", found[:, 2])
+    yield np.stack([found[:, 0], 2 * C, M], axis=1)
+
+
+def _of_aba(view: View, story: Story) -> Iterator[np.ndarray]:
+    """Its derivatives, or -M^-1 d rnea/d(q, v) at the accelerations that it answers, or -2 M^-1 C by v."""
+    case, observed = view.case, view.case.observed
+    if "aba" not in observed:
+        return
+    if story and case.score("aba", story).right:
+        yield _blocks(case, "aba", ("q", "v", "tau"), story, view.states)
+    states = {**view.states, "a": observed["aba"][:, np.argsort(_columns(case))]}
+    inverse = np.linalg.inv(observed["crba"] if "crba" in observed else view.compute("crba"))[:, None]
+    for of in dict.fromkeys((story, ())):
+        if not of or ("rnea" in observed and case.score("rnea", of).right):
+            found = -inverse @ _blocks(case, "rnea", ("q", "v"), of, states)
+            yield np.concatenate([found, inverse], axis=1)
+            if "coriolis" in observed:
+                by_v = -2 * inverse @ observed["coriolis"][:, None]
+                yield np.concatenate([found[:, :1], by_v, inverse], axis=1)
+
+
+# --- regressors -----------------------------------------------------------------------------------
 
 
 def by_parameters(case: Case) -> Iterator[Hypothesis]:
     """A regressor whose product with the parameters of the file is what the subject's rnea answers."""
-    if "rnea" in case.wrong:
+    if "rnea" in case.wrong and case.asking.samples > 1:  # of one state it holds too easily
         says = "its product with the inertial parameters of the file is what rnea answers, and differs as rnea does"
         yield Hypothesis(
             "follows", says, ("joint_torque_regressor",), "relation", _same_torques, "repair rnea first", cost=1.3,
