@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,9 @@ import dualpin as dp
 from dualpin.crosscheck.diagnosis import Case
 from dualpin.crosscheck.diagnosis.catalogue import Catalogue
 from dualpin.crosscheck.diagnosis.rules.derived import _parameters, by_derivatives, by_parameters
-from dualpin.crosscheck.subjects import asking
+from dualpin.crosscheck.subjects import Convention, asking
+from dualpin.crosscheck.subjects.convention import PARAMETERS
+from dualpin.crosscheck.subjects.layout import Layout
 from dualpin.crosscheck.subjects.running import ask_here
 
 PROBE = "urdf/probe/probe.urdf"
@@ -77,3 +81,27 @@ def test_parameters_are_those_with_which_the_regressor_gives_the_torques():
     case = Case(ask_here(Pushed(ask.robot, False), ask, lambda what: None))
     Y, tau = case.predict("joint_torque_regressor"), case.predict("rnea")
     np.testing.assert_allclose(Y @ _parameters(case), tau, atol=1e-12)
+
+
+class OfLinks:
+    """A regressor of all links, those on fixed joints too, of a robot that is read without rpy of joints."""
+
+    name = "of links"
+
+    def __init__(self, text: str, robot: dp.Robot) -> None:
+        self.robot = dp.loads(re.sub(r'(<origin[^>]*) rpy="[^"]*"', r"\1", text))
+        links = [f.name for f in robot.frames if f.role == "link"]
+        joints = tuple(j.name for j in robot)
+        self.writes = {"q": joints, "v": joints, "parameters": tuple(f"{k}.{p}" for k in links for p in PARAMETERS)}
+
+    def joint_torque_regressor(self, q, v, a):
+        Y = dp.joint_torque_regressor(self.robot, q, v, a)
+        return Y @ Layout(self.robot, Convention(**self.writes)).bodies
+
+
+def test_regressors_of_links_are_predicted_for_the_robot_that_is_read():
+    ask = asking(PROBE, 4, 0, ("joint_torque_regressor",))
+    case = Case(ask_here(OfLinks(ask.text, ask.robot), ask, lambda what: None))
+    assert not case.score("joint_torque_regressor").right
+    (h,) = [h for h in Catalogue(case).all if (h.says, h.items, h.values) == ("rpy of joints is ignored", (), "")]
+    assert case.score("joint_torque_regressor", (h,)).right
