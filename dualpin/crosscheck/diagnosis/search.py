@@ -340,12 +340,17 @@ class Search:
             self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 right = score.right and (QUESTIONS[self.term].solves or to_rounding(story, score))
-                if right and not any(spared(self.case, h) for h in story if numbers_in(h, story)):
+                if right and not self._contradicted(story):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(nearness(story, score))
         self.near += found
         return found
+
+    def _contradicted(self, story: Story) -> bool:
+        """By right terms: numbers, and two causes of which right poses speak against each."""
+        against = [(h, spared(self.case, h)) for h in story]
+        return any(terms and numbers_in(h, story) for h, terms in against) or sum("fk" in t for _, t in against) > 1
 
     def _toggled(self) -> list[Story]:
         """For each family: the links or joints that together come nearest, added one at a time while that helps."""
