@@ -32,20 +32,29 @@ def finish(
     for k, ((story, view), x, other) in enumerate(zip(together, xs, others, strict=True)):
         if x is None:
             continue
-        if QUESTIONS[term].form == "regressor" and view.description is not view.case.description:
+        form = _form(term, story)
+        if form == "regressor" and view.description is not view.case.description:
             out[k] = tried(_regressor, term, story, view, x)
         elif all(h.place in BEFORE for h in story):
-            shapes = x.shape, x.dtype, None if other is None else (other.shape, other.dtype)
+            shapes = form, x.shape, x.dtype, None if other is None else (other.shape, other.dtype)
             groups.setdefault((id(view.layout), id(view.states), shapes), []).append(k)
         else:
             out[k] = tried(_alone, term, story, view, x, other, observed)
     for at in groups.values():
         view = together[at[0]][1]
         parts = [None if some[at[0]] is None else np.stack([some[k] for k in at]) for some in (xs, others)]
-        found = tried(view.layout.answers, QUESTIONS[term].form, parts[0], view.states, parts[1])
+        form = _form(term, together[at[0]][0])
+        found = tried(view.layout.answers, form, parts[0], view.states, parts[1])
         for k, x in zip(at, [None] * len(at) if found is None else found, strict=True):
             out[k] = x
     return out
+
+
+def _form(term: str, story: Story) -> str:
+    """Formulas of regressors make the subject's columns themselves, also those of links on fixed joints."""
+    form = QUESTIONS[term].form
+    made = form == "regressor" and any(h.place == "formula" and term in h.terms for h in story)
+    return "rows" if made else form
 
 
 def _regressor(term: str, story: Story, view: View, x: np.ndarray) -> np.ndarray:
@@ -73,7 +82,7 @@ def _alone(
     for h in story:
         if h.place == "change" and term in h.terms:
             x = h.act(view, term, x)
-    x = view.layout.answer(QUESTIONS[term].form, x, view.states, other)
+    x = view.layout.answer(_form(term, story), x, view.states, other)
     for h in story:
         if h.place == "answer" and term in h.terms:
             x = h.act(view, term, x)

@@ -145,6 +145,7 @@ REWRITINGS: dict[str, Rewriting] = {
     "columns": lambda to, x, w, other: to.columns(x),
     "six": lambda to, x, w, other: to.columns(x),
     "regressor": lambda to, x, w, other: to.rows(x),
+    "rows": lambda to, x, w, other: to.rows(x),
     "pushed_force": lambda to, x, w, other: _each(to.rows, x),
     "pushed_acceleration": lambda to, x, w, other: _each(lambda a: to.solved(a - to.rate(w)), x),
     "inverse": _inverse, "bias": _bias, "coriolis": _coriolis, "six_rate": _six_rate, "derivatives": _derivatives,

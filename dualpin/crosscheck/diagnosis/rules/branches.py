@@ -13,7 +13,7 @@ from ..textbook.lists import by_levels
 from ..textbook.lumps import listed
 from .register import ALL, MOST_ITEMS, proposer
 
-TERMS = tuple(t for t in ALL if t != "joint_torque_regressor")
+TERMS = ALL
 """Its columns are in the order of the tree, which is another one then."""
 Edges = dict[str, str]
 """Of joints, the links on which they hang."""

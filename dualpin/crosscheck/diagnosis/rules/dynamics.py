@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from ..case import Case
-from ..textbook import about_centres, body_jacobians, composite, habits, link_axes, spatial, sums, world_axes
+from ..textbook import about_centres, body_jacobians, composite, habits, link_axes, regressors, spatial, sums, world_axes
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
 from ..textbook.lumps import OF_LINKS, OUTER
@@ -104,7 +104,8 @@ PUSHED = ("rnea_f_ext", "aba_f_ext")
 FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
 ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
 FUSED = "of bodies merged from fixed links"
-SPATIAL, SUMS = "spatial vectors", "sums of parts"
+WORLD, SPATIAL, SUMS = "Newton-Euler in world axes", "spatial vectors", "sums of parts"
+REGRESSOR = "joint_torque_regressor"
 COLUMNS, SYMBOLS = "M by columns", "C from Christoffel's symbols"
 
 
@@ -161,11 +162,14 @@ def register(
 register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
 register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
 for _name, _forces in {
-    "Newton-Euler in world axes": world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
+    WORLD: world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     SPATIAL: spatial.forces,
 }.items():  # fmt: skip
-    _by_columns = Dynamics(_forces, by_columns(_forces))
-    register(_name, _by_columns, ALL if _name != SPATIAL else (*MASSES, *FORWARD), "" if _name != SPATIAL else COLUMNS)
+    _by_columns = Dynamics(
+        _forces, by_columns(_forces), regressor=regressors.by_motions if _forces is world_axes.forces else None
+    )
+    _terms = {SPATIAL: (*MASSES, *FORWARD), WORLD: (*ALL, REGRESSOR)}
+    register(_name, _by_columns, _terms.get(_name, ALL), "" if _name != SPATIAL else COLUMNS)
     register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right", tensors=_forces is world_axes.forces)
     _pushed = {
         world_axes.forces: world_axes.pushed, link_axes.forces: link_axes.pushed, spatial.forces: spatial.pushed,
@@ -176,6 +180,9 @@ for _name, _forces in {
         _name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}",
         after=of_mass,
     )  # fmt: skip
+register(
+    "regressors", Dynamics(right(world_axes.forces), right(spatial.mass), regressor=regressors.slipped), (REGRESSOR,)
+)  # fmt: skip
 register(
     "Newton-Euler with external wrenches",
     Dynamics(right(world_axes.forces), right(spatial.mass), pushed=right(world_axes.pushed)), PUSHED,

@@ -324,19 +324,22 @@ def massive(case: Case) -> bool:
 
 GROUPS = {
     "lagrange": ("bias", "rnea", "aba"), "forward": ("aba", "aba_f_ext"), "inverted": ("minv", "aba"),
-    "pushed": ("rnea_f_ext", "aba_f_ext"),
+    "pushed": ("rnea_f_ext", "aba_f_ext"), "regressor": ("joint_torque_regressor",),
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
-    "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED),
+    "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED, "joint_torque_regressor"),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
     "heights": ("gravity",),
     "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
 }  # fmt: skip
 _register(
     "forward kinematics", poses,
-    _terms(*SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"), pushed=off("fk", "jacobian_dot")),
+    _terms(
+        *SEEN, moved=off("fk"), of_velocity=off("frame_velocity", "jacobian_dot"), pushed=off("fk", "jacobian_dot"),
+        regressor=off("fk"),
+    ),
 )  # fmt: skip
 _register("forward kinematics", poses, _terms(posed=off("fk")), only=_kept_early, early=True)
-_register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk")), after="fk", early=True)
+_register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk"), regressor=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
 IN_PLACE = "arrays changed in place"
 for _rooted in (False, True):  # a root that turns with all others has an energy too
@@ -345,7 +348,7 @@ for _rooted in (False, True):  # a root that turns with all others has an energy
         when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=_in_place,
     )(_of(poses, rooted=_rooted))  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
-_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large, pushed=not_large))
+_register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large, pushed=not_large, regressor=not_large))
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_velocity=not_large), how=JACOBIANS)
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)

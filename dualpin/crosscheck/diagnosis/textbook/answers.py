@@ -12,7 +12,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
-from . import gradient
+from . import gradient, regressors
 from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved
 from .attitudes import PLAIN, Ways
 from .columns import Columns
@@ -153,6 +153,8 @@ class Made:
             return by_coordinates(lambda q: self._at(q).potential_energy(g), s["q"][None])
         if term == "coriolis" and self.how in (DIFFERENTIATED, LAGRANGE):
             return self._of_symbols()
+        if term == "joint_torque_regressor":
+            return self._regressor()
         sums = self.sums(self.whole)
         if term == "coriolis":
             if self.how not in OF_SYMBOLS:
@@ -165,6 +167,22 @@ class Made:
                 return sums.kinetic_energy()
             return np.asarray((product(sums.mass_matrix, s["v"]) * s["v"]).sum(-1) / 2)
         return self._of_motion(term, sums)
+
+    def _regressor(self) -> np.ndarray:
+        """By Jacobians of the links' origins, of right motions."""
+        tree, v, a = self.whole, self.view.states["v"][:, None], self.view.states["a"][:, None]
+        links = list(dict.fromkeys(x.body if self.fused else k for k, x in enumerate(tree.placed)))
+        R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
+        right = Columns(tree, RIGHT, self.in_world)
+        J = right.reduced(right.at(p, links))
+        D = right.reduced(right.rates(p, u, links)) + J @ right.turning[:, :, None]
+        second = product(J, a) + product(D, v)
+        moving = regressors.Moving(R, w, second[..., :3], second[..., 3:])
+        forces, moments = regressors.wrenches(RIGHT, moving, np.array(self.view.description.gravity), 0 * p)
+        columns = self.columns(tree)
+        Y = regressors.torques(RIGHT, columns.reduced(columns.at(p, links)), forces, moments)
+        name = {n: link for link, n in tree.number.items()}
+        return regressors.in_columns(self.view, Y, [name[k] for k in links])
 
     def _at(self, q: np.ndarray) -> Equations:
         """Elsewhere, at rest."""

@@ -15,6 +15,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import View
 from .pushes import wrenches
+from .regressors import in_columns
 from .steps import Steps
 from .tree import Tree, tree_of
 
@@ -80,6 +81,8 @@ class Dynamics:
     """Makes the potential energy, of positions and gravity."""
     pushed: Callable[..., np.ndarray] | None = None
     """Takes external wrenches among the forces of links; without it J^T f is subtracted at the end."""
+    regressor: Callable[..., np.ndarray] | None = None
+    """Makes torques of unit parameters, of positions, velocities and accelerations."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.answer(view, term, steps, tree_of(view, self.fused))
@@ -105,6 +108,8 @@ class Dynamics:
         if term == "coriolis" and self.matrix is not None:
             of = self.matrix
             return {(of.mass, self.fused): "crba"} if isinstance(of, Symbols) else {(of, self.fused): term}
+        if term == "joint_torque_regressor":
+            return {(self.regressor, self.fused): term}
         if self.pushed is not None and term in ("rnea_f_ext", "aba_f_ext"):
             forces[self.pushed, self.fused] = "rnea_f_ext"
         if term in (*OF_FORCES, "coriolis"):
@@ -168,6 +173,13 @@ class Dynamics:
 
     def _potential_energy(self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View) -> np.ndarray | None:
         return None if self.potential is None else self.potential(steps, tree, s["q"], tree.gravity)
+
+    def _joint_torque_regressor(
+        self, steps: Steps, tree: Tree, s: dict[str, np.ndarray], view: View
+    ) -> np.ndarray | None:
+        if self.regressor is None:
+            return None
+        return in_columns(view, self.regressor(steps, tree, s["q"], s["v"], s["a"]), [k.name for k in tree.links])
 
     def _forward(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray) -> np.ndarray:
         return accelerated(self.M(steps, tree, q), tau - self._h(steps, tree, q, v))

@@ -1,0 +1,163 @@
+"""Inverse dynamics as a linear function of the inertial parameters of links, in world axes.
+
+    force  = (a - g) m + ([alpha] + [w] [w]) R (m c)
+    moment = -[a - g] R (m c) + I alpha + w x I w            I = R J R^T, about the link's origin
+    Y = sum Jv^T force + Jw^T moment                         of unit parameters, one after another
+
+References: Atkeson, An and Hollerbach, Estimation of Inertial Parameters of Manipulator Loads and Links, IJRR 5
+(1986); Siciliano et al., Robotics (2009), section 7.2.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ....spatial.adjoint import cross_matrix
+from ....spatial.inertia import Inertia
+from ...subjects.convention import PARAMETERS, parameter_names
+from ...subjects.layout import product, transposed
+from . import world_axes
+from .poses import stacked
+from .references import six
+from .steps import Steps, cross
+from .tree import Pose, Tree
+
+View = Any
+"""`case.View`: the cases stand on this module."""
+
+PLACES = [("xyz".index(name[1]), "xyz".index(name[2])) for name in PARAMETERS[4:]]
+TENSORS = np.array([[[float((i, j) in (at, at[::-1])) for j in range(3)] for i in range(3)] for at in PLACES])
+"""Unit second moments, in the order of `PARAMETERS`."""
+PRODUCTS = np.array([i != j for i, j in PLACES])[:, None, None]
+ORDERS = {
+    "xx, yy, zz, xy, xz, yz": [0, 3, 1, 4, 5, 2], "xx, yy, zz, xy, yz, xz": [0, 3, 1, 5, 4, 2],
+    "xx, xy, xz, yy, yz, zz": [0, 1, 3, 2, 4, 5],
+}  # fmt: skip
+"""Of which of these the columns are, where codes list them in another order than they say."""
+
+
+@dataclass
+class Moving:
+    """Links in world axes, (runs, samples, links, ...); `a` is that of the origin."""
+
+    R: np.ndarray
+    w: np.ndarray
+    alpha: np.ndarray
+    a: np.ndarray
+
+
+def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Force, and moment about the link's origin, of unit parameters: (runs, samples, links, 3, 10); centres at `c`."""
+    of_centre = m.a + cross(m.alpha, c) + cross(m.w, cross(m.w, c))
+    a = steps.pick("the acceleration in a regressor", m.a, **{"that of the centre of mass": of_centre})
+    lift = steps.add("the acceleration without gravity, in a regressor", **{"a": a, "g": -g + 0 * a})
+    A, W = cross_matrix(m.alpha), cross_matrix(m.w)
+    turning = steps.add("the force of a first moment, in a regressor", **{"alpha x": A, "w x (w x)": W @ W})
+    turned = {"not turned into world axes": np.eye(3) + 0 * m.R, "turned by the transposed matrix": transposed(m.R)}
+    R = steps.pick("a first moment, in a regressor,", m.R, **turned)
+    arms = steps.add("the moment of a first moment, in a regressor", **{"-(a - g) x": -cross_matrix(lift)})
+    I = steps.congruent("a unit inertia, in a regressor,", m.R[..., None, :, :], TENSORS)
+    wrong = {
+        "half of it": np.where(PRODUCTS, 0.5, 1.0) * I,
+        "in one place of the matrix alone": m.R[..., None, :, :] @ np.triu(TENSORS) @ transposed(m.R[..., None, :, :]),
+        "of the other sign": np.where(PRODUCTS, -1.0, 1.0) * I,
+        **{f"another: in the order {words}": I[..., k, :, :] for words, k in ORDERS.items()},
+    }  # fmt: skip
+    I = steps.pick("a unit product of inertia, in a regressor,", I, **wrong)
+    w, alpha = m.w[..., None, :] + 0 * I[..., 0], m.alpha[..., None, :] + 0 * I[..., 0]
+    parts = {"I alpha": product(I, alpha), "w x I w": cross(w, product(I, w))}
+    second = transposed(steps.add("the moment of second moments, in a regressor", **parts))
+    zero = 0 * second
+    forces = [lift[..., None] + zero[..., :1], turning @ R + zero[..., :3], zero]
+    moments = [zero[..., :1], arms @ R + zero[..., :3], second]
+    return _joined(forces), _joined(moments)
+
+
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    lead = np.broadcast_shapes(*(x.shape[:-1] for x in parts))
+    return np.concatenate([np.broadcast_to(x, (*lead, x.shape[-1])) for x in parts], -1)
+
+
+def torques(steps: Steps, J: np.ndarray, forces: np.ndarray, moments: np.ndarray) -> np.ndarray:
+    """(runs, samples, links, nv, 10), by Jacobians of the links' origins (runs, samples, links, 6, nv)."""
+    Jw, Jv = transposed(J[..., :3, :]), transposed(J[..., 3:, :])
+    parts = {"Jv^T f": Jv @ forces, "Jw^T n": Jw @ moments}
+    return np.asarray(steps.add("the torques of a unit parameter", **parts))
+
+
+def in_columns(view: View, Y: np.ndarray, links: Sequence[str]) -> np.ndarray:
+    """(runs, samples, nv, parameters): those of `links`, in the subject's columns."""
+    B = view.once(("the columns of a regressor", *links), lambda: _columns(view, links))
+    flat = np.moveaxis(Y, -3, -2).reshape(*Y.shape[:-3], Y.shape[-2], -1)
+    return np.asarray(flat @ B + _rotors(view))
+
+
+def _columns(view: View, links: Sequence[str]) -> np.ndarray:
+    """(ten parameters of each of these links, the subject's parameters)."""
+    names = view.layout.how.parameters or parameter_names(view.robot)
+    at, standing = {link: 10 * k for k, link in enumerate(links)}, view.description.carried()
+    B = np.zeros((10 * len(links), len(names)))
+    for k, name in enumerate(names):
+        link, _, what = name.rpartition(".")
+        if what not in PARAMETERS:
+            continue
+        if link in at:
+            B[at[link] + PARAMETERS.index(what), k] = 1.0
+        elif link in standing and standing[link][0] in at:
+            on, _ = standing[link]
+            unit = Inertia.basis()[PARAMETERS.index(what)].moved(view.robot.frame(link).placement)
+            B[at[on] : at[on] + 10, k] = [float(x) for x in unit.parameters]
+        elif link not in standing:
+            raise ValueError(f"no link {link}")
+    return B
+
+
+def _rotors(view: View) -> np.ndarray:
+    """Those of rotors are the accelerations of their joints."""
+    names = view.layout.how.parameters or parameter_names(view.robot)
+    a = view.states["a"]
+    out = np.zeros((len(a), a.shape[-1], len(names)))
+    joints = {j.name: j for j in view.robot}
+    for k, name in enumerate(names):
+        joint, _, what = name.rpartition(".")
+        if what not in PARAMETERS:
+            row = joints[joint].v.start
+            out[:, row, k] = a[:, row]
+    return out
+
+
+def by_motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """(runs, samples, links, nv, 10), of the motions of Newton's and Euler's equations; `steps` are those of these."""
+    return _of_motions(Steps(), tree, tree.poses(q), world_axes.motions(steps, tree, q, v, a))
+
+
+def slipped(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """The same, where `steps` are those of the regressor."""
+    return _of_motions(steps, tree, tree.poses(q), world_axes.motions(Steps(), tree, q, v, a))
+
+
+def _of_motions(steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_axes.Motion]) -> np.ndarray:
+    if tree.floating:
+        raise ValueError("a fixed base only")
+    every = list(range(len(tree.links)))
+    w, alpha, a, z = (stacked([getattr(m, x) for m in motions], every, 1) for x in ("w", "alpha", "a", "z"))
+    R, p = stacked([x.R0 for x in poses], every, 2), stacked([x.p0 for x in poses], every, 1)
+    c = product(R, stacked([k.c for k in tree.links], every, 1) + 0 * R[..., 0])
+    forces, moments = wrenches(steps, Moving(R, w, alpha, a), tree.gravity[:, :, None], c)
+    lead = np.broadcast_shapes(z.shape[:2], p.shape[:2], (steps.rows, 1))
+    J = np.zeros((*lead, len(every), 6, tree.nv))
+    for j in (j for j in tree.links if j.moves):
+        on = [k.number for k in tree.links if j in tree.joints_of(k)]
+        o, axis = p[:, :, j.number, None], z[:, :, j.number, None]
+        lever = cross(axis, p[:, :, on] - o)
+        lever = steps.add("the moment of a force about a joint, in a regressor", **{"r x f": lever})
+        turning = six(axis + 0 * lever, lever)
+        slide = six(0 * lever, axis + 0 * lever)
+        wrong = {"the moment along its axis": turning}
+        feels = steps.pick("what a sliding joint feels, in a regressor,", slide, **wrong) if j.slides else turning
+        J[:, :, on, :, j.column] = np.moveaxis(np.broadcast_to(feels, (*lead, len(on), 6)), 2, 0)
+    return torques(steps, J, forces, moments)
