@@ -153,6 +153,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def besides(search: Search) -> None:
         search.slips_besides(_causes(case, searches)[:BESIDES])
 
+    def besides_nearer(search: Search) -> None:
+        search.slips_besides(_causes(case, searches)[:BESIDES], nearer=True)
+
     def merging(search: Search) -> None:
         search.merging(_causes(case, searches)[:BESIDES])
 
@@ -166,7 +169,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage(adding_up, Search.sums, lambda s: s.tried and not s.good, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(one_more_cause, one_more, unknown, [term])
-            stage(beside, besides, unknown, [term])
+            stage(beside, besides_nearer, unknown, [term])
             # a library's own forces, beside what it makes of the file
             if term in WEIGHED and not any(_sure(s) for s in searches.values()):
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])

@@ -162,8 +162,9 @@ class Search:
         elif self.term in SOURCES and not self.exact:
             of = [t for t in ("aba", "rnea") if t in SOURCES[self.term] and t in self.case.wrong]
             told = [s for s in others if not any(h.made_of for h in s)]
-            explain = [s for t in of for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right]
-            made += by_derivatives(self.case, self.term, explain[:FEW_CAUSES])
+            explain = [[s for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right] for t in of]
+            explain = [s for some in explain for s in some[: FEW_CAUSES // len(of)]]
+            made += by_derivatives(self.case, self.term, explain)
         return {identity((h,)): (h,) for h in made}
 
     def singles(self) -> None:
@@ -198,9 +199,13 @@ class Search:
         self._near_slips += [h for n in near for h in n.story]
         self.reread = True
 
-    def slips_besides(self, causes: Sequence[Story]) -> None:
-        """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse."""
-        self._slips_with(self._nearest(causes))
+    def slips_besides(self, causes: Sequence[Story], nearer: bool = False) -> None:
+        """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse.
+
+        `nearer` says that only causes count that bring what is predicted nearer.
+        """
+        near = self._nearest(causes)
+        self._slips_with([n for n in near if not nearer or n.score.rms < self.before.rms])
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""

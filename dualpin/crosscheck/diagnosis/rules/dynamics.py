@@ -7,7 +7,17 @@ from dataclasses import replace
 from functools import partial
 
 from ..case import Case
-from ..textbook import about_centres, body_jacobians, composite, habits, link_axes, regressors, spatial, sums, world_axes
+from ..textbook import (
+    about_centres,
+    body_jacobians,
+    composite,
+    habits,
+    link_axes,
+    regressors,
+    spatial,
+    sums,
+    world_axes,
+)
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
 from ..textbook.lumps import OF_LINKS, OUTER

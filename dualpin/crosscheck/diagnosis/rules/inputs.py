@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from ....model.robot import Joint
 from ...subjects.convention import BASE_V, Convention
 from ...subjects.layout import product, rotations, transposed
 from ...subjects.questions import QUESTIONS
 from ..case import Case, States, View
 from ..description import Description
 from ..hypothesis import Hypothesis, reordered
-from .register import ALL, READINGS, WEIGHED, proposer, rule
+from .register import ALL, READINGS, WEIGHED, proposer
 from .writing import orders
 
 Change = Callable[[View, States], States]
@@ -186,16 +187,31 @@ def zero_position(h: Hypothesis, case: Case) -> list[Hypothesis]:
     return [one(words, sign) for words in ZEROS for sign in (-1.0, 1.0)] if finite.any() else []
 
 
-@rule(
-    "wrapped", "positions of sliding joints are wrapped to (-pi, pi], as angles are", "wrap angles alone", ALL, "state",
-    cost=1.1, when=lambda case: any(p.slides for p, _ in case.parts()),
-)  # fmt: skip
-def wrapped(view: View) -> States:
-    q = view.states["q"].copy()
-    for j in view.case.robot:
-        if j.mimic is None and j.model.additive and j.model.coordinates == ("length",):
-            q[:, j.q] = np.pi - np.mod(np.pi - q[:, j.q], 2 * np.pi)
-    return {**view.states, "q": q}
+@proposer("wrapped", "positions are wrapped", "wrap angles alone, to a full turn, or take positions as they are")
+def wrapped(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """Angles to half a turn, or what slides as if it were an angle."""
+    free = [j for j in case.robot if j.mimic is None and j.model.additive and j.model.nv == 1]
+    slides = [j for j in free if j.model.coordinates == ("length",)]
+
+    def one(words: str, joints: Sequence[Joint], turn: float, first: float, cost: float) -> Hypothesis:
+        def act(view: View) -> States:
+            q = view.states["q"].copy()
+            for j in joints:
+                q[:, j.q] = first + np.mod(q[:, j.q] - first, turn)
+            return {**view.states, "q": q}
+
+        return replace(h, terms=ALL, place="state", act=act, values=words, cost=cost)
+
+    groups = {"of all joints": free, "of joints that turn": [j for j in free if j not in slides]}
+    half = [
+        one(f"those {name}, to half a turn from {first / np.pi:g} pi", joints, np.pi, first, 1.15)
+        for name, joints in groups.items() for first in (0.0, -np.pi / 2) if joints
+    ]  # fmt: skip
+    whole = [
+        one(f"those of sliding joints, to a full turn from {first / np.pi:g} pi", slides, 2 * np.pi, first, 1.1)
+        for first in (-np.pi, 0.0) if slides
+    ]  # fmt: skip
+    return half + whole
 
 
 @proposer(

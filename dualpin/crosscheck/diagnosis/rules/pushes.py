@@ -51,10 +51,17 @@ def _home(view: View, R: np.ndarray) -> np.ndarray:
     return np.stack([view.description.home[f][:3, :3] for f in view.frames])
 
 
+def _on_body(view: View) -> np.ndarray:
+    """How frames stand on the links that joints move."""
+    carried = view.description.carried()
+    return np.stack([carried[f][1][:3, :3] for f in view.frames])
+
+
 AXES: Mapping[str, Callable[[View, np.ndarray], np.ndarray]] = {
     "the world's axes": lambda view, R: np.eye(3),
     "the frame's axes": lambda view, R: R,
     "the frame's axes, turned the wrong way": lambda view, R: transposed(R),
+    "the axes of the body that carries the frame": lambda view, R: R @ transposed(_on_body(view)),
     "the axes that the frame has where all coordinates are zero": _home,
     "axes that turn with the body, and are the base's where all coordinates are zero": lambda view, R: (
         R @ transposed(_home(view, R))

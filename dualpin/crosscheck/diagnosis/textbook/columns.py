@@ -22,6 +22,7 @@ from ...subjects.layout import product, transposed
 from .axes import of_kind
 from .lists import beside
 from .poses import Poses, stacked
+from .products import wedge
 from .references import joined, six
 from .steps import Steps, cross
 from .walks import ENDS, walks
@@ -181,7 +182,7 @@ class Columns:
             to_link = stacked(self.poses.p, list(links), 1)[..., None, :]
             arm = steps.add(f"{LEVER}: {which}", **{TO_LINK: to_link - o, TO_CENTRE: p - to_link})
         r = steps.pick(f"the lever arm of a column: {which}: to {whose}", arm, **self._arms(group, links, p, o))
-        lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: cross(z, r)})
+        lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: wedge(steps, z, r)})
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         z = z + np.zeros_like(lever)
         angular, lever = self._exchanged(z, r, lever, group)
@@ -335,13 +336,13 @@ class Columns:
         still = np.array([self.axes[i].base and self.world[not self.axes[i].turns] for i in group])
         turned = 0 * cross(w, z)
         if not still.all():  # those that are axes of the world do not turn, for now
-            turned = ~still[:, None] * steps.add(f"the rate of an axis: {which}", **{"w x z": cross(w, z)})
+            turned = ~still[:, None] * steps.add(f"the rate of an axis: {which}", **{"w x z": wedge(steps, w, z)})
         terms = {"the velocity of its end": ends, "the velocity of the joint": -u}
         moving = steps.add(f"the rate of the lever arm: {which}: to {whose}", **terms)
         zero = np.zeros_like(turned + moving)
-        lever = {"z x dr/dt": cross(z + zero, moving)}
+        lever = {"z x dr/dt": wedge(steps, z + zero, moving)}
         if not still[self.turns[group] > 0].all():
-            lever = {"(w x z) x r, the turning of the axis,": cross(turned + zero, r + zero), **lever}
+            lever = {"(w x z) x r, the turning of the axis,": wedge(steps, turned + zero, r + zero), **lever}
         rate = steps.add(f"the rate of the linear part of a turning column: {which}", **lever)
         column = six(turned + zero, rate)
         linear = {
@@ -372,6 +373,9 @@ class Columns:
         found: dict[str, object] = {
             "that of its parent": stacked(list(of), [self.parents[i] for i in group], 1)[..., None, :, :] + 0 * like
         }
+        before = [self.poses.parent[self.parents[i]] for i in group]
+        there = stacked(list(of), [max(0, k) for k in before], 1) * (np.array(before) >= 0)[:, None]
+        found["that of its parent's parent"] = there[..., None, :, :] + 0 * like
         for words, to in {**self.listed, **self.follow}.items():
             others = own[..., [to[i] for i in group], :] * (to[group] >= 0)[:, None]
             found[f"that of {words}"] = others[..., None, :, :] + 0 * like

@@ -15,8 +15,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .columns import CENTRE
-from .products import skew
-from .steps import cross
+from .products import skew, wedge
 from .weighted import Sums
 
 
@@ -112,7 +111,7 @@ class Equations(Sums):
         w = moving.spins
         rest = product(moving.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
-        parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": cross(w, product(I, w))}
+        parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": wedge(steps, w, product(I, w))}
         n, f = (
             steps.add("the moment of a body", **parts),
             self.masses("the mass in m Jv' v")[..., None] * rest[..., 3:],

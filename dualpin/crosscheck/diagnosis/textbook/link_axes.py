@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .products import wedge
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
@@ -71,7 +72,7 @@ def accelerations(
     for number, offset in (tree.frames[f] for f in frames):
         m, R = moving[number], poses[number].R0
         terms = {
-            "that of the link's origin": m.a, "alpha x r": cross(m.alpha, offset),
+            "that of the link's origin": m.a, "alpha x r": wedge(steps, m.alpha, offset),
             "w x (w x r)": cross(m.w, cross(m.w, offset)),
         }  # fmt: skip
         acc = steps.turn(
@@ -133,7 +134,7 @@ def _next(
         w_here = steps.turn("the parent's angular velocity: in w x z qd", R, up.w)
         alpha = steps.add(
             "the angular acceleration of a turning link",
-            **{"the parent's": alpha_up, "w x z qd": cross(w_here, k.z * qd_here), "z qdd": k.z * qdd},
+            **{"the parent's": alpha_up, "w x z qd": wedge(steps, w_here, k.z * qd_here), "z qdd": k.z * qdd},
         )
     own = {"the link's own": lambda: w}
     w_arm = steps.pick(f"the angular velocity that carries a link's origin: {which}", up.w, **own)
@@ -148,14 +149,14 @@ def _next(
         others["without the joint's travel"] = lambda: k.p + 0 * p
     arm = steps.pick(f"the arm to a link's origin: {which}", p, **others)
     w_w_r = centripetal(steps, f"to a link's origin: {which}", w_arm, alpha_arm, arm)
-    terms = {"the parent's": up.a, "alpha x r": cross(alpha_arm, arm), "w x (w x r)": w_w_r}
+    terms = {"the parent's": up.a, "alpha x r": wedge(steps, alpha_arm, arm), "w x (w x r)": w_w_r}
     carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     acc = steps.turn(f"the acceleration of a link's origin, found in the parent's axes: {which}", R, carried)
     if k.number in tree.first:
         acc = steps.pick(FIRST, acc, **unturned(k, pose, moving[0].a))
     if k.moves and k.slides:
         w_slide = steps.pick("the angular velocity in 2 w x z qd", w, **{"the parent's, in its axes": lambda: up.w})
-        turning = 2 * cross(w_slide, k.z * qd_here)
+        turning = 2 * wedge(steps, w_slide, k.z * qd_here)
         terms = {"that of the place where it is": acc, "2 w x z qd": turning, "z qdd": k.z * qdd}
         acc = steps.add("the acceleration of a sliding link", **terms)
         w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
@@ -181,7 +182,7 @@ def centripetal(
     steps: Steps, where: str, w: np.ndarray, alpha: np.ndarray, r: np.ndarray, other: np.ndarray | None = None
 ) -> np.ndarray:
     """w x (w x r); `other` is the velocity of that of two links which does not turn r."""
-    inner, few = cross(w, r), steps.few
+    inner, few = wedge(steps, w, r), steps.few
 
     def twice(a: np.ndarray, b: np.ndarray) -> Callable[[], np.ndarray]:
         return lambda: cross(few(a), cross(few(b), few(r)))
@@ -195,7 +196,7 @@ def centripetal(
         others |= {
             "w' x (w x r), of the two links": twice(other, w), "w x (w' x r), of the two links": twice(w, other),
         }  # fmt: skip
-    return np.asarray(steps.pick(f"w x (w x r): {where}", cross(w, inner), **others))
+    return np.asarray(steps.pick(f"w x (w x r): {where}", wedge(steps, w, inner), **others))
 
 
 def own_rates(
@@ -254,7 +255,7 @@ def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.nda
             "that from the parent's joint": k.p + product(k.R, k.c), "in the parent's axes": product(k.R, k.c),
         }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", k.c, **arms)
-        own = steps.add("a body's moment about the link's origin", **{"N": N, "r x f": cross(arm, F)})
+        own = steps.add("a body's moment about the link's origin", **{"N": N, "r x f": wedge(steps, arm, F)})
         n[k.number] = steps.part("the moments of bodies", own + zero, i, len(tree.bodies))
     return f, n
 
@@ -269,7 +270,7 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Motion
     arms = {"that of the link from its parent": k.p, "that from the parent's joint": k.p + product(k.R, k.c)}
     c = steps.pick("the arm that carries a centre of mass", k.c, **arms)
     terms = {
-        "that of the origin": m.a, "alpha x r": cross(alpha, c),
+        "that of the origin": m.a, "alpha x r": wedge(steps, alpha, c),
         "w x (w x r)": centripetal(steps, "to a centre of mass", w, alpha, c, up.w),
     }  # fmt: skip
     a_c = steps.add("the acceleration of the centre of mass", **terms)
@@ -292,7 +293,7 @@ def _about_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Mot
         "zero, as of a point": 0 * k.I,
     }  # fmt: skip
     I = [steps.pick(f"the inertia: in {x}", k.tensor(steps), **tensors) for x in ("I alpha", "w x I w")]
-    moments = {"I alpha": product(I[0], alpha), "w x I w": cross(w[0], product(I[1], w[1]))}
+    moments = {"I alpha": product(I[0], alpha), "w x I w": wedge(steps, w[0], product(I[1], w[1]))}
     return np.asarray(steps.add("the moment about the centre of mass", **moments))
 
 
@@ -335,7 +336,7 @@ def _inward(
         turned = steps.part("the links that hand on their moment", turned, last, count)
         before = n[up]
         n[up] = steps.add(
-            "the moment at a joint", **{HAVE: n[up], "the child's n": turned, "r x f": cross(arm, pushed)}
+            "the moment at a joint", **{HAVE: n[up], "the child's n": turned, "r x f": wedge(steps, arm, pushed)}
         )
         n[up] = steps.pick("the moment at a joint, with those of its children,", n[up], **{"its own alone": before})
     base = [n[0], f[0]] if tree.floating else []

@@ -220,7 +220,7 @@ class Poses:
         x = part.rate * x
         axis = about = part.unit_axis[None, None]
         if part.axis is not None and np.abs(part.axis - axis).max() > 1e-12:
-            raw, own = {"not normalised": part.axis[None, None]}, ways.own or steps
+            raw, own = _lengths(part.axis), ways.own or steps
             axis = own.pick("the axis of a joint", axis, **raw)
             about = own.pick("the axis in a joint's rotation", axis, **raw)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
@@ -331,6 +331,17 @@ class Poses:
         H = np.zeros((*np.broadcast_shapes(R.shape[:-2], p.shape[:-1]), 4, 4), p.dtype)
         H[..., :3, :3], H[..., :3, 3], H[..., 3, 3] = R, p, 1.0
         return H
+
+
+def _lengths(axis: np.ndarray) -> dict[str, np.ndarray]:
+    """An axis that is not divided by its length."""
+    other = {
+        "divided by the square of its length": axis @ axis, "divided by the sum of its entries": axis.sum(),
+        "divided by the sum of its entries' absolute values": np.abs(axis).sum(),
+        "divided by its largest entry": np.abs(axis).max(), "multiplied by its length": 1 / np.linalg.norm(axis),
+    }  # fmt: skip
+    found = {"not normalised": axis, **{words: axis / x for words, x in other.items() if abs(x) > 1e-9}}
+    return {words: x[None, None] for words, x in found.items()}
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

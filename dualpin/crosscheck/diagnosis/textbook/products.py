@@ -21,22 +21,34 @@ AD = "the matrix of v x"
 """Codes often make it once, and take its transpose with the other sign for forces."""
 
 
-def _flipped(i: int, j: int) -> np.ndarray:
-    weights = np.ones((3, 3))
-    weights[i, j] = -1.0
-    return weights
+EPSILON = np.stack([cross_matrix(e) for e in np.eye(3)], -1)
+"""[r x] = EPSILON r: the last index is that of r."""
 
 
-_SKEWED = {
-    f"that with its entry in row {i + 1}, column {j + 1} of the other sign": _flipped(i, j)
-    for i in range(3) for j in range(3) if i != j
-} | {"its transpose": -np.ones((3, 3))}  # fmt: skip
+def _skewed() -> dict[str, np.ndarray]:
+    """What may stand in the place of `EPSILON`."""
+    found = {}
+    for i, j in ((i, j) for i in range(3) for j in range(3) if i != j):
+        where, own = f"row {i + 1}, column {j + 1}", 3 - i - j
+        for k in range(3):
+            x = EPSILON.copy()
+            x[i, j] = np.eye(3)[k] * EPSILON[i, j, own] * (-1.0 if k == own else 1.0)
+            what = "of the other sign" if k == own else f"of {'xyz'[k]}, not {'xyz'[own]}"
+            found[f"that with its entry in {where} {what}"] = x
+    for i in range(3):
+        signs = np.where(np.arange(3) == i, -1.0, 1.0)
+        found[f"that with row {i + 1} of the other sign"] = signs[:, None, None] * EPSILON
+    return {**found, "its transpose": -EPSILON}
+
+
+_SKEWED = _skewed()
 
 
 def skew(steps: Steps, r: np.ndarray) -> np.ndarray:
     """[r x]."""
-    K = cross_matrix(r)
-    return np.asarray(steps.tabled(SKEW, K, _SKEWED, lambda w: w * steps.few(K), 2))
+    return np.asarray(
+        steps.tabled(SKEW, cross_matrix(r), _SKEWED, lambda E: (E * steps.few(r)[..., None, None, :]).sum(-1), 2)
+    )
 
 
 def vector(K: np.ndarray) -> np.ndarray:
@@ -47,7 +59,11 @@ def vector(K: np.ndarray) -> np.ndarray:
 def wedge(steps: Steps, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """[a x] b."""
     few = steps.few
-    return np.asarray(steps.tabled(SKEW, cross(a, b), _SKEWED, lambda w: product(w * cross_matrix(few(a)), few(b))))
+
+    def wrong(E: np.ndarray) -> np.ndarray:
+        return product((E * few(a)[..., None, None, :]).sum(-1), few(b))
+
+    return np.asarray(steps.tabled(SKEW, cross(a, b), _SKEWED, wrong))
 
 
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:

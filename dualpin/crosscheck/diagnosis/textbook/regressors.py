@@ -54,7 +54,7 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     """Force, and moment about the link's origin, of unit parameters: (runs, samples, links, 3, 10); centres at `c`."""
     of_centre = m.a + cross(m.alpha, c) + cross(m.w, cross(m.w, c))
     a = steps.pick("the acceleration in a regressor", m.a, **{"that of the centre of mass": of_centre})
-    lift = steps.add("the acceleration without gravity, in a regressor", **{"a": a, "g": -g + 0 * a})
+    lift = steps.add("the acceleration without gravity, in a regressor", a=a, g=-g + 0 * a)
     A, W = cross_matrix(m.alpha), cross_matrix(m.w)
     turning = steps.add("the force of a first moment, in a regressor", **{"alpha x": A, "w x (w x)": W @ W})
     turned = {"not turned into world axes": np.eye(3) + 0 * m.R, "turned by the transposed matrix": transposed(m.R)}

@@ -12,6 +12,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .poses import Poses
+from .products import wedge
 from .references import six
 from .steps import cross
 from .tree import THAT_SLIDE, THAT_TURN
@@ -60,7 +61,7 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     arm = steps.pick(f"the arm to a link's origin: {which.partition(': ')[0]}", r, **others)
     v_up = steps.pick("the parent's velocity", up_v, **_near(t, link, t.v))
     slid = steps.pick("the rate that slides a link", sliding, **{"that of a turning joint too": turning + sliding})
-    terms = {"that of the parent": v_up, "w x r": cross(w, arm)}
+    terms = {"that of the parent": v_up, "w x r": wedge(steps, w, arm)}
     terms |= {"z qd of a sliding joint": slid} if slides else {}
     v = steps.add(f"the velocity of a link: {which}", **terms)
     v = v if slides else v + slid
@@ -101,7 +102,7 @@ def _of_frame(t: Poses, link: int, up: int) -> None:
         "that to the body's centre of mass": lambda: product(t.R[up], t.centre(up) + 0 * r),
     }
     arm = t.steps.pick("the arm to a frame on a body", r, **others)
-    terms = {"that of the body's origin": t.v[up], "w x r": cross(t.w[up], arm)}
+    terms = {"that of the body's origin": t.v[up], "w x r": wedge(t.steps, t.w[up], arm)}
     t.w.append(t.w[up])
     t.v.append(t.steps.add("the velocity of a frame on a body", **terms))
 

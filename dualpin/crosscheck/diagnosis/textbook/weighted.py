@@ -23,7 +23,7 @@ from .in_place import KEPT, in_one_array
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .products import wedge
-from .steps import Slip, Steps, cross
+from .steps import Slip, Steps
 from .turns import ONE
 
 RIGHT = Steps(Slip("", "", ""))
@@ -85,7 +85,7 @@ class Sums:
         self.p, self.R = stacked(poses.p, self.links, 1), stacked(poses.R, self.links, 2)
         self.tensors = self.counts[..., None, None] * tensors
         self.steiner = steiners(m, com)
-        parents = [max(0, poses.parent[k]) for k in self.links]
+        self.parents = parents = [max(0, poses.parent[k]) for k in self.links]
         others = {"by the parent's matrix": lambda: stacked(poses.R, parents, 2)}
         com = steps.components("the centre of mass of a body, in its link's axes,", com)
         self.local = com + 0 * self.p
@@ -99,7 +99,7 @@ class Sums:
     def _standing(self, where: str) -> tuple[np.ndarray, np.ndarray]:
         """R and p of the frames in which bodies stand, with frames before them on their way from the root."""
         t = self.poses
-        up = [max(0, t.parent[k]) for k in self.links]
+        up = self.parents
         still = [t.p[k] - t.travel.get(k, 0 * t.p[k]) for k in self.links]
 
         def both(R: np.ndarray, p: np.ndarray) -> np.ndarray:
@@ -155,16 +155,21 @@ class Sums:
         """(runs, n, 3)."""
         m = self.masses("the weight of a body's centre") * self.every("the bodies whose m c is added up")
         c = (m[..., None] * self.c).sum(-2) / self.mass
-        return np.asarray(self.steps.pick("the centre of mass", c, **self._mean()))
+        return np.asarray(self.steps.pick("the centre of mass", c, **self._means()))
 
-    def _mean(self) -> dict[str, np.ndarray]:
-        """Without masses, links that have none count as well."""
+    def _means(self) -> dict[str, np.ndarray]:
+        """Of centres without their masses: then links that have none count as well, and the root may."""
         t = self.poses
         bare = [] if t.fused else [k for k, some in enumerate(t.carries()) if some.any() and k not in self.links]
-        if not bare:
-            return {}
-        every = self.c.sum(-2) + stacked(t.p, bare, 1).sum(-2)
-        return {"the mean of all links that move, of those without mass too": every / (len(self.links) + len(bare))}
+        every, count, found = self.c.sum(-2), len(self.links) + len(bare), dict[str, np.ndarray]()
+        if bare:
+            every = every + stacked(t.p, bare, 1).sum(-2)
+            found["the mean of all links that move, of those without mass too"] = every / count
+        if self.links[0] and 0 not in bare:
+            base = np.zeros(3) if t.d.base is None else t.d.base.com
+            root = t.p[0] + product(t.R[0], base + 0 * t.p[0])
+            found["the mean of all links, of the root too"] = (every + root) / (count + 1)
+        return found
 
     @cached_property
     def by_axes(self) -> np.ndarray:
@@ -243,6 +248,9 @@ class Sums:
         steps, rows = self.steps, transposed(self.jacobians)
         w, v = rows[..., :3], rows[..., 3:]
         root, G = self.poses.p[0][..., None, :], (self.com if self.about is None else self.about)[..., None, :]
+        means = {"the mean of the bodies' centres": self.c.mean(-2), **self._means()}
+        means = {words: x[..., None, :] + 0 * G for words, x in means.items()}
+        G = steps.pick("the robot's centre of mass, in the arm of a momentum,", G, **means)
         ends = {"the body's centre": self.c, "the robot's centre of mass": -G}
         arm = steps.add("the arm of a body's momentum", **ends)
         wrong = {
@@ -281,12 +289,16 @@ class Sums:
             "the sum of the positions of centre and origin, not their difference": self.c + self.p,
         }  # fmt: skip
         r = self.steps.pick("the arm in w x R c", self.r, **arms)
-        terms = {"that of the link's origin": v, "w x R c": cross(w + 0 * r, r + 0 * w)}
+        parents = {"the parent's": lambda: stacked(self.columns.w, self.parents, 1) + 0 * w}
+        about = self.steps.pick("the angular velocity that carries a centre of mass", w, **parents)
+        terms = {"that of the link's origin": v, "w x R c": wedge(self.steps, about + 0 * r, r + 0 * w)}
         return w, self.steps.add("the velocity of a body's centre", **terms)
 
     def kinetic_energy(self) -> np.ndarray:
         w, v = self.centre_velocities()
         turning = (w * product(self.inertia, w)).sum(-1)
+        mean = np.trace(self.inertia, axis1=-2, axis2=-1) / 3 * (w * w).sum(-1)
+        turning = self.steps.pick("w . I w in the kinetic energy", turning, **{"that of the mean of its moments": mean})
         m = self.masses("the mass in the kinetic energy") * self.every("the kinetic energies: m v.v / 2")
         turning = turning * self.every("the kinetic energies: w.I w / 2")
         parts = {"m v.v / 2": m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}

@@ -19,6 +19,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .in_place import SPIN, Whole, afterwards, array, found
 from .link_axes import OWN_FORCE, RESTING, WHOLE_FORCE, axes, centripetal, felt, gathered, own_rates, rate_in_cross
+from .products import wedge
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
@@ -65,7 +66,7 @@ def _inward(
             along = _felt_along(steps, tree, k, poses, z)
             columns[k.column] = felt(steps, k, along, f[k.number], n[k.number], own[k.number])
         if k.parent >= 0:
-            _hand_on(steps, tree, k, poses, f, n)
+            _hand_on(steps, tree, k, poses, f, n, own[k.number][0])
     back = transposed(poses[0].R0)
     base = []
     if tree.floating:
@@ -109,7 +110,7 @@ def at_frame(steps: Steps, w: np.ndarray, alpha: np.ndarray, a: np.ndarray, r: n
     """alpha and the acceleration of a point of a link."""
     terms = {
         "that of the link's origin": a,
-        "alpha x r": cross(alpha, r),
+        "alpha x r": wedge(steps, alpha, r),
         "w x (w x r)": centripetal(steps, "to a frame", w, alpha, r),
     }
     return np.concatenate(np.broadcast_arrays(alpha, steps.add("the acceleration of a frame", **terms)), -1)
@@ -190,7 +191,7 @@ def _next(
         qd, qdd = own_rates(steps, tree, k, q, v, a)
         z_qd, z_qdd = z * qd, z * qdd
         there = rate_in_cross(steps, tree, k, q, v, a)
-        turning = cross(steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws), z * there)
+        turning = wedge(steps, steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws), z * there)
     if k.slides:
         place = product(on.R0, k.p)
         parts = {"without its travel": place, "its travel alone": r - place}
@@ -213,7 +214,7 @@ def _next(
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
     up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
     w_w_r = centripetal(steps, f"to a link's origin: {which}", w_r, alpha_r, r, w if k.moves and not k.slides else None)
-    terms = {"the parent's": up_a, "alpha x r": cross(alpha_r, r), "w x (w x r)": w_w_r}
+    terms = {"the parent's": up_a, "alpha x r": wedge(steps, alpha_r, r), "w x (w x r)": w_w_r}
     acc = carried = steps.add(f"the acceleration of a link's origin: {which}", **terms)
     if k.slides:
         terms = {"that of the place where it is": acc, "2 w x z qd": 2 * turning, "z qdd": z_qdd}
@@ -303,17 +304,18 @@ def _bodies(
             "that about the link's origin, not turned": k.about_origin,
         }
         spun = steps.pick("the inertia in w x I w", spun, **for_spin)
-        moments = {"I alpha": product(I, alpha), "w x I w": cross(w[0], product(spun, w[1]))}
+        moments = {"I alpha": product(I, alpha), "w x I w": wedge(steps, w[0], product(spun, w[1]))}
         N = steps.add("the moment about the centre of mass", **moments)
         at = steps.pick("the point at which weight acts", c, **{"the link's origin": 0 * c})
         from_parent = pose.p0 - poses[max(0, k.parent)].p0
         arms = {
             "that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c,
             "that from the world's origin": pose.p0 + c, "half as long": 0.5 * c,
+            "that to the centre as it is counted from the parent's origin": c - from_parent,
             "that of the world's origin to the link's": pose.p0 + 0 * c, **unturned(tree, k, poses, c),
         }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", c, **arms)
-        own = {"N": N, "r x f": cross(arm, F) + cross(at - c, -weight)}
+        own = {"N": N, "r x f": wedge(steps, arm, F) + cross(at - c, -weight)}
         total = steps.add("a body's moment about the link's origin", **own)
         f[k.number] = steps.part("the forces of bodies", F_added + zero, i, len(tree.bodies))
         n[k.number] = steps.part("the moments of bodies", total + zero, i, len(tree.bodies))
@@ -344,14 +346,17 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: lis
     alpha = steps.mistaken("alpha in alpha x c", alpha, w=m.w)
     origin = steps.pick("the acceleration of the link's origin, in that of its centre", m.a, **{"the parent's": up.a})
     terms = {
-        "that of the origin": origin, "alpha x r": cross(alpha, c),
+        "that of the origin": origin, "alpha x r": wedge(steps, alpha, c),
         "w x (w x r)": centripetal(steps, "to a centre of mass", w, alpha, c, up.w),
     }  # fmt: skip
     a_c = steps.add("the acceleration of the centre of mass", **terms)
     return np.asarray(steps.pick("the acceleration in m a", a_c, **{"that of the link's origin": m.a + 0 * a_c}))
 
 
-def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.ndarray], n: list[np.ndarray]) -> None:
+def _hand_on(
+    steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.ndarray], n: list[np.ndarray], own: np.ndarray
+) -> None:
+    """What a link hands on to its parent; `own` is the force that it needs for itself alone."""
     up, last, count = k.parent, k.number - 1, len(tree.links) - 1
     r = steps.add(
         "the arm in r x f, a difference",
@@ -372,14 +377,17 @@ def _hand_on(steps: Steps, tree: Tree, k: Link, poses: list[Pose], f: list[np.nd
         "that from the parent's centre of mass": lambda: r - product(poses[up].R0, tree.links[up].c),
     }  # fmt: skip
     r = steps.pick("the arm in r x f", r, **arms)
-    whose = {"that of the parent": f[up] + 0 * f_k, "that of the parent, with the child's": f[up] + f_k}
+    whose = {
+        "that of the parent": f[up] + 0 * f_k, "that of the parent, with the child's": f[up] + f_k,
+        "that of the child itself, without what it carries": own + 0 * f_k,
+    }  # fmt: skip
     f_r = steps.pick("the force in r x f", f_k, **whose)
     handed = steps.part("the links that hand on their force", f_k, last, count)
     handed = steps.summed("the force that children hand on", handed, **tree.alone(k, handed))
     have_f = f[up]
     f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
     handed = steps.part("the links that hand on their moment", n_k, last, count)
-    moments = {"the child's n": handed, "r x f": cross(r, f_r)}
+    moments = {"the child's n": handed, "r x f": wedge(steps, r, f_r)}
     whole = steps.add("the moment at a joint", **{HAVE: n[up], **moments})
     before, previous = n[up], k.number - 1
     n[up] = steps.pick("the moment at a joint, with those of its children,", whole, **{"its own alone": before})
