@@ -20,6 +20,7 @@ from .textbook.slipped import algorithm, made_of, share
 
 AT_ONCE, SHORT = 800, 600  # slips that are scored before the time is looked at; those of a short algorithm, at most
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
+MANY = 24  # stories of which those that come nearest at few states are looked at in all
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 
@@ -104,6 +105,14 @@ class Catalogue:
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
         near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
         return right or kept(near)
+
+    def nearest(self, term: str, stories: Sequence[Story]) -> Sequence[Story]:
+        """Of many, those that explain the first states, and those that come nearest."""
+        if len(stories) < MANY:
+            return stories
+        scores = self._few(term).scores(term, stories)
+        right = [s for s, x in zip(stories, scores, strict=True) if x.error <= FEW]
+        return right + kept([nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)])
 
     def sums(self, term: str, others: Sequence[Hypothesis]) -> list[Story]:
         """Two causes whose changes add up: slips that were looked at, and others that were."""

@@ -180,7 +180,6 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes
                 before = [t for t in off if not searches[t].open][:FIRST]
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
-            stage(beside, besides, unknown, [term])
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
@@ -188,9 +187,10 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
         stage(one_more_cause, one_more, unknown, off[1:])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
-    stage(beside, besides, unknown, off)
+    stage(beside, besides_nearer, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
+    stage(beside, besides, unknown, off)
     stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
     stage(adding_up, Search.sums, unknown, off)

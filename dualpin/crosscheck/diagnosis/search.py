@@ -127,7 +127,7 @@ class Search:
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [ordered(itertools.chain(*some)) for some in several]
-            mine |= {identity(s): s for s in itertools.chain(together, *shown)}
+            mine |= {identity(s): s for s in self.catalogue.nearest(self.term, [*together, *itertools.chain(*shown)])}
         mine |= self._by_symbols(others) | self._derived(others)
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]

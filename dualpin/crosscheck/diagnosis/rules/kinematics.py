@@ -16,6 +16,7 @@ from ..textbook.answers import (
     CARRIED,
     DIFFERENTIATED,
     GRADIENTS,
+    IN_LINKS,
     JACOBIANS,
     KINDS,
     LAGRANGE,
@@ -44,13 +45,14 @@ from ..textbook.in_place import GROWING, KEPT
 from ..textbook.lists import branched
 from ..textbook.lumps import CARRIED as IN_CARRIER
 from ..textbook.lumps import READ, TURNED
+from ..textbook.products import SKEW
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip
 from ..textbook.velocities import SPINS
 from ..textbook.walks import ALL
 from ..textbook.ways import WAYS
 from .formulation import COST, FUSING, Terms, formulation
-from .slipping import Slipping, jacobians, poses, reading, rotations, subtrees, velocities
+from .slipping import Slipping, both, jacobians, poses, reading, rotations, subtrees, velocities
 
 __all__ = [
     "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "TRANSPOSED",
@@ -224,6 +226,11 @@ def _of_walks(slip: Slip) -> bool:
     return slip.site == MOVING_AXES
 
 
+def _of_cross_products(slip: Slip) -> bool:
+    """Whether it is in what makes all cross products, in velocities as in Jacobians."""
+    return slip.site.startswith(SKEW)
+
+
 def _askew(slip: Slip) -> bool:
     """Whether M may lose its symmetry by a slip."""
     return slip.site.startswith(("the inertia of a body", READ, TURNED, IN_CARRIER))
@@ -322,11 +329,13 @@ def massive(case: Case) -> bool:
     return not_large(case) and "crba" not in case.wrong
 
 
+BY_PARAMETERS = ("joint_torque_regressor",)
 GROUPS = {
     "lagrange": ("bias", "rnea", "aba"), "forward": ("aba", "aba_f_ext"), "inverted": ("minv", "aba"),
-    "pushed": ("rnea_f_ext", "aba_f_ext"), "regressor": ("joint_torque_regressor",),
+    "pushed": ("rnea_f_ext", "aba_f_ext"), "regressor": BY_PARAMETERS,
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
-    "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",), "turned": (*SEEN[1:], *MOVED, "joint_torque_regressor"),
+    "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",),
+    "turned": (*SEEN[1:], *MOVED, *BY_PARAMETERS),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
     "heights": ("gravity",),
     "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
@@ -341,6 +350,7 @@ _register(
 _register("forward kinematics", poses, _terms(posed=off("fk")), only=_kept_early, early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk"), regressor=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
+_register("forward kinematics", poses, _terms(regressor=off("fk")), how=IN_LINKS)
 IN_PLACE = "arrays changed in place"
 for _rooted in (False, True):  # a root that turns with all others has an energy too
     formulation(
@@ -360,6 +370,8 @@ _register(
 for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity")):
     _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=_of_spins, how=_how)
 _register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=_of_axes, how=SPUN)
+for _how in (LINKS, JACOBIANS, BY_PARENTS):
+    _register("geometric Jacobians", both, _terms(*SEEN[1:], moved=not_large), only=_of_cross_products, how=_how)
 _register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=_of_centres, how=ABOUT)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(rates=fixed), how=PRODUCTS)
@@ -398,3 +410,4 @@ for _name in WAYS:
     _register(_name, _run, _terms(turned=off("fk")), after="fk")
     _register(_name, _run, _terms(turned=off("fk")), after="fk", early=True)
     _register(_name, _run, _terms(rate=off("fk"), matrix=symbols), after="fk", how=DIFFERENTIATED)
+    _register(_name, _run, _terms(regressor=off("fk")), after="fk", how=IN_LINKS)

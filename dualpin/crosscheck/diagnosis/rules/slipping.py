@@ -52,6 +52,8 @@ poses = Slipping(frozenset({"poses"}))
 """With slips in poses and velocities."""
 jacobians = Slipping(frozenset({"rest"}))
 """With slips in Jacobians, sums over bodies, and what is made of them."""
+both = Slipping(frozenset({"poses", "rest"}))
+"""With slips in both."""
 reading = Slipping(frozenset({"reading"}))
 """With slips in reading tensors, which then may not be symmetric."""
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from ...subjects.layout import product
 from .columns import MOVING
-from .steps import HAVE, Steps, cross
+from .products import wedge
+from .steps import HAVE, Steps
 from .tree import Link, Tree, filled
 from .walks import of_joints
 from .weighted import steiners
@@ -157,7 +158,8 @@ def _unit(
         "that about the world's origin": lambda: I + steiners(m[..., 0], c),
     }  # fmt: skip
     n = product(steps.pick("the inertia that a unit acceleration turns", I, **others), z)
-    return n, m * steps.cross("the acceleration of a composite's centre", z, r)
+    a = steps.add("the acceleration of a composite's centre", **{"z x (c - o)": wedge(steps, z + 0 * r, r)})
+    return n, m * a
 
 
 def _felt(
@@ -165,7 +167,7 @@ def _felt(
 ) -> np.ndarray:
     """What a joint feels of it."""
     arm = steps.pick("the arm of a unit acceleration's force", lump[1] - o, **{"from the world's origin": lump[1]})
-    terms = {"N": n, "(c - o) x F": cross(arm, f)}
+    terms = {"N": n, "(c - o) x F": wedge(steps, arm, f)}
     moment = steps.add("the moment of a unit acceleration at a joint", **terms)
     turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
     if slides:

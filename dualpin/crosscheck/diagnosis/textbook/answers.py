@@ -47,6 +47,7 @@ BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
 ABOUT = "about the right centre of mass"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
+IN_LINKS = "with a regressor in the links' axes"
 MASS = "M in itself and in forward dynamics"
 SEEN = (
     "fk", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration", "com", "com_jacobian",
@@ -178,7 +179,11 @@ class Made:
         D = right.reduced(right.rates(p, u, links)) + J @ right.turning[:, :, None]
         second = product(J, a) + product(D, v)
         moving = regressors.Moving(R, w, second[..., :3], second[..., 3:])
-        forces, moments = regressors.wrenches(RIGHT, moving, np.array(self.view.description.gravity), 0 * p)
+        g = np.array(self.view.description.gravity)
+        if self.how == IN_LINKS:
+            forces, moments = regressors.in_links(moving, g)
+        else:
+            forces, moments = regressors.wrenches(RIGHT, moving, g, 0 * p)
         columns = self.columns(tree)
         Y = regressors.torques(RIGHT, columns.reduced(columns.at(p, links)), forces, moments)
         name = {n: link for link, n in tree.number.items()}

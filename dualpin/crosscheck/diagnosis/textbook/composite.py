@@ -19,7 +19,8 @@ from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
 from .link_axes import felt, own_rates
-from .steps import HAVE, Steps, cross
+from .products import wedge
+from .steps import HAVE, Steps
 from .tree import THAT_TURN, Link, Pose, Tree, filled, tree_of
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -91,17 +92,17 @@ def _unit(steps: Steps, k: Link, lump: Lump) -> tuple[np.ndarray, np.ndarray]:
     """Moment and force for a unit acceleration of the joint."""
     m, h, I = lump
     if k.slides:
-        n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": cross(h, k.z)})
+        n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": wedge(steps, h, k.z)})
         return n, steps.add("the force of a sliding joint's unit acceleration", **{"m z": m * k.z})
     n = steps.add("the moment of a turning joint's unit acceleration", **{"I z": product(I, k.z)})
-    return n, steps.add("the force of a turning joint's unit acceleration", **{"z x h": cross(k.z, h)})
+    return n, steps.add("the force of a turning joint's unit acceleration", **{"z x h": wedge(steps, k.z, h)})
 
 
 def _handed(steps: Steps, pose: Pose, n: np.ndarray, f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pushed = steps.turn("the force that is handed on: in r x f", pose.R, f)
     f = steps.turn("the force that is handed on: by itself", pose.R, f)
     n = steps.turn("the moment that is handed on", pose.R, n)
-    return steps.add("the moment at a joint", **{"R n": n, "r x f": cross(pose.p, pushed)}), f
+    return steps.add("the moment at a joint", **{"R n": n, "r x f": wedge(steps, pose.p, pushed)}), f
 
 
 def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -124,7 +125,7 @@ def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
         )
         c = steps.pick("the arm in w x c", k.c, **arms)
         u = steps.pick("the velocity of the origin, in that of a body's centre", u, **us)
-        at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": cross(w_c, c)})
+        at = steps.add("the velocity of the centre of mass", **{"that of the origin": u, "w x c": wedge(steps, w_c, c)})
         w = steps.pick("the angular velocity in w . I w", w, **{"the parent's": moving[max(0, k.parent)][0]}, **ws)
         m = steps.pick("the mass in m v.v / 2", k.mass + 0 * at[..., 0], **tree.masses(k, k.mass + 0 * at[..., 0]))
         I = steps.pick(
@@ -156,7 +157,7 @@ def _velocity(
     if k.slides:
         arms["without the joint's travel"] = lambda: k.p + 0 * pose.p
     p = steps.pick("the arm in w x p", pose.p, **arms)
-    carried = steps.add("the velocity of a link's origin", **{"the parent's": u_up, "w x p": cross(w_up, p)})
+    carried = steps.add("the velocity of a link's origin", **{"the parent's": u_up, "w x p": wedge(steps, w_up, p)})
     u = steps.turn("the velocity of a link's origin, found in the parent's axes,", back, carried)
     if not k.moves:
         return w, u

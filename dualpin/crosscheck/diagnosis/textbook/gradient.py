@@ -17,12 +17,12 @@ from functools import partial
 
 import numpy as np
 
-from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import transposed
 from . import one_joint
 from .assembly import MOST_STEPS, of_symbols
 from .columns import CENTRE
 from .equations import Equations, other_products
+from .products import skew
 from .second import by_products, same
 
 SECOND, EACH = "of the second Jacobian", "of both Jacobians"
@@ -76,7 +76,7 @@ def coriolis(
     if apart:
         axes = steps.pick("the axes that turn tensors", own, **{"those of sliding joints too": z})
     I = steps.pick("the inertia in dI/dq_k", I, **_turned_wrongly(sums))
-    W, T = cross_matrix(moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
+    W, T = skew(steps, moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
     terms = {
         "[w_k] I": steps.pick("[w_k] I in dI/dq_k", W @ T, **other_products(W, T)),
         "-I [w_k]": -steps.pick("I [w_k] in dI/dq_k", T @ W, **other_products(T, W)),

@@ -15,8 +15,8 @@ import numpy as np
 
 from .columns import Columns
 from .poses import stacked
+from .products import wedge
 from .references import six
-from .steps import cross
 
 
 def rates(
@@ -51,7 +51,7 @@ def _carried_by(cols: Columns, m: int) -> tuple[np.ndarray, np.ndarray]:
     behind = right * (np.arange(len(t.p)) != number)[:, None]
     arms = {"p_i alone": behind * p, "-p_k alone": -behind * o, "p_i + p_k": behind * (p + o)}
     arm = steps.pick("the arm p_i - p_k in derivatives of columns", p - o, **arms)
-    terms = {"z_k x (p_i - p_k)": cross(z + 0 * arm, arm)}
+    terms = {"z_k x (p_i - p_k)": wedge(steps, z + 0 * arm, arm)}
     v = steps.add("the derivative of an origin by a turning joint", **terms)
     z = z + 0 * v
     turning, sliding = six(z, v), six(0 * z, z)

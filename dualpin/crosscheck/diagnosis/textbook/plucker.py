@@ -23,7 +23,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from .lumps import Piece, tensor
-from .products import skew
+from .products import skew, wedge
 from .pushes import Push
 from .steps import Steps, cross
 from .tree import Link, Pose, Tree, spatial
@@ -265,7 +265,7 @@ def _in_world(steps: Steps, k: Link, poses: Sequence[Pose]) -> np.ndarray:
     other = {"by the parent's matrix, without the joint's own placement": lambda: on.R0}
     kind = "of sliding links" if k.slides else "of turning links"
     z = steps.turn(f"the joint's axis: {kind}", pose.R0, k.z, **other)
-    turning, sliding = _six(z, cross(pose.p0, z))
+    turning, sliding = _six(z, wedge(steps, pose.p0, z))
     at_centre = pose.p0 + product(pose.R0, k.c)
     wrong = {
         "[z; z x p], with the other sign": _six(z, cross(z, pose.p0))[0], "[z; 0], without p x z": _six(z, 0 * z)[0],

@@ -17,6 +17,8 @@ from .steps import Steps, cross
 
 LINEAR = "the product of the linear velocity"
 SKEW = "[r x], the matrix of a cross product,"
+AS_MATRIX, OF_TWO, IN_MOMENTUM = (f"{SKEW}: {where}" for where in ("by itself", "times a vector", "in a momentum"))
+"""A code may have a function of two vectors, and one that makes the matrix."""
 AD = "the matrix of v x"
 """Codes often make it once, and take its transpose with the other sign for forces."""
 
@@ -35,6 +37,11 @@ def _skewed() -> dict[str, np.ndarray]:
             x[i, j] = np.eye(3)[k] * EPSILON[i, j, own] * (-1.0 if k == own else 1.0)
             what = "of the other sign" if k == own else f"of {'xyz'[k]}, not {'xyz'[own]}"
             found[f"that with its entry in {where} {what}"] = x
+        for k in (k for k in range(3) if k != j):
+            x = EPSILON.copy()
+            x[i, k] += x[i, j]
+            x[i, j] = 0.0
+            found[f"that with its entry in {where} in column {k + 1}"] = x
     for i in range(3):
         signs = np.where(np.arange(3) == i, -1.0, 1.0)
         found[f"that with row {i + 1} of the other sign"] = signs[:, None, None] * EPSILON
@@ -47,7 +54,7 @@ _SKEWED = _skewed()
 def skew(steps: Steps, r: np.ndarray) -> np.ndarray:
     """[r x]."""
     return np.asarray(
-        steps.tabled(SKEW, cross_matrix(r), _SKEWED, lambda E: (E * steps.few(r)[..., None, None, :]).sum(-1), 2)
+        steps.tabled(AS_MATRIX, cross_matrix(r), _SKEWED, lambda E: (E * steps.few(r)[..., None, None, :]).sum(-1), 2)
     )
 
 
@@ -56,14 +63,14 @@ def vector(K: np.ndarray) -> np.ndarray:
     return np.stack([K[..., 2, 1], K[..., 0, 2], K[..., 1, 0]], -1)
 
 
-def wedge(steps: Steps, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def wedge(steps: Steps, a: np.ndarray, b: np.ndarray, site: str = OF_TWO) -> np.ndarray:
     """[a x] b."""
     few = steps.few
 
     def wrong(E: np.ndarray) -> np.ndarray:
         return product((E * few(a)[..., None, None, :]).sum(-1), few(b))
 
-    return np.asarray(steps.tabled(SKEW, cross(a, b), _SKEWED, wrong))
+    return np.asarray(steps.tabled(site, cross(a, b), _SKEWED, wrong))
 
 
 def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .products import wedge
 from .steps import Steps, cross
 from .tree import Pose, Tree
 
@@ -67,7 +68,7 @@ def wrenches(steps: Steps, tree: Tree, view: View) -> tuple[np.ndarray, Wrenches
         others = {"that from the world's origin": place, "that of the link's origin from the world's": place - r}
         arm = steps.pick("the arm of an external force", r, **others)
         force = steps.add("the external force on a link", **{"-f_ext": -pushed})
-        moments = {"-n_ext": -turned, "-r x f_ext": -cross(arm, pushed)}
+        moments = {"-n_ext": -turned, "-r x f_ext": -wedge(steps, arm, pushed)}
         moment = steps.add("the external moment about a link's origin", **moments)
         given_here = -(six * here).reshape(1, -1, 6)
         out[number] = Push(force, moment, point, R_on, given_here, p_on, reference)

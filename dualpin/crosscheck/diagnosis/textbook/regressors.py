@@ -77,6 +77,14 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     return _joined(forces), _joined(moments)
 
 
+def in_links(m: Moving, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same, made in the links' axes and turned into the world's: not so if matrices are no rotations."""
+    back = transposed(m.R)
+    w, alpha, a = (product(back, x) for x in (m.w, m.alpha, m.a - g))
+    made = wrenches(Steps(), Moving(np.eye(3) + 0 * m.R, w, alpha, a), np.zeros(3), 0 * a)
+    return m.R @ made[0], m.R @ made[1]
+
+
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
     lead = np.broadcast_shapes(*(x.shape[:-1] for x in parts))
     return np.concatenate([np.broadcast_to(x, (*lead, x.shape[-1])) for x in parts], -1)

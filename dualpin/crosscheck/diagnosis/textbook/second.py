@@ -16,6 +16,7 @@ import numpy as np
 
 from . import one_joint
 from .columns import MOVING, Columns
+from .products import wedge
 from .steps import cross
 from .walks import ALL, CHAIN
 
@@ -139,12 +140,12 @@ def by_products(
     w, u, axes = same(w, u, axes)
     w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
     a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
-    of_w = {"w_k x w_i": before * both * cross(a_k + 0 * w_i, w_i + 0 * a_k)}
+    of_w = {"w_k x w_i": before * both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)}
     dw = steps.add("the derivative of an angular column by q_k", **of_w)
-    by_axis = both * cross(a_k + 0 * u_i, u_i + 0 * a_k)
+    by_axis = both * wedge(steps, a_k + 0 * u_i, u_i + 0 * a_k)
     terms = {
         "w_k x v_i, of joints before it,": before * by_axis,
-        "w_i x v_k, of joints behind it,": ~before * both * cross(a_i + 0 * u_k, u_k + 0 * a_i),
+        "w_i x v_k, of joints behind it,": ~before * both * wedge(steps, a_i + 0 * u_k, u_k + 0 * a_i),
     }  # fmt: skip
     du = steps.add("the derivative of a linear column by q_k", **terms)
     return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})

@@ -22,7 +22,7 @@ from .columns import CENTRE, Columns
 from .in_place import KEPT, in_one_array
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
-from .products import wedge
+from .products import IN_MOMENTUM, wedge
 from .steps import Slip, Steps
 from .turns import ONE
 
@@ -207,7 +207,7 @@ class Sums:
                "1": 0 * mass + 1},
         )  # fmt: skip
         r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
-        lever = steps.cross("the linear velocity of what a joint carries", cols.z, r)
+        lever = steps.add("the linear velocity of what a joint carries", **{"z x r": wedge(steps, cols.z + 0 * r, r)})
         turns = cols.turns[:, None]
         J = m * (turns * lever + (1 - turns) * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
@@ -266,7 +266,7 @@ class Sums:
         arm, mv, orbit = arm[..., None, :] + 0 * v, mv[..., None, None] * v, orbit[..., None, None] * v
         parts = {
             "I w": spin[..., None, None] * (w @ transposed(self.inertia)),
-            "r x m v": wedge(steps, arm + 0 * orbit, orbit + 0 * arm),
+            "r x m v": wedge(steps, arm + 0 * orbit, orbit + 0 * arm, IN_MOMENTUM),
         }
         both = self.every("the angular momenta")[..., None, None]
         angular = (both * steps.add("the angular momentum of a body", **parts)).sum(-3)
