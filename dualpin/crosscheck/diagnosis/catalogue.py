@@ -37,6 +37,7 @@ class Catalogue:
         self.all: list[Hypothesis] = [h for h in proposed if not (few and h.place == "relation")]
         self._proposed: dict[int, list[Hypothesis]] = {}
         self._late: dict[tuple[int, str], dict[Any, list[Hypothesis]]] = {}
+        self._kin: dict[tuple[int, str, Any], list[Hypothesis]] = {}
         self._algorithms: dict[tuple[str, int], dict[Any, list[Hypothesis]]] = {}
         self._looked_at: dict[str, list[list[Hypothesis]]] = {}
 
@@ -71,8 +72,23 @@ class Catalogue:
 
     def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
         """The same mistake as other formulations, or what is made of them, show it."""
-        used = {late for late, _ in self._late}
-        return [k for late in used for k in self._of_rules(late, term).get(h.mistake or h.cause, ())]
+        mistake, found = h.mistake or h.cause, list[Hypothesis]()
+        for late in {late for late, _ in self._late}:
+            if (late, term) in self._late:
+                found += self._late[late, term].get(mistake, ())
+                continue
+            if (late, term, mistake) not in self._kin:  # the others are not needed yet
+                rules = [(k, rule) for k, rule in enumerate(RULES) if rule.late == late]
+                self._kin[late, term, mistake] = [
+                    x for k, rule in rules for x in self._of_mistake(k, rule, term, mistake)
+                ]
+            found += self._kin[late, term, mistake]
+        return found
+
+    def _of_mistake(self, k: int, rule: Rule, term: str, mistake: Any) -> Iterable[Hypothesis]:
+        if rule.of_term:
+            return rule.of_mistake(self.case, term, mistake)
+        return (h for h in self._of_rule(k, rule, term) if (h.mistake or h.cause) == mistake)
 
     def slips(self, term: str, until: float, base: Story = (), late: int = SLIPS) -> list[Story]:
         """Single slips of textbook algorithms: those that explain the first states, and those that come nearest.
@@ -106,11 +122,14 @@ class Catalogue:
         near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
         return right or kept(near)
 
-    def nearest(self, term: str, stories: Sequence[Story]) -> Sequence[Story]:
+    def nearest(self, term: str, stories: Sequence[Story], until: float) -> Sequence[Story]:
         """Of many, those that explain the first states, and those that come nearest."""
         if len(stories) < MANY:
             return stories
-        scores = self._few(term).scores(term, stories)
+        scores, few = list[Score](), self._few(term)
+        for block in in_time(stories, until, AT_ONCE):
+            scores += few.scores(term, block)
+        stories = stories[: len(scores)]
         right = [s for s, x in zip(stories, scores, strict=True) if x.error <= FEW]
         return right + kept([nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)])
 

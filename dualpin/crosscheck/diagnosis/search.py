@@ -31,6 +31,7 @@ from .stories import (
     Explanation,
     Near,
     cheapest,
+    in_one_run,
     in_time,
     joins,
     kept,
@@ -123,11 +124,15 @@ class Search:
         mine = {identity(s): s for s in here}
         self.consider(mine.values())
         # finding what other formulations show takes long: where these explain it, what has a name of its own is told
+        fresh: dict[frozenset[object], Story] = {}
         for story in others if not self.exact else [s for s in others if any(h.named for h in s)]:
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
-            together = [ordered(itertools.chain(*some)) for some in several]
-            mine |= {identity(s): s for s in self.catalogue.nearest(self.term, [*together, *itertools.chain(*shown)])}
+            together = [s for some in several if in_one_run(s := ordered(itertools.chain(*some)))]
+            fresh |= {identity(s): s for s in itertools.chain(together, *shown)}
+        new = [s for key, s in fresh.items() if key not in self.seen]
+        mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, self.until)}
+        self._others |= {key for key in fresh if key in self.seen}
         mine |= self._by_symbols(others) | self._derived(others)
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]

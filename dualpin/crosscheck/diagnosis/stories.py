@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost
 from .scores import Score
+from .textbook.slipped import Added, in_one
 
 T = TypeVar("T")
 BEAM = 8
@@ -72,6 +73,11 @@ def in_time(todo: Sequence[T], until: float, most: int) -> Iterator[Sequence[T]]
 def reads(story: Iterable[Hypothesis]) -> bool:
     """Whether it is about reading the file, and estimates nothing."""
     return all(h.place == "edit" and h.key not in ESTIMATED for h in story)
+
+
+def in_one_run(story: Story) -> bool:
+    """Whether one algorithm makes all its slips: one term is not made by two."""
+    return not isinstance(in_one([h.act for h in story if h.place == "formula"]), Added)
 
 
 def numbers_in(h: Hypothesis, story: Story) -> bool:

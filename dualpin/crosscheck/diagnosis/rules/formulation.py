@@ -11,6 +11,7 @@ The algorithms stand in the folder `textbook`; this registers them:
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -91,8 +92,18 @@ def formulation(
         def asked(case: Case) -> list[str]:
             return [t for t in (terms(case) if callable(terms) else terms) if t in case.observed] if when(case) else []
 
-        def slips(case: Case, term: str) -> list[Slip]:
-            return list(filter(only, _slips(run, case, like(term), alike)))
+        number = len(RULES)
+
+        def slips(case: Case, term: str) -> Mapping[tuple[str, ...], Sequence[Slip]]:
+            """By the mistakes that they are; found once for a robot."""
+
+            def found() -> dict[tuple[str, ...], list[Slip]]:
+                out: dict[tuple[str, ...], list[Slip]] = {}
+                for slip in filter(only, _slips(run, case, like(term), alike)):
+                    out.setdefault(_mistake(slip, (known or {}).get(slip), alike), []).append(slip)
+                return out
+
+            return case.shared.once(("slips of a rule", number, like(term)), found)
 
         def made(case: Case, slip: Slip, shown: Sequence[str]) -> Hypothesis:
             key = (known or {}).get(slip)
@@ -107,17 +118,22 @@ def formulation(
             all_asked = asked(case)
             right = {t for t in all_asked if t not in case.wrong}  # of these `spared` finds out
             for term in (t for t in all_asked if t in case.wrong):
-                for slip in slips(case, term):
+                for slip in itertools.chain(*slips(case, term).values()):
                     touched.setdefault(slip, set(right)).add(term)
             return [made(case, slip, [t for t in all_asked if t in shown]) for slip, shown in touched.items()]
 
         def of_term(case: Case, term: str) -> list[Hypothesis]:
             shown = asked(case)
-            return [made(case, slip, shown) for slip in slips(case, term)] if term in shown else []
+            every = slips(case, term) if term in shown else {}
+            return [made(case, slip, shown) for slip in itertools.chain(*every.values())]
+
+        def of_mistake(case: Case, term: str, mistake: Any) -> list[Hypothesis]:
+            shown = asked(case)
+            return [made(case, slip, shown) for slip in slips(case, term).get(mistake, ())] if term in shown else []
 
         lines = {**(says or {}), **rows()}
         fix = "compare the step with the equation of the book"
-        RULES.append(Rule(name, name, fix, propose, lines, late=True, of_term=of_term))
+        RULES.append(Rule(name, name, fix, propose, lines, late=True, of_term=of_term, of_mistake=of_mistake))
         return run
 
     return decorate

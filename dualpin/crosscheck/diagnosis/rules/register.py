@@ -51,6 +51,8 @@ class Rule:
     """One of those above where its hypotheses are tried only if no single cause of other rules explains a term."""
     of_term: Callable[[Case, str], Iterable[Hypothesis]] | None = None
     """Where finding them takes long: those that show in one term, each as if it showed in all that it is asked for."""
+    of_mistake: Callable[[Case, str, Any], Iterable[Hypothesis]] = lambda case, term, mistake: ()
+    """Of these, those that are one mistake."""
 
 
 RULES: list[Rule] = []
