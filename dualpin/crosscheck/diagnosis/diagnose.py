@@ -29,6 +29,8 @@ BUDGETS = (8.0, 50.0)
 
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
+PLAINEST = ("fk", "com", "potential_energy")
+"""Terms that are looked at first: fewest mistakes can be behind them, and most others rest on them."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
@@ -65,6 +67,7 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
     found.findings += _history(case)
     errors = {t: case.score(t).error for t in case.observed}
     off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
+    off.sort(key=lambda t: PLAINEST.index(t) if t in PLAINEST else len(PLAINEST))
     for term in [t for t in off if in_single(case, t)]:  # a slip beside it would not be seen
         off.remove(term)
         _add(found.findings, precision(case, term, Explanation(term, case.score(term))))
@@ -166,8 +169,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
-        stage(adding_up, Search.sums, lambda s: s.tried and not s.good, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
+            stage(adding_up, Search.sums, unknown, [term])
             stage(one_more_cause, one_more, unknown, [term])
             stage(beside, besides_nearer, unknown, [term])
             # a library's own forces, beside what it makes of the file

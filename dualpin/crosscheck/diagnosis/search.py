@@ -25,7 +25,7 @@ from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.dynamics import FUSED
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .spared import READ, instead, shows, spared
+from .spared import READ, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
     Explanation,
@@ -167,8 +167,8 @@ class Search:
         elif self.term in SOURCES and not self.exact:
             of = [t for t in ("aba", "rnea") if t in SOURCES[self.term] and t in self.case.wrong]
             told = [s for s in others if not any(h.made_of for h in s)]
-            explain = [[s for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right] for t in of]
-            explain = [s for some in explain for s in some[: FEW_CAUSES // len(of)]]
+            right = [[s for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right] for t in of]
+            explain = [s for some in right for s in some[: FEW_CAUSES // len(of)]]
             made += by_derivatives(self.case, self.term, explain)
         return {identity((h,)): (h,) for h in made}
 
@@ -233,8 +233,17 @@ class Search:
         first, begun = _in_turns(made)[:MOST_MADE], time.process_time()
         for k, cause in enumerate([*first, *[n for n in nearest if n not in made][:2]]):
             long = MADE <= k < len(first) and time.process_time() - begun > QUICK
-            if self.open and not self.late and not long:
+            if (self.open or self._unsure) and not self.late and not long:
                 self.consider(self.catalogue.slips(self.term, self.until, cause.story, late))
+
+    @property
+    def _unsure(self) -> bool:
+        """Whether all that explains it needs a wrong pose or velocity of links, against poses and velocities."""
+
+        def against(h: Hypothesis) -> bool:
+            return in_poses(h) and not {"fk", "frame_velocity"}.isdisjoint(spared(self.case, h))
+
+        return all(any(map(against, s)) for s in self.held)
 
     def _shown(self, h: Hypothesis) -> list[Story]:
         """A cause of other terms as it shows in this one."""

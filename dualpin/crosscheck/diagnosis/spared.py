@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from .case import Case
 from .hypothesis import Hypothesis, Story, identity, ordered
 from .scores import scaled
+from .textbook.slipped import Slipped
 
 READ = ("word", "edit", "state")
 """Places of mistakes that change what every algorithm starts from."""
@@ -30,8 +31,8 @@ def shows(case: Case, h: Hypothesis) -> bool:
 
 
 def _explained(case: Case, h: Hypothesis) -> list[str]:
-    """What was read wrongly would show in every term, beside the mistakes that explain it."""
-    if h.place not in READ:
+    """What was read wrongly would show in every term, beside the mistakes that explain it; so would a wrong pose."""
+    if h.place not in READ and not in_poses(h):
         return []
     found = []
     for term, stories in case.told.items():
@@ -42,6 +43,11 @@ def _explained(case: Case, h: Hypothesis) -> list[str]:
                 case.spared[key] = [term] if _changes(case, term, h, stories[0]) else []
             found += case.spared[key]
     return found
+
+
+def in_poses(h: Hypothesis) -> bool:
+    """Whether it is a slip in poses or velocities of links, which a code makes once for many answers."""
+    return isinstance(h.act, Slipped) and "poses" in getattr(h.act.run, "parts", ())
 
 
 def _changes(case: Case, term: str, h: Hypothesis, story: Story) -> bool:

@@ -36,7 +36,7 @@ RARER = 0.02
 """What an algorithm costs more that fewer codes use: of two whose slips give the same answers the usual one is told."""
 SPATIAL = 0.002
 """What products of exponentials cost less where Jacobians are about the world's origin, as these codes make them."""
-USUAL = 0.001
+USUAL = 0.06
 """What a slip costs less that has a key of its own: codes have these, and of equal ones they are told first."""
 FUSING = 0.0005
 """What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""

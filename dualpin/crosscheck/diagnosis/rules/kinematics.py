@@ -410,4 +410,5 @@ for _name in WAYS:
     _register(_name, _run, _terms(turned=off("fk")), after="fk")
     _register(_name, _run, _terms(turned=off("fk")), after="fk", early=True)
     _register(_name, _run, _terms(rate=off("fk"), matrix=symbols), after="fk", how=DIFFERENTIATED)
-    _register(_name, _run, _terms(regressor=off("fk")), after="fk", how=IN_LINKS)
+    for _early in (False, True):
+        _register(_name, _run, _terms(regressor=off("fk")), after="fk", early=_early, how=IN_LINKS)

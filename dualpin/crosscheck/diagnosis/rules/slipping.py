@@ -9,7 +9,7 @@ import numpy as np
 
 from ..case import View
 from ..textbook.answers import JACOBIANS, Made
-from ..textbook.assembly import Dynamics
+from ..textbook.assembly import Dynamics, Seen
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
 from ..textbook.references import referred
@@ -35,7 +35,7 @@ class Slipping:
 
     def beside(self, other: object) -> Run | None:
         """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
-        if type(other) is Dynamics:
+        if type(other) is Dynamics or isinstance(other, Seen):
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
         if not isinstance(other, Slipping) or self._with(other) != other._with(self):

@@ -117,7 +117,8 @@ def _joined(steps: Steps, up: Lump, mine: Lump) -> Lump:
     }  # fmt: skip
     whole = steps.add("the inertia of a composite", **terms)
     whole = steps.pick("the inertia of a composite, with those of children,", whole, **{"the link's own alone": T})
-    return total, centre, whole
+    kept = steps.pick("the mass of a composite, kept for what carries it,", total, **{"the link's own": M})
+    return kept, centre, whole
 
 
 def _steiner(
@@ -127,6 +128,8 @@ def _steiner(
     m = steps.pick(f"the mass in Steiner's term: {which}", m, **{"that of the other": other, "that of both": m + other})
     d = steps.pick(f"the arm in Steiner's term: {which}", d, **{"that between both centres": apart})
     square, outer = (d * d).sum(-1)[..., None, None] * ONE, d[..., :, None] * d[..., None, :]
+    length = {"|d| 1": lambda: np.sqrt((d * d).sum(-1))[..., None, None] * ONE}
+    square = steps.pick("d.d 1 in Steiner's term", square, **length)
     outer = steps.pick("d d^T in Steiner's term", outer, **_instead_of_outer(d))
     return m[..., None] * steps.add(f"d.d 1 - d d^T in Steiner's term: {which}", **{"d.d 1": square, "-d d^T": -outer})
 

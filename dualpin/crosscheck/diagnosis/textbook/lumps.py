@@ -264,6 +264,7 @@ def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.
     wrong: dict[str, Callable[[], np.ndarray]] = {
         "d.d in each entry": lambda: d @ d * np.ones((3, 3)),
         "d d by elements, on the diagonal": lambda: np.diag(d * d),
+        "|d| 1": lambda: np.sqrt(d @ d) * ONE,
     }
     square = steps.pick("d.d 1 in Steiner's term of merging", d @ d * ONE, **wrong)
     terms = {"m d.d 1": m * square, "-m d d^T": -m * outer}

@@ -74,13 +74,16 @@ class Posed:
 
 
 def _with_inertia(tree: Tree, poses: Poses) -> Tree:
-    """Slips in rotations by rpy are in those of <inertial> too, at all states alike."""
+    """Slips in rotations by rpy are in those of <inertial> too, at all states alike; those in axes are in all uses."""
     sums, number = Sums(poses, Columns(poses, WITHOUT), WITHOUT), {k.name: k.number for k in tree.links}
     name = {n: link for link, n in poses.number.items()}
     tree.links = list(tree.links)
     for i, n in enumerate(sums.links):
         k = number[name[n]]
         tree.links[k] = replace(tree.links[k], c=sums.local[:, :, i], I=sums.tensors[:, :, i])
+    for axis in (a for a in poses.axes if not a.base):
+        k = number[name[axis.link]]
+        tree.links[k] = replace(tree.links[k], z=axis.direction)
     return tree
 
 

@@ -140,7 +140,10 @@ def by_products(
     w, u, axes = same(w, u, axes)
     w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
     a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
-    of_w = {"w_k x w_i": before * both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)}
+    turned = both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)
+    right = before * turned
+    wrong = {"those of joints behind it": lambda: ~before * turned, "those of all joints": turned}
+    of_w = {"w_k x w_i": steps.pick("the derivatives of an angular column, by joints before it,", right, **wrong)}
     dw = steps.add("the derivative of an angular column by q_k", **of_w)
     by_axis = both * wedge(steps, a_k + 0 * u_i, u_i + 0 * a_k)
     terms = {

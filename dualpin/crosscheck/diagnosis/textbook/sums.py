@@ -91,6 +91,7 @@ def _inverted(view: View, steps: Steps) -> np.ndarray:
         "one over each entry": lambda: 1.0 / np.where(M == 0, np.nan, M),
         "L^-1 L^-T, of M = L L^T": lambda: _cholesky(M),
         "L^-1 of M = L L^T": lambda: np.linalg.inv(np.linalg.cholesky(M)),
+        "L^-1 L^-1, of M = L L^T": lambda: np.linalg.matrix_power(np.linalg.inv(np.linalg.cholesky(M)), 2),
     }  # fmt: skip
     for k in DAMPED:
         others[f"that of M with {k:g} added on the diagonal"] = partial(solved, M + k * one, one[None, None])
