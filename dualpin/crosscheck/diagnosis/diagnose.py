@@ -165,11 +165,12 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     rare = "rare readings of the file and of inputs"
     lumped, reading = "slips of merging fixed links", "a slip of other terms and a reading"
-    adding_up = "two causes whose changes add up"
+    adding_up, several = "two causes whose changes add up", "several links or joints"
     one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
+            stage(several, Search.several, unexplained, [term])
             stage(adding_up, Search.sums, unknown, [term])
             stage(one_more_cause, one_more, unknown, [term])
             stage(beside, besides_nearer, unknown, [term])
@@ -186,15 +187,16 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
+    stage(beside, besides_nearer, unknown, off)
+    stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
+    stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
+    stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
+    stage(several, Search.several, lambda s: not (s.good or s.toggled), off)
     if not catalogue.settled:
         stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
         stage(one_more_cause, one_more, unknown, off[1:])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
-    stage(beside, besides_nearer, unknown, off)
-    stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
-    stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(beside, besides, unknown, off)
-    stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
     stage(reading, one_more_reading, unknown, off)
     stage(adding_up, Search.sums, unknown, off)
     if any(s.open for s in searches.values()):  # what else explains the first terms may explain these too
@@ -208,6 +210,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
+    stage(several, Search.several, lambda s: s.open and not s.toggled, off)
     stage(beside, besides, unexplained, off)
     stage(rare, Search.readings, lambda s: s.open and not s.reread, off)
     stage(slips, Search.slips, lambda s: s.open and not s.slipped, off)

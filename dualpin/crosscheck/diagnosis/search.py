@@ -83,7 +83,7 @@ class Search:
         self._near_slips: list[Hypothesis] = []
         self._others: set[frozenset[object]] = set()
         self._beam: list[Story] = []
-        self.tried = self.slipped = self.remerged = self.reread = False
+        self.tried = self.toggled = self.slipped = self.remerged = self.reread = False
 
     @property
     def late(self) -> bool:
@@ -173,11 +173,14 @@ class Search:
         return {identity((h,)): (h,) for h in made}
 
     def singles(self) -> None:
-        """Single causes, of which those of one link or joint may hold for several."""
+        """Single causes."""
         self.tried = True
         self.consider([(h,) for h in (*self._fits(()), *self._whole, *self._single)])
-        if self.open:
-            self.consider(self._toggled())
+
+    def several(self) -> None:
+        """Causes of one link or joint that hold for several."""
+        self.toggled = True
+        self.consider(self._toggled())
 
     def slips(self) -> None:
         """Slips of textbook algorithms."""

@@ -13,14 +13,14 @@ from ...subjects.layout import quaternions, rotations
 from ..case import Case
 from ..description import Body, Description, merged
 from ..hypothesis import Hypothesis
-from ..textbook.lumps import OF_LINKS, Piece, at_once, from_nothing, one_by_one, pieces
+from ..textbook.lumps import OF_LINKS, Piece, about_origin, at_once, from_nothing, one_by_one, pieces
 from ..textbook.steps import Slip, Steps
 from ..textbook.words import rows
 from .register import INERTIAL, MASSIVE, differ, proposer
 
 WAYS: dict[str, Callable[[Steps, list[Piece]], Body]] = {
     "all at once": at_once, "one by one": one_by_one,
-    "one by one, from nothing": from_nothing,
+    "one by one, from nothing": from_nothing, "about the body's origin": about_origin,
 }  # fmt: skip
 ALL_LINKS = ", of links without <inertial> too"
 FIX = "one body of several links: C = sum m c / sum m, I = sum R I R^T + m (d.d 1 - d d^T) with d = c - C"

@@ -192,6 +192,23 @@ def from_nothing(steps: Steps, group: list[Piece]) -> Body:
     return _added(steps, np.zeros(()), np.zeros(3), np.zeros((3, 3)), [standing(steps, p) for p in group])
 
 
+def about_origin(steps: Steps, group: list[Piece]) -> Body:
+    """First moments and tensors about the body's origin are added up, and brought to the common centre at the end."""
+    group = [standing(steps, p) for p in group]
+    masses, centres = np.array([p.mass for p in group]), [centre(steps, p) for p in group]
+    first, about = np.zeros(3), np.zeros((3, 3))
+    for k, (p, c) in enumerate(zip(group, centres, strict=True)):
+        which = f": {'of the link that joints move' if k == 0 else 'of links fixed to it'}"
+        terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, masses[k], c, which)}
+        about = about + steps.add(f"the inertia about the body's origin{which}", **terms)
+        first = first + masses[k] * c
+    mass = masses.sum()
+    C = first / (mass or 1.0)
+    back = _steiner(steps, mass, C, ": of all at once, back to the common centre")
+    terms = {"the inertia about the body's origin": about, "-Steiner's term of all": -back}
+    return Body(float(mass), C, np.zeros(3), ONE, steps.add("the inertia about the common centre", **terms))
+
+
 def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list[Piece]) -> Body:
     for p in more:
         mass, new = np.array(p.mass), centre(steps, p)
