@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections import Counter
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
@@ -20,11 +19,11 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
-from .rules.dynamics import FUSED
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
+from .several import growing, in_turns
 from .spared import READ, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
@@ -35,7 +34,6 @@ from .stories import (
     in_time,
     joins,
     kept,
-    merged,
     nearness,
     numbers_in,
     reads,
@@ -180,7 +178,7 @@ class Search:
     def several(self) -> None:
         """Causes of one link or joint that hold for several."""
         self.toggled = True
-        self.consider(self._toggled())
+        self.consider(growing(self.case, self.term, self._single, self._part()))
 
     def slips(self) -> None:
         """Slips of textbook algorithms."""
@@ -233,7 +231,7 @@ class Search:
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:
         made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
-        first, begun = _in_turns(made)[:MOST_MADE], time.process_time()
+        first, begun = in_turns(made)[:MOST_MADE], time.process_time()
         for k, cause in enumerate([*first, *[n for n in nearest if n not in made][:2]]):
             long = MADE <= k < len(first) and time.process_time() - begun > QUICK
             if (self.open or self._unsure) and not self.late and not long:
@@ -374,40 +372,5 @@ class Search:
         against = [(h, spared(self.case, h)) for h in story]
         return any(terms and numbers_in(h, story) for h, terms in against) or sum("fk" in t for _, t in against) > 1
 
-    def _toggled(self) -> list[Story]:
-        """For each family: the links or joints that together come nearest, added one at a time while that helps."""
-        families: dict[tuple[str, str, str], list[Hypothesis]] = {}
-        for h in self._single:
-            families.setdefault((h.key, h.says, h.values), []).append(h)
-        growing = [(family, list[Hypothesis](), self.before.rms) for family in families.values() if len(family) > 1]
-        out, until = list[Story](), self._part()
-        while growing and time.process_time() < until:  # all families in one run
-            rest = [[h for h in family if h not in chosen] for family, chosen, _ in growing]
-            tried = [(merged([*chosen, h]),) for (_, chosen, _), more in zip(growing, rest, strict=True) for h in more]
-            scores = iter(self.case.scores(self.term, tried))
-            grown = []
-            for (family, chosen, rms), more in zip(growing, rest, strict=True):
-                best = min(((next(scores), k) for k in range(len(more))), key=lambda x: (x[0].rms, x[1]), default=None)
-                better = best is not None and best[0].rms < rms * (1 - 1e-9)
-                if best is not None and better:
-                    chosen = [*chosen, more[best[1]]]
-                if best is not None and better and not best[0].right:
-                    grown.append((family, chosen, best[0].rms))
-                elif len(chosen) > 1:
-                    out.append((merged(chosen),))
-            growing = grown
-        return out
-
     def _part(self) -> float:
         return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)
-
-
-def _in_turns(near: Sequence[Near]) -> list[Near]:
-    """The nearest of each algorithm, then the next of each: of links that are merged, and of those that are not."""
-    places: Counter[str] = Counter()
-    ranked = []
-    for n in near:
-        algorithm = ", ".join(style(h) + h.variant.replace(FUSED, "").strip(", ") for h in n.story)
-        ranked.append((places[algorithm], n))
-        places[algorithm] += 1
-    return [n for _, n in sorted(ranked, key=lambda x: x[0])]

@@ -17,6 +17,7 @@ from ..textbook import (
     spatial,
     sums,
     world_axes,
+    world_motions,
 )
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
@@ -169,7 +170,7 @@ def register(
     made(values, lambda case: when(case) and merges(case), cost + FUSING)(replace(run, fused=True))
 
 
-register("Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",))
+register("Newton-Euler in world axes", Seen(world_motions.accelerations), ("frame_acceleration",))
 register("Newton-Euler in link axes", Seen(link_axes.accelerations), ("frame_acceleration",))
 for _name, _forces in {
     WORLD: world_axes.forces, "Newton-Euler in link axes": link_axes.forces,

@@ -39,18 +39,12 @@ from ..textbook.answers import (
     TRANSPOSED,
 )  # fmt: skip
 from ..textbook.assembly import SYMBOLS
-from ..textbook.columns import ACROSS, HERE
-from ..textbook.columns import MOVING as MOVING_AXES
-from ..textbook.in_place import GROWING, KEPT
+from ..textbook.columns import ACROSS
 from ..textbook.lists import branched
-from ..textbook.lumps import CARRIED as IN_CARRIER
-from ..textbook.lumps import READ, TURNED
-from ..textbook.products import SKEW
 from ..textbook.slipped import Run
 from ..textbook.steps import Slip
-from ..textbook.velocities import SPINS
-from ..textbook.walks import ALL
 from ..textbook.ways import WAYS
+from . import which
 from .formulation import COST, FUSING, Terms, formulation
 from .slipping import Slipping, both, jacobians, poses, reading, rotations, subtrees, velocities
 
@@ -135,25 +129,14 @@ def _register(
     cost, like = COST + 0.05 * bool(variant), _in_mass if how.get("how") == MASS or factored else shown_in(run)
     slow = partial(_answers, after)
     alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
-    listing = only or (
-        _in_a_list if levels else _for_all_joints if rooted else _askew if factored else _both_ways if how else _any
-    )
+    twins = [(levels, which.in_a_list), (rooted, which.for_all_joints), (factored, which.askew), (how, which.both_ways)]
+    listing = only or next((f for holds, f in twins if holds), which.every)
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
-    both = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
+    fused = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
     formulation(
-        name,
-        partial(_merged, terms, how.get("how", "")),
-        KNOWN,
-        both,
-        partial(_both, when, fuses),
-        cost + FUSING,
-        None,
-        True,
-        like,
-        slow,
-        alike,
-        listing,
-    )(_of(run, fused=True, **how))
+        name, partial(_merged, terms, how.get("how", "")), KNOWN, fused, partial(_both, when, fuses), cost + FUSING,
+        None, True, like, slow, alike, listing,
+    )(_of(run, fused=True, **how))  # fmt: skip
 
 
 def _merged(terms: Terms, how: str, case: Case) -> list[str]:
@@ -168,72 +151,6 @@ def _branches(case: Case) -> bool:
 
 def _both(a: Callable[[Case], bool], b: Callable[[Case], bool], case: Case) -> bool:
     return a(case) and b(case)
-
-
-def _any(slip: Slip) -> bool:
-    return True
-
-
-def _both_ways(slip: Slip) -> bool:
-    """Whether it is not in Jacobians alone, whose rates are right: one way to make these is enough."""
-    return slip.site != HERE
-
-
-def _in_a_list(slip: Slip) -> bool:
-    listed = "in the list" in slip.what or slip.what in (GROWING, KEPT)
-    return listed or slip.how in ("step_last", "step_last_alone")
-
-
-def _for_all_joints(slip: Slip) -> bool:
-    return slip.what == ALL
-
-
-def _in_place(slip: Slip) -> bool:
-    return slip.how == "step_other" and slip.what == GROWING
-
-
-def _kept_early(slip: Slip) -> bool:
-    """Whether it matters that axes are turned before their own joint turns."""
-    return slip.site.startswith("the axis of a joint, kept in world axes")
-
-
-def _of_spins(slip: Slip) -> bool:
-    """Whether it is one of angular velocities, not of poses."""
-    return slip.site.startswith(SPINS)
-
-
-def _of_axes(slip: Slip) -> bool:
-    """Whether it is one of the angular part of columns."""
-    axes = ("the axis of a column", "the joint whose axis", "the direction in a column", "the column of a", MOVING_AXES)
-    return slip.site.startswith(axes)
-
-
-def _of_centres(slip: Slip) -> bool:
-    """Whether it is one of the places of bodies' centres."""
-    return slip.site.startswith(("the centre of mass of a body", "the place of a body's", "the frame in which a body"))
-
-
-def _of_products(slip: Slip) -> bool:
-    return slip.site == MOVING_AXES or slip.site.endswith("by q_k")
-
-
-def _but_symbols(slip: Slip) -> bool:
-    """Whether it is none in Christoffel's sum, which is the same whatever makes the derivatives of M."""
-    return "Christoffel" not in slip.site
-
-
-def _of_walks(slip: Slip) -> bool:
-    return slip.site == MOVING_AXES
-
-
-def _of_cross_products(slip: Slip) -> bool:
-    """Whether it is in what makes all cross products, in velocities as in Jacobians."""
-    return slip.site.startswith(SKEW)
-
-
-def _askew(slip: Slip) -> bool:
-    """Whether M may lose its symmetry by a slip."""
-    return slip.site.startswith(("the inertia of a body", READ, TURNED, IN_CARRIER))
 
 
 def _in_mass(term: str) -> str:
@@ -347,7 +264,7 @@ _register(
         regressor=off("fk"),
     ),
 )  # fmt: skip
-_register("forward kinematics", poses, _terms(posed=off("fk")), only=_kept_early, early=True)
+_register("forward kinematics", poses, _terms(posed=off("fk")), only=which.kept_early, early=True)
 _register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk"), regressor=off("fk")), after="fk", early=True)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
 _register("forward kinematics", poses, _terms(regressor=off("fk")), how=IN_LINKS)
@@ -355,7 +272,7 @@ IN_PLACE = "arrays changed in place"
 for _rooted in (False, True):  # a root that turns with all others has an energy too
     formulation(
         "forward kinematics", ("kinetic_energy",), variant=IN_PLACE + ", the root link counts" * _rooted,
-        when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=_in_place,
+        when=_heavy_root if _rooted else _always, like=shown_in(poses), batched=True, only=which.in_place,
     )(_of(poses, rooted=_rooted))  # fmt: skip
 _register("forward kinematics", poses, _terms(*SEEN, moved=off("fk")), by_level=True)
 _register("geometric Jacobians", jacobians, _terms(*SEEN, moved=not_large, pushed=not_large, regressor=not_large))
@@ -365,17 +282,21 @@ _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=D
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
 _register(
-    "forward kinematics", poses, _terms(of_velocity=off("frame_velocity", "jacobian_dot")), only=_of_spins, how=SPUN
+    "forward kinematics",
+    poses,
+    _terms(of_velocity=off("frame_velocity", "jacobian_dot")),
+    only=which.of_spins,
+    how=SPUN,
 )
 for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity")):
-    _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=_of_spins, how=_how)
-_register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=_of_axes, how=SPUN)
+    _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=which.of_spins, how=_how)
+_register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=which.of_axes, how=SPUN)
 for _how in (LINKS, JACOBIANS, BY_PARENTS):
-    _register("geometric Jacobians", both, _terms(*SEEN[1:], moved=not_large), only=_of_cross_products, how=_how)
-_register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=_of_centres, how=ABOUT)
+    _register("geometric Jacobians", both, _terms(*SEEN[1:], moved=not_large), only=which.of_cross_products, how=_how)
+_register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=which.of_centres, how=ABOUT)
 _register("geometric Jacobians", jacobians, _terms(second=fixed), how=SECOND)
 _register("geometric Jacobians", jacobians, _terms(rates=fixed), how=PRODUCTS)
-_register("geometric Jacobians", jacobians, _terms(matrix=fixed), only=_of_products, how=PRODUCTS)
+_register("geometric Jacobians", jacobians, _terms(matrix=fixed), only=which.of_products, how=PRODUCTS)
 _register("geometric Jacobians", jacobians, _terms(products=fixed), how=GRADIENTS)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
@@ -391,11 +312,11 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
     for _how in (TRANSPOSED, BOTH):
-        _register(_name, _run, _terms(matrix=few), only=_askew, how=_how)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_walks, how=CARRIED)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_of_axes, how=BY_AXES)
-_register("geometric Jacobians", jacobians, _terms(matrix=few), only=_but_symbols, how=RATED_APART)
+        _register(_name, _run, _terms(matrix=few), only=which.askew, how=_how)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.but_symbols, how=RATED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.of_walks, how=CARRIED)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.of_axes, how=BY_AXES)
+_register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.but_symbols, how=RATED_APART)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):

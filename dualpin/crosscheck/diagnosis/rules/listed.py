@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 from ..case import Case
-from ..textbook import link_axes, plucker, spatial, world_axes
+from ..textbook import link_axes, plucker, spatial, world_axes, world_motions
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, InOrder, Seen, by_columns
 from ..textbook.in_place import GROWING, SO_FAR
@@ -27,7 +27,7 @@ def _algorithms() -> Iterator[tuple[str, Any, tuple[str, ...]]]:
         ("Newton-Euler in world axes", world_axes.forces), ("Newton-Euler in link axes", link_axes.forces),
     ):  # fmt: skip
         yield name, Dynamics(forces, by_columns(forces)), FORCES
-    yield "Newton-Euler in world axes", Seen(world_axes.accelerations), ("frame_acceleration",)
+    yield "Newton-Euler in world axes", Seen(world_motions.accelerations), ("frame_acceleration",)
     yield SPATIAL, Seen(spatial.seen, both=True), ("frame_velocity", "frame_acceleration")
     yield SPATIAL, Dynamics(spatial.forces, spatial.mass), FORCES
     yield SPATIAL, Articulated(), ("aba", "minv")

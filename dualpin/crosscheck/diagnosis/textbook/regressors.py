@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from ....spatial.adjoint import cross_matrix
 from ....spatial.inertia import Inertia
 from ...subjects.convention import PARAMETERS, parameter_names
 from ...subjects.layout import product, transposed
-from . import world_axes
+from . import world_motions
 from .poses import stacked
+from .products import skew, wedge
 from .references import six
 from .steps import Steps, cross
 from .tree import Pose, Tree
@@ -55,11 +55,11 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     of_centre = m.a + cross(m.alpha, c) + cross(m.w, cross(m.w, c))
     a = steps.pick("the acceleration in a regressor", m.a, **{"that of the centre of mass": of_centre})
     lift = steps.add("the acceleration without gravity, in a regressor", a=a, g=-g + 0 * a)
-    A, W = cross_matrix(m.alpha), cross_matrix(m.w)
+    A, W = skew(steps, m.alpha), skew(steps, m.w)
     turning = steps.add("the force of a first moment, in a regressor", **{"alpha x": A, "w x (w x)": W @ W})
     turned = {"not turned into world axes": np.eye(3) + 0 * m.R, "turned by the transposed matrix": transposed(m.R)}
     R = steps.pick("a first moment, in a regressor,", m.R, **turned)
-    arms = steps.add("the moment of a first moment, in a regressor", **{"-(a - g) x": -cross_matrix(lift)})
+    arms = steps.add("the moment of a first moment, in a regressor", **{"-(a - g) x": -skew(steps, lift)})
     I = steps.congruent("a unit inertia, in a regressor,", m.R[..., None, :, :], TENSORS)
     wrong = {
         "half of it": np.where(PRODUCTS, 0.5, 1.0) * I,
@@ -69,7 +69,7 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     }  # fmt: skip
     I = steps.pick("a unit product of inertia, in a regressor,", I, **wrong)
     w, alpha = m.w[..., None, :] + 0 * I[..., 0], m.alpha[..., None, :] + 0 * I[..., 0]
-    parts = {"I alpha": product(I, alpha), "w x I w": cross(w, product(I, w))}
+    parts = {"I alpha": product(I, alpha), "w x I w": wedge(steps, w, product(I, w))}
     second = transposed(steps.add("the moment of second moments, in a regressor", **parts))
     zero = 0 * second
     forces = [lift[..., None] + zero[..., :1], turning @ R + zero[..., :3], zero]
@@ -140,15 +140,15 @@ def _rotors(view: View) -> np.ndarray:
 
 def by_motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
     """(runs, samples, links, nv, 10), of the motions of Newton's and Euler's equations; `steps` are those of these."""
-    return _of_motions(Steps(), tree, tree.poses(q), world_axes.motions(steps, tree, q, v, a))
+    return _of_motions(Steps(), tree, tree.poses(q), world_motions.motions(steps, tree, q, v, a))
 
 
 def slipped(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
     """The same, where `steps` are those of the regressor."""
-    return _of_motions(steps, tree, tree.poses(q), world_axes.motions(Steps(), tree, q, v, a))
+    return _of_motions(steps, tree, tree.poses(q), world_motions.motions(Steps(), tree, q, v, a))
 
 
-def _of_motions(steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_axes.Motion]) -> np.ndarray:
+def _of_motions(steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_motions.Motion]) -> np.ndarray:
     if tree.floating:
         raise ValueError("a fixed base only")
     every = list(range(len(tree.links)))
@@ -161,7 +161,7 @@ def _of_motions(steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequen
     for j in (j for j in tree.links if j.moves):
         on = [k.number for k in tree.links if j in tree.joints_of(k)]
         o, axis = p[:, :, j.number, None], z[:, :, j.number, None]
-        lever = cross(axis, p[:, :, on] - o)
+        lever = wedge(steps, axis + 0 * p[:, :, on], p[:, :, on] - o)
         lever = steps.add("the moment of a force about a joint, in a regressor", **{"r x f": lever})
         turning = six(axis + 0 * lever, lever)
         slide = six(0 * lever, axis + 0 * lever)

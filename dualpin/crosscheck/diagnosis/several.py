@@ -1,0 +1,49 @@
+"""Single links or joints that a cause holds for together, and algorithms that are tried in turns."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Sequence
+
+from .case import Case
+from .hypothesis import Hypothesis, Story, style
+from .rules.dynamics import FUSED
+from .stories import Near, merged
+
+
+def growing(case: Case, term: str, single: Sequence[Hypothesis], until: float) -> list[Story]:
+    """For each family: the links or joints that together come nearest, added one at a time while that helps."""
+    families: dict[tuple[str, str, str], list[Hypothesis]] = {}
+    for h in single:
+        families.setdefault((h.key, h.says, h.values), []).append(h)
+    before = case.score(term).rms
+    found = [(family, list[Hypothesis](), before) for family in families.values() if len(family) > 1]
+    out = list[Story]()
+    while found and time.process_time() < until:  # all families in one run
+        rest = [[h for h in family if h not in chosen] for family, chosen, _ in found]
+        tried = [(merged([*chosen, h]),) for (_, chosen, _), more in zip(found, rest, strict=True) for h in more]
+        scores = iter(case.scores(term, tried))
+        grown = []
+        for (family, chosen, rms), more in zip(found, rest, strict=True):
+            best = min(((next(scores), k) for k in range(len(more))), key=lambda x: (x[0].rms, x[1]), default=None)
+            better = best is not None and best[0].rms < rms * (1 - 1e-9)
+            if best is not None and better:
+                chosen = [*chosen, more[best[1]]]
+            if best is not None and better and not best[0].right:
+                grown.append((family, chosen, best[0].rms))
+            elif len(chosen) > 1:
+                out.append((merged(chosen),))
+        found = grown
+    return out
+
+
+def in_turns(near: Sequence[Near]) -> list[Near]:
+    """The nearest of each algorithm, then the next of each: of links that are merged, and of those that are not."""
+    places: Counter[str] = Counter()
+    ranked = []
+    for n in near:
+        algorithm = ", ".join(style(h) + h.variant.replace(FUSED, "").strip(", ") for h in n.story)
+        ranked.append((places[algorithm], n))
+        places[algorithm] += 1
+    return [n for _, n in sorted(ranked, key=lambda x: x[0])]
