@@ -31,6 +31,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     sums,
     transforms,
     world_axes,
+    world_motions,
 )
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, InOrder, by_columns
 from dualpin.crosscheck.diagnosis.textbook.body_twists import Frames
@@ -52,7 +53,7 @@ RUNS = {
     "lumps": Dynamics(spatial.forces, composite.mass),
     "composites about centres": Dynamics(spatial.forces, about_centres.mass),
     "energy": composite.Energy(),
-    "seen in world axes": Seen(world_axes.accelerations),
+    "seen in world axes": Seen(world_motions.accelerations),
     "seen in link axes": Seen(link_axes.accelerations, True),
     "seen in six-vectors": Seen(spatial.seen, both=True),
     "pushed in six-vectors": Dynamics(spatial.forces, spatial.mass, pushed=spatial.pushed),

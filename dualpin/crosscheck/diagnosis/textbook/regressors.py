@@ -33,10 +33,7 @@ PLACES = [("xyz".index(name[1]), "xyz".index(name[2])) for name in PARAMETERS[4:
 TENSORS = np.array([[[float((i, j) in (at, at[::-1])) for j in range(3)] for i in range(3)] for at in PLACES])
 """Unit second moments, in the order of `PARAMETERS`."""
 PRODUCTS = np.array([i != j for i, j in PLACES])[:, None, None]
-ORDERS = {
-    "xx, yy, zz, xy, xz, yz": [0, 3, 1, 4, 5, 2], "xx, yy, zz, xy, yz, xz": [0, 3, 1, 5, 4, 2],
-    "xx, xy, xz, yy, yz, zz": [0, 1, 3, 2, 4, 5],
-}  # fmt: skip
+ORDERS = ("xx yy zz xy xz yz", "xx yy zz xy yz xz", "xx xy xz yy yz zz")
 """Of which of these the columns are, where codes list them in another order than they say."""
 
 
@@ -65,7 +62,7 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
         "half of it": np.where(PRODUCTS, 0.5, 1.0) * I,
         "in one place of the matrix alone": m.R[..., None, :, :] @ np.triu(TENSORS) @ transposed(m.R[..., None, :, :]),
         "of the other sign": np.where(PRODUCTS, -1.0, 1.0) * I,
-        **{f"another: in the order {words}": I[..., k, :, :] for words, k in ORDERS.items()},
+        **{f"another: in the order {words}": I[..., _listed(words), :, :] for words in ORDERS},
     }  # fmt: skip
     I = steps.pick("a unit product of inertia, in a regressor,", I, **wrong)
     w, alpha = m.w[..., None, :] + 0 * I[..., 0], m.alpha[..., None, :] + 0 * I[..., 0]
@@ -75,6 +72,11 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     forces = [lift[..., None] + zero[..., :1], turning @ R + zero[..., :3], zero]
     moments = [zero[..., :1], arms @ R + zero[..., :3], second]
     return _joined(forces), _joined(moments)
+
+
+def _listed(words: str) -> list[int]:
+    """Where the columns of another order are in that of `PARAMETERS`."""
+    return [PARAMETERS[4:].index(f"I{name}") for name in words.split()]
 
 
 def in_links(m: Moving, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
