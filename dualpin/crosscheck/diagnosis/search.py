@@ -19,7 +19,7 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
 from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
@@ -128,7 +128,7 @@ class Search:
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [s for some in several if in_one_run(s := ordered(itertools.chain(*some)))]
             fresh |= {identity(s): s for s in itertools.chain(together, *shown)}
-        new = [s for key, s in fresh.items() if key not in self.seen]
+        new = sorted((s for key, s in fresh.items() if key not in self.seen), key=self._strange)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, self.until)}
         self._others |= {key for key in fresh if key in self.seen}
         mine |= self._by_symbols(others) | self._derived(others)
@@ -138,6 +138,11 @@ class Search:
         if not self.exact:  # it may follow from other terms; not from what may as well follow from it
             apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
             self.consider([(h,) for h in apart])
+
+    def _strange(self, story: Story) -> int:
+        """In how many formulations it is made in which nothing is told: one code has few."""
+        told = {(style(h), h.variant) for stories in self.case.told.values() for s in stories[:1] for h in s}
+        return len({(style(h), h.variant) for h in story} - told)
 
     def exchanged(self, others: Iterable[Search]) -> None:
         """In stories of several causes: what explains another term as well as a cause that right terms contradict."""

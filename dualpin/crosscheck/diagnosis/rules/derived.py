@@ -24,7 +24,10 @@ STEP = 2e-3
 """Of all inputs: for a light joint's acceleration, of 1e3 rad/s^2, differences leave out 1e-9 and round 1e-10."""
 MOST = 12
 """Degrees of freedom up to which predictions are differentiated."""
-SOURCES = {"rnea_derivatives": ("rnea", "coriolis", "crba"), "aba_derivatives": ("aba", "rnea", "crba", "coriolis")}
+SOURCES = {
+    "rnea_derivatives": ("rnea", "coriolis", "crba"),
+    "aba_derivatives": ("aba", "rnea", "crba", "coriolis", "rnea_derivatives"),
+}
 """What derivatives may be made of."""
 
 
@@ -119,21 +122,23 @@ def _of_rnea(view: View, story: Story) -> Iterator[np.ndarray]:
 
 
 def _of_aba(view: View, story: Story) -> Iterator[np.ndarray]:
-    """Its derivatives, or -M^-1 d rnea/d(q, v) at the accelerations that it answers, or -2 M^-1 C by v."""
+    """Its derivatives, or -M^-1 d rnea/d(q, v) at the accelerations that it answers; by v by its C or its own."""
     case, observed = view.case, view.case.observed
     if "aba" not in observed:
         return
     if story and case.score("aba", story).right:
         yield _blocks(case, "aba", ("q", "v", "tau"), story, view.states)
     states = {**view.states, "a": observed["aba"][:, np.argsort(_columns(case))]}
-    inverse = np.linalg.inv(observed["crba"] if "crba" in observed else view.compute("crba"))[:, None]
+    M = observed["crba"] if "crba" in observed else view.compute("crba")
+    inverse = (observed["minv"] if "minv" in observed else np.linalg.inv(M))[:, None]
     for of in dict.fromkeys((story, ())):
         if not of or ("rnea" in observed and case.score("rnea", of).right):
             found = -inverse @ _blocks(case, "rnea", ("q", "v"), of, states)
             yield np.concatenate([found, inverse], axis=1)
-            if "coriolis" in observed:
-                by_v = -2 * inverse @ observed["coriolis"][:, None]
-                yield np.concatenate([found[:, :1], by_v, inverse], axis=1)
+            by_v = [2 * observed["coriolis"]] if "coriolis" in observed else []
+            by_v += [observed["rnea_derivatives"][:, 1]] if "rnea_derivatives" in observed else []  # whatever a is
+            for D in by_v:
+                yield np.concatenate([found[:, :1], -inverse @ D[:, None], inverse], axis=1)
 
 
 # --- regressors -----------------------------------------------------------------------------------

@@ -196,7 +196,7 @@ register(
 )  # fmt: skip
 register(
     "Newton-Euler with external wrenches",
-    Dynamics(right(world_axes.forces), right(spatial.mass), pushed=right(world_axes.pushed)), PUSHED,
+    Dynamics(right(world_axes.forces), right(spatial.mass), pushed=world_axes.pushed), PUSHED,
 )  # fmt: skip
 register(
     "Newton-Euler in world axes",

@@ -17,12 +17,15 @@ from ..textbook.answers import (
     DIFFERENTIATED,
     GRADIENTS,
     IN_LINKS,
+    INSIDE_BY_PARENTS,
     JACOBIANS,
     KINDS,
     LAGRANGE,
     LARGE,
     LINKS,
     MASS,
+    MIRRORED,
+    MIRRORED_SECOND,
     MOVED,
     MOVING,
     OF_FRAMES,
@@ -35,6 +38,7 @@ from ..textbook.answers import (
     SEEN,
     SPUN,
     SPUN_BY_PARENTS,
+    SPUN_INSIDE,
     SYMBOLIC,
     TRANSPOSED,
 )  # fmt: skip
@@ -281,16 +285,12 @@ _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
-_register(
-    "forward kinematics",
-    poses,
-    _terms(of_velocity=off("frame_velocity", "jacobian_dot")),
-    only=which.of_spins,
-    how=SPUN,
-)
-for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity")):
+_spun = _terms(of_velocity=off("frame_velocity", "jacobian_dot"))
+for _how in (SPUN, SPUN_INSIDE):
+    _register("forward kinematics", poses, _spun, only=which.of_spins, how=_how)
+    _register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=which.of_axes, how=_how)
+for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity"), (INSIDE_BY_PARENTS, "of_velocity")):
     _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=which.of_spins, how=_how)
-_register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=which.of_axes, how=SPUN)
 for _how in (LINKS, JACOBIANS, BY_PARENTS):
     _register("geometric Jacobians", both, _terms(*SEEN[1:], moved=not_large), only=which.of_cross_products, how=_how)
 _register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=which.of_centres, how=ABOUT)
@@ -311,7 +311,7 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
-    for _how in (TRANSPOSED, BOTH):
+    for _how in (TRANSPOSED, BOTH, MIRRORED, MIRRORED_SECOND):
         _register(_name, _run, _terms(matrix=few), only=which.askew, how=_how)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.but_symbols, how=RATED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.of_walks, how=CARRIED)

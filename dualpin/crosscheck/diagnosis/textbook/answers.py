@@ -32,19 +32,25 @@ PRODUCTS, GRADIENTS = "by products of columns", "by derivatives of columns by ea
 SYMBOLIC = "Christoffel's symbols of derivatives by Jacobians"
 TRANSPOSED = "Christoffel's symbols of derivatives of the second Jacobian, transposed"
 BOTH = "Christoffel's symbols of derivatives of both Jacobians"
+MIRRORED = "Christoffel's symbols of derivatives that are halves and their transposes"
+MIRRORED_SECOND = f"{MIRRORED}, of the second Jacobian"
 BY_AXES = "Christoffel's symbols of derivatives by joints' own axes"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
 RATED_APART = "Christoffel's symbols of derivatives by axes and arms"
 OF_SYMBOLS: dict[str, dict[str, Any]] = {
     SYMBOLIC: {}, TRANSPOSED: {"tensors": gradient.SECOND}, BOTH: {"tensors": gradient.EACH},
+    MIRRORED: {"mirrored": True}, MIRRORED_SECOND: {"tensors": gradient.SECOND, "mirrored": True},
     CARRIED: {"carried": True}, BY_AXES: {"apart": True},
     RATED: {"by_rates": True}, RATED_APART: {"by_rates": True, "apart": True},
 }  # fmt: skip
 """How `gradient` makes Christoffel's symbols."""
 SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
+SPUN_INSIDE = "with the momenta I w of bodies by Jacobians, w from link to link"
+INSIDE_BY_PARENTS = f"{SPUN_INSIDE}, with axes that turn by the parent's angular velocity"
 BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
+OF_MOMENTA = (SPUN, SPUN_BY_PARENTS, SPUN_INSIDE, INSIDE_BY_PARENTS)
 ABOUT = "about the right centre of mass"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 IN_LINKS = "with a regressor in the links' axes"
@@ -134,12 +140,12 @@ class Made:
 
     def columns(self, tree: Poses) -> Columns:
         columns = KINDS.get(self.how, Columns)(tree, self.rest, self.in_world)
-        columns.by_parents = self.how in (BY_PARENTS, SPUN_BY_PARENTS)
+        columns.by_parents = self.how in (BY_PARENTS, SPUN_BY_PARENTS, INSIDE_BY_PARENTS)
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Equations:
         sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted)
-        sums.spun = self.how in (SPUN, SPUN_BY_PARENTS)
+        sums.spun = (self.how in (SPUN, SPUN_BY_PARENTS), self.how in OF_MOMENTA)
         sums.about = self.view.compute("com")[None] if self.how == ABOUT else None
         if self.how == PROJECTED:
             sums.motion = Equations(tree, Columns(tree, RIGHT), RIGHT, rooted=self.rooted)

@@ -24,14 +24,15 @@ class Equations(Sums):
 
     Attributes
     ----------
-    spun : bool
-        Whether w of w x I w is made of Jacobians, although rates of Jacobians take velocities from link to link.
+    spun : (bool, bool)
+        Whether the first and the second w of w x I w are made of Jacobians, although rates of Jacobians take
+        velocities from link to link.
     motion : Equations, optional
         Where velocities and accelerations of bodies are taken from, if not from these Jacobians.
     """
 
     motion: Equations | None = None
-    spun = False
+    spun = (False, False)
 
     @cached_property
     def mass_matrix(self) -> np.ndarray:
@@ -68,7 +69,10 @@ class Equations(Sums):
     @cached_property
     def spins(self) -> np.ndarray:
         """w of the bodies, in w x I w."""
-        if self.spun:
+        return self._spin(self.spun[0])
+
+    def _spin(self, by_jacobians: bool) -> np.ndarray:
+        if by_jacobians:
             assert self.poses.qd is not None
             w = product(self.jacobians[..., :3, :], self.poses.qd[..., None, :])
         else:
@@ -108,10 +112,10 @@ class Equations(Sums):
         steps, qd = self.steps, self.poses.qd
         assert qd is not None
         moving = self.motion or self
-        w = moving.spins
+        w, inside = moving.spins, moving.spins if moving.spun[0] == moving.spun[1] else moving._spin(moving.spun[1])
         rest = product(moving.rates, qd[..., None, :])
         I, J = self.inertia, transposed(self.jacobians)
-        parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": wedge(steps, w, product(I, w))}
+        parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": wedge(steps, w, product(I, inside))}
         n, f = (
             steps.add("the moment of a body", **parts),
             self.masses("the mass in m Jv' v")[..., None] * rest[..., 3:],

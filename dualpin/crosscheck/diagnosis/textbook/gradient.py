@@ -29,7 +29,8 @@ SECOND, EACH = "of the second Jacobian", "of both Jacobians"
 
 
 def coriolis(
-    sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, tensors: str = ""
+    sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, tensors: str = "",
+    mirrored: bool = False,
 ) -> np.ndarray:  # fmt: skip
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
@@ -38,6 +39,7 @@ def coriolis(
     `carried`: a body's columns are derived by, and of, the joints that carry it, whichever columns it has.
     `tensors`: J_i . M dJ_j is made and transposed (SECOND), not dJ_i . M J_j, or each is made by itself (EACH), which
     tensors that are not symmetric tell apart.
+    `mirrored`: of dI/dq_k only [w_k] I is made, and its transpose is added.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -81,6 +83,8 @@ def coriolis(
         "[w_k] I": steps.pick("[w_k] I in dI/dq_k", W @ T, **other_products(W, T)),
         "-I [w_k]": -steps.pick("I [w_k] in dI/dq_k", T @ W, **other_products(T, W)),
     }  # fmt: skip
+    if mirrored:
+        terms["-I [w_k]"] = transposed(W @ T)
     rate = (turning * counted[..., None])[..., None] * steps.add("dI/dq_k", **terms)
     both = {
         "the derivative of the first Jacobian":
