@@ -187,14 +187,15 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
+    if not catalogue.settled:
+        stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
+        stage(one_more_cause, one_more, unknown, off[1:])
     stage(beside, besides_nearer, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
     stage(several, Search.several, lambda s: not (s.good or s.toggled), off)
     if not catalogue.settled:
-        stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
-        stage(one_more_cause, one_more, unknown, off[1:])
         stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
     stage(beside, besides, unknown, off)
     stage(reading, one_more_reading, unknown, off)
