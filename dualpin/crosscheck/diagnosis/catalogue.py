@@ -18,7 +18,7 @@ from .scores import Score
 from .stories import in_time, kept, nearness
 from .textbook.slipped import algorithm, made_of, share
 
-AT_ONCE, SHORT = 800, 600  # slips that are scored before the time is looked at; those of a short algorithm, at most
+AT_ONCE, SHORT = 800, 100  # slips that are scored before the time is looked at; by which algorithms count as short
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
 MANY = 24  # stories of which those that come nearest at few states are looked at in all
 FEW = 1e-7
@@ -107,9 +107,9 @@ class Catalogue:
         sizes = Counter(algorithm(same[0].act) for same in groups.values())
         styles = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
 
-        def later(same: list[Hypothesis]) -> tuple[bool, ...]:
+        def later(same: list[Hypothesis]) -> tuple[int, ...]:
             h = same[0]
-            return not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] > SHORT
+            return not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] // SHORT
 
         alike = sorted(groups.values(), key=later)
         scores = list[Score]()

@@ -184,6 +184,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes
                 before = [t for t in off if not searches[t].open][:FIRST]
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
+            stage(beside, besides, unknown, [term])
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
