@@ -25,6 +25,7 @@ OWN = ("gravity",)
 """Keys of numbers that each function may have for itself: right terms contradict them half as much."""
 APART = ("kinetic_energy", "coriolis")
 """Terms that codes often make in a way of their own: a slip of other terms is not contradicted where they are right."""
+LONELY = 2  # terms that a cause explains, so that one of others is looked for
 FOLLOWING = 0.9
 """How much less it claims that a term differs as others do, where these are explained: it names no other mistake."""
 
@@ -96,3 +97,9 @@ def cause_of(h: Hypothesis) -> tuple[Any, ...]:
 
 def as_causes(s: Story) -> frozenset[Any]:
     return frozenset(map(cause_of, s))
+
+
+def lonely(picked: Mapping[str, Story]) -> list[str]:
+    """Terms whose cause explains hardly any others."""
+    told = Counter(as_causes(s) for s in picked.values())
+    return [t for t, s in picked.items() if told[as_causes(s)] <= LONELY and all(h.key != "follows" for h in s)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections import Counter
@@ -14,15 +13,15 @@ from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
-from .choice import as_causes, cause_of, cheapest, prices
-from .hypothesis import Hypothesis, Story, cost, identity, ordered
+from .choice import as_causes, cause_of, cheapest, lonely, prices
+from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
 from .rules.register import DERIVED, PUSHED, WEIGHED
 from .scores import scaled
 from .search import DOUBTFUL, Search
 from .spared import READ, spared
-from .stories import Explanation
+from .stories import Explanation, together, united
 
 BUDGETS = (8.0, 50.0)
 """Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share.
@@ -130,7 +129,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if wanted(search):
                 tick(f"{term}: {what}")
                 of(search)
-            found[:] = _united([*found, *search.stories[:EARLIER]])
+            found[:] = united([*found, *search.stories[:EARLIER]])
             case.told = {t: s.stories for t, s in searches.items() if not s.open}
             _settle(catalogue.settled, searches)
 
@@ -148,7 +147,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def one_more(search: Search) -> None:
         together = [s for s in _picked(case, searches).values() if len(s) > 1]
         told = {h.cause for other in searches.values() for s in other.stories if len(s) == 1 for h in s}
-        search.added([*_united(together), *_causes(case, searches)], told)
+        search.added([*united(together), *_causes(case, searches)], told)
 
     def one_more_reading(search: Search) -> None:
         search.added_readings(_causes(case, searches))
@@ -222,11 +221,14 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     causes = _causes(case, searches)
     for term, search in searches.items():  # what was found last may explain a term before
         tick(f"{term}: what explains other terms")
-        search.known([*causes, *_together(causes), *found])
+        search.known([*causes, *together(causes), *found])
         search.composed()
         if search.open:
             search.sums()
         search.exchanged(searches.values())
+    picked = _picked(case, searches)
+    for term in lonely(picked):
+        searches[term].shared(_causes(case, searches)[:FIRST])
     return _grounded({t: s.explanation() for t, s in searches.items()})
 
 
@@ -265,16 +267,6 @@ def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
 def _picked(case: Case, searches: Mapping[str, Search]) -> dict[str, Story]:
     options = {t: s.stories for t, s in searches.items() if not s.open}
     return cheapest(options, prices(case, options))
-
-
-def _together(causes: Sequence[Story]) -> list[Story]:
-    """Two and three of the causes that were found, together."""
-    return [ordered(h for s in some for h in s) for n in (2, 3) for some in itertools.combinations(causes[:8], n)]
-
-
-def _united(stories: Sequence[Story]) -> list[Story]:
-    """Each once."""
-    return list({identity(s): s for s in stories}.values())
 
 
 def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, float], found: Diagnosis) -> None:

@@ -57,6 +57,7 @@ SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
+POSES = {"fk", "frame_velocity"}
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -138,6 +139,13 @@ class Search:
         if not self.exact:  # it may follow from other terms; not from what may as well follow from it
             apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
             self.consider([(h,) for h in apart])
+
+    def shared(self, causes: Sequence[Story]) -> None:
+        """Whether the causes of most terms are behind this one too, although it is explained."""
+        mine = {h.mistake or h.cause for s in self.good.values() for h in s}
+        shown = [s for cause in causes for h in cause if (h.mistake or h.cause) not in mine for s in self._shown(h)]
+        fresh = sorted((s for s in shown if identity(s) not in self.seen), key=self._strange)
+        self.consider(self.catalogue.nearest(self.term, fresh, self.until))
 
     def _strange(self, story: Story) -> int:
         """In how many formulations it is made in which nothing is told: one code has few."""
@@ -247,7 +255,7 @@ class Search:
         """Whether all that explains it needs a wrong pose or velocity of links, against poses and velocities."""
 
         def against(h: Hypothesis) -> bool:
-            return in_poses(h) and not {"fk", "frame_velocity"}.isdisjoint(spared(self.case, h))
+            return in_poses(h) and not POSES.isdisjoint(spared(self.case, h))
 
         return all(any(map(against, s)) for s in self.held)
 
@@ -373,9 +381,11 @@ class Search:
         return found
 
     def _contradicted(self, story: Story) -> bool:
-        """By right terms: numbers, and two causes of which right poses speak against each."""
+        """By right terms: numbers, slips in right poses, and two causes against which poses or twists speak."""
         against = [(h, spared(self.case, h)) for h in story]
-        return any(terms and numbers_in(h, story) for h, terms in against) or sum("fk" in t for _, t in against) > 1
+        posed = [(h, set(terms)) for h, terms in against if not POSES.isdisjoint(terms)]
+        one_pass = any(in_poses(h) and "fk" in terms for h, terms in posed)
+        return any(terms and numbers_in(h, story) for h, terms in against) or one_pass or len(posed) > 1
 
     def _part(self) -> float:
         return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)

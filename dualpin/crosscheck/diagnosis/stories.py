@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost
+from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .scores import Score
 from .textbook.slipped import Added, in_one
 
@@ -137,3 +138,13 @@ def cheapest(stories: Iterable[Story]) -> list[Story]:
     """Those that claim little more than the cheapest."""
     found = sorted(stories, key=lambda s: (cost(s), len(s)))
     return [s for s in found if cost(s) <= cost(found[0]) + 1.01][:24]
+
+
+def together(causes: Sequence[Story]) -> list[Story]:
+    """Two and three of the causes that were found, together."""
+    return [ordered(h for s in some for h in s) for n in (2, 3) for some in itertools.combinations(causes[:8], n)]
+
+
+def united(stories: Sequence[Story]) -> list[Story]:
+    """Each once."""
+    return list({identity(s): s for s in stories}.values())

@@ -12,6 +12,7 @@ from ..textbook.answers import (
     ABOUT,
     BOTH,
     BY_AXES,
+    BY_ORIGINS,
     BY_PARENTS,
     CARRIED,
     DIFFERENTIATED,
@@ -285,12 +286,18 @@ _register("geometric Jacobians", jacobians, _terms(*RATES, "kinetic_energy", of_
 _register("geometric Jacobians", jacobians, _terms(rates=off("jacobian")), how=DIFFERENTIATED)
 for _name, _run in (("forward kinematics", poses), ("geometric Jacobians", jacobians)):
     _register(_name, _run, RATES, how=POINTS)
+_spun_second = _terms(second=off("frame_velocity"))
 _spun = _terms(of_velocity=off("frame_velocity", "jacobian_dot"))
 for _how in (SPUN, SPUN_INSIDE):
     _register("forward kinematics", poses, _spun, only=which.of_spins, how=_how)
     _register("geometric Jacobians", jacobians, _terms(of_velocity=not_large), only=which.of_axes, how=_how)
+    _register(
+        "geometric Jacobians", jacobians, _terms(of_velocity=not_large), after="crba", only=which.but_axes, how=_how
+    )
 for _how, _group in ((BY_PARENTS, "second"), (SPUN_BY_PARENTS, "of_velocity"), (INSIDE_BY_PARENTS, "of_velocity")):
     _register("forward kinematics", poses, _terms(**{_group: off("frame_velocity")}), only=which.of_spins, how=_how)
+_register("forward kinematics", poses, _spun_second, only=which.of_velocities, how=BY_ORIGINS)
+_register("geometric Jacobians", jacobians, _terms(second=fixed), only=which.of_origins, how=BY_ORIGINS)
 for _how in (LINKS, JACOBIANS, BY_PARENTS):
     _register("geometric Jacobians", both, _terms(*SEEN[1:], moved=not_large), only=which.of_cross_products, how=_how)
 _register("geometric Jacobians", jacobians, ("centroidal_momentum_matrix",), only=which.of_centres, how=ABOUT)

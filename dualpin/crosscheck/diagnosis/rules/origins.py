@@ -116,6 +116,8 @@ def _parts() -> Iterable[Reading]:
         e = np.eye(3)[k]
         for values, factors in ((f"without {name}", 1 - e), (f"{name} alone", e), (f"-{name}", 1 - 2 * e)):
             yield _scaled("has an angle left out, or of the other sign", values, factors)
+        two = " ".join(f"-{other}" for other in ANGLE if other != name)
+        yield _scaled("has an angle left out, or of the other sign", two, 2 * e - 1)
     yield _scaled("has an angle left out, or of the other sign", "-roll -pitch -yaw", -np.ones(3))
     says = "has an angle left out, or of the other sign"
     yield Reading("rpy_part", says, "their absolute values", _turns(lambda x: fixed_axes(abs(x))), ANGLES, rare=True)

@@ -45,6 +45,22 @@ def of_spins(slip: Slip) -> bool:
     return slip.site.startswith(SPINS)
 
 
+def of_velocities(slip: Slip) -> bool:
+    """Whether it is one of the velocities of links."""
+    return slip.site.startswith(
+        ("the velocity of a link", "the arm to a link's origin", "the angular velocity that carries")
+    )
+
+
+def of_origins(slip: Slip) -> bool:
+    """Whether it is one of the velocities of joints' origins."""
+    return slip.site.endswith("the velocity of a joint's origin")
+
+
+def but_axes(slip: Slip) -> bool:
+    return not of_axes(slip)
+
+
 def of_axes(slip: Slip) -> bool:
     """Whether it is one of the angular part of columns."""
     axes = ("the axis of a column", "the joint whose axis", "the direction in a column", "the column of a", MOVING_AXES)

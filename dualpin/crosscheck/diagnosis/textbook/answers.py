@@ -47,6 +47,7 @@ OF_SYMBOLS: dict[str, dict[str, Any]] = {
 """How `gradient` makes Christoffel's symbols."""
 SPUN = "with angular velocities of bodies by Jacobians, rates from link to link"
 SPUN_INSIDE = "with the momenta I w of bodies by Jacobians, w from link to link"
+BY_ORIGINS = "with velocities of joints' origins by those of the links on which they are"
 INSIDE_BY_PARENTS = f"{SPUN_INSIDE}, with axes that turn by the parent's angular velocity"
 BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
@@ -140,6 +141,7 @@ class Made:
 
     def columns(self, tree: Poses) -> Columns:
         columns = KINDS.get(self.how, Columns)(tree, self.rest, self.in_world)
+        columns.by_origins = self.how == BY_ORIGINS
         columns.by_parents = self.how in (BY_PARENTS, SPUN_BY_PARENTS, INSIDE_BY_PARENTS)
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 

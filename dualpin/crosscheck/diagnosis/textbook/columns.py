@@ -25,6 +25,7 @@ from .poses import Poses, stacked
 from .products import wedge
 from .references import joined, six
 from .steps import Steps, cross
+from .velocities import of_origin
 from .walks import ENDS, walks
 
 CENTRE, LEVER = "a centre of mass", "the lever arm to a centre of mass"
@@ -46,6 +47,8 @@ class Columns:
         Motions of the links: from link to link, or `by_jacobians`.
     by_parents : bool
         Whether axes turn by w of their parents, not of their own links: w x z is the same for both.
+    by_origins : bool
+        Whether velocities of joints' origins are made of those of the links on which they are.
     world : (bool, bool)
         Whether the subject writes the base's columns for angular and linear velocities in world axes.
     """
@@ -63,7 +66,7 @@ class Columns:
         self.listed, self.follow = beside(poses.parent, self.links, (self.before, self.after))
         self.o = stacked(poses.p, self.links, 1)
         self.z = self._whole([self._directions(g, which) for g, which in self.groups], -2)
-        self.w, self.v, self.by_product, self.by_parents = poses.w, poses.v, False, False
+        self.w, self.v, self.by_product, self.by_parents, self.by_origins = poses.w, poses.v, False, False, False
 
     def by_jacobians(self) -> Columns:
         """With the motions of links as the product of their Jacobians and the velocity; the root's is given."""
@@ -330,6 +333,10 @@ class Columns:
                 body_v + cross(body_w, p + body_p) + 0 * ends,
         }  # fmt: skip
         ends = steps.pick(f"the velocity of the end of a lever arm: at {whose}", ends, **wrong)
+        if self.by_origins and not self.axes[group[0]].base:
+            on = [self.parents[i] for i in group]
+            up_w, up_v, up_p = (stacked(x, on, 1)[..., None, :, :] for x in (self.w, self.v, self.poses.p))
+            u = of_origin(steps, up_w, up_v, up_p, o)
         u = steps.pick(
             f"the velocity of a joint in the rate of a lever arm: {which}", u, **self._others(group, self.v, u)
         )

@@ -310,7 +310,8 @@ def _inward(
             others |= axes(np.eye(3)[None, None], "of the link's frame") | {
                 "turned into the parent's axes": product(k.R, k.z)
             }
-            z = steps.pick("the axis along which a joint feels force or moment", k.z, **others)
+            which = "of sliding links" if k.slides else "of turning links"
+            z = steps.pick(f"the axis along which a joint feels force or moment: {which}", k.z, **others)
             columns[k.column] = felt(steps, k, z, f_k, n_k, own[k.number])
         if k.parent < 0:
             continue

@@ -201,7 +201,8 @@ def about_origin(steps: Steps, group: list[Piece]) -> Body:
         which = f": {'of the link that joints move' if k == 0 else 'of links fixed to it'}"
         terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, masses[k], c, which)}
         about = about + steps.add(f"the inertia about the body's origin{which}", **terms)
-        first = first + masses[k] * c
+        moments = {"m c of what is there": first, "m c of the fixed link": masses[k] * c}
+        first = steps.add("the sum m c of what is there and a fixed link", **moments)
     mass = masses.sum()
     C = first / (mass or 1.0)
     back = _steiner(steps, mass, C, ": of all at once, back to the common centre")

@@ -14,7 +14,7 @@ from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .poses import Poses
 from .products import wedge
 from .references import six
-from .steps import cross
+from .steps import Steps, cross
 from .tree import THAT_SLIDE, THAT_TURN
 
 SPINS = (
@@ -119,3 +119,10 @@ def _start(t: Poses, link: int, up: int) -> tuple[np.ndarray, np.ndarray]:
 def _near(t: Poses, link: int, of: list[np.ndarray]) -> dict[str, np.ndarray]:
     """What the link before in the list has."""
     return {f"that of the link before in the list{t.listing}": of[t.before_in_list(link)]}
+
+
+def of_origin(steps: Steps, w: np.ndarray, v: np.ndarray, p: np.ndarray, o: np.ndarray) -> np.ndarray:
+    """The velocity of a joint's origin o, made of that of the link on which it is, at p."""
+    r = steps.pick("the arm in the velocity of a joint's origin", o - p, **{"that from the world's origin": o})
+    terms = {"that of the link on which it is": v, "w x r": wedge(steps, w + 0 * r, r + 0 * w)}
+    return np.asarray(steps.add("the velocity of a joint's origin", **terms))

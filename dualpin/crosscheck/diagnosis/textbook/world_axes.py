@@ -72,7 +72,7 @@ def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], zs: list[n
         "turned by the parent's matrix": product(on.R0, k.z),
         "turned by the transposed matrix": product(transposed(pose.R0), k.z),
     }  # fmt: skip
-    z = steps.pick("the axis along which a joint feels force or moment", z, **others)
+    z = steps.pick(f"the axis along which a joint feels force or moment: {kind(k)}", z, **others)
     return np.asarray(steps.pick(f"the axis of force and moment: {kind(k)}", z, **{"that of the parent": of_parent}))
 
 

@@ -131,13 +131,16 @@ def _next(
         qd, qdd = own_rates(steps, tree, k, q, v, a)
         z_qd, z_qdd = z * qd, z * qdd
         there = rate_in_cross(steps, tree, k, q, v, a)
-        turning = wedge(steps, steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws), z * there)
+        turned = steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws)
+        about = steps.mistaken("z in w x z qd", z, **{"the link's angular velocity": up.w + (not k.slides) * z_qd})
+        turning = wedge(steps, turned, about * there)
     if k.slides:
         place = product(on.R0, k.p)
         parts = {"without its travel": place, "its travel alone": r - place}
         r = steps.pick("the arm to a sliding link", r, **parts)
         w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
-        alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
+        wrong = {"zero": 0 * alpha, "that with w x z qd, as of a turning one": alpha + turning}
+        alpha = steps.pick("the angular acceleration of a sliding link", alpha, **wrong)
     elif k.moves:
         w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
