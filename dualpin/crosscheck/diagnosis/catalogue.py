@@ -70,10 +70,15 @@ class Catalogue:
     def of(self, term: str, single: bool, error: float) -> list[Hypothesis]:
         return [h for h in self.all if term in h.terms and h.single == single and error < h.most]
 
+    @property
+    def used(self) -> frozenset[int]:
+        """The late rules that were needed so far."""
+        return frozenset(late for late, _ in self._late)
+
     def kin(self, h: Hypothesis, term: str) -> list[Hypothesis]:
         """The same mistake as other formulations, or what is made of them, show it."""
         mistake, found = h.mistake or h.cause, list[Hypothesis]()
-        for late in {late for late, _ in self._late}:
+        for late in self.used:
             if (late, term) in self._late:
                 found += self._late[late, term].get(mistake, ())
                 continue

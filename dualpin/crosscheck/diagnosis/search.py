@@ -81,6 +81,7 @@ class Search:
         self._whole, self._single = (catalogue.of(term, one, self.before.error) for one in (False, True))
         self._near_slips: list[Hypothesis] = []
         self._others: set[frozenset[object]] = set()
+        self._heard: set[tuple[frozenset[object], frozenset[int]]] = set()
         self._beam: list[Story] = []
         self.tried = self.toggled = self.slipped = self.remerged = self.reread = False
 
@@ -125,6 +126,9 @@ class Search:
         # finding what other formulations show takes long: where these explain it, what has a name of its own is told
         fresh: dict[frozenset[object], Story] = {}
         for story in others if not self.exact else [s for s in others if any(h.named for h in s)]:
+            if (identity(story), self.catalogue.used) in self._heard:
+                continue
+            self._heard.add((identity(story), self.catalogue.used))
             shown = [self._shown(h) for h in story]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             together = [s for some in several if in_one_run(s := ordered(itertools.chain(*some)))]
