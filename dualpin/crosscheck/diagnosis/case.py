@@ -97,6 +97,8 @@ class Case:
         self._layouts: dict[Wording, tuple[Layout, States] | None] = {}
         self.told: dict[str, Sequence[Story]] = {}
         """What explains terms, as far as it is found, the likeliest first."""
+        self.asked: dict[int, list[str]] = {}
+        """Of rules by number: the terms that they predict."""
         self.spared: dict[Any, list[str]] = {}
         """What `spared` found out."""
         self._robots: dict[int, tuple[Description, Robot]] = {}

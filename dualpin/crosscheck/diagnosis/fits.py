@@ -56,7 +56,7 @@ ALIKE = ("gravity", "bias", "rnea", "rnea_f_ext")
 
 
 def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndarray) -> list[Hypothesis]:
-    if term not in (*WEIGHED, "potential_energy") or keys & {"gravity", "no_gravity_in_bias"}:
+    if term not in LINEAR or keys & {"gravity", "no_gravity_in_bias"}:
         return []
 
     def under(g: Sequence[float] | np.ndarray) -> Hypothesis:
@@ -76,6 +76,8 @@ def _gravity(case: Case, term: str, story: Story, keys: set[str], train: np.ndar
     return [] if np.abs(snapped - np.array(case.asking.gravity)).max() < 1e-12 else [under(snapped)]
 
 
+LINEAR = (*WEIGHED, "potential_energy", "rnea_f_ext", "rnea_derivatives", "joint_torque_regressor")
+"""Terms from which gravity is estimated."""
 FALLING = (*WEIGHED, *PUSHED, *DERIVED, "joint_torque_regressor", "potential_energy", "frame_acceleration")
 """Terms in which gravity counts; in accelerations beside another cause, where they are those of an accelerometer."""
 

@@ -89,10 +89,13 @@ def formulation(
         return -SPATIAL if of_space else rarer
 
     def decorate(run: Run) -> Run:
-        def asked(case: Case) -> list[str]:
-            return [t for t in (terms(case) if callable(terms) else terms) if t in case.observed] if when(case) else []
-
         number = len(RULES)
+
+        def asked(case: Case) -> list[str]:
+            if number not in case.asked:
+                found = (terms(case) if callable(terms) else terms) if when(case) else []
+                case.asked[number] = [t for t in found if t in case.observed]
+            return case.asked[number]
 
         def slips(case: Case, term: str) -> Mapping[tuple[str, ...], Sequence[Slip]]:
             """By the mistakes that they are; found once for a robot."""
