@@ -20,6 +20,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     spatial,
     walks,
     world_axes,
+    world_motions,
 )
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, InOrder, Seen, by_columns
@@ -42,7 +43,7 @@ MOVING = {
 }  # fmt: skip
 NEWTON = {
     "bias": Dynamics(world_axes.forces, by_columns(world_axes.forces)),
-    "frame_acceleration": Seen(world_axes.accelerations),
+    "frame_acceleration": Seen(world_motions.accelerations),
 }
 SPIN = ("wk = wk + z[k] * v[b.dof]", "wk += z[k] * v[b.dof]")
 IN_THE_LOOP, UP = "                up = up + ", "                up += "
