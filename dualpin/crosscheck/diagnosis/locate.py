@@ -28,7 +28,7 @@ SINGLE = (1e-9, 1e-5)
 
 DERIVED = {
     "jacobian_dot": ("jacobian", "fk"), "coriolis": ("crba",), "gravity": ("potential_energy",), "jacobian": ("fk",),
-    "com_jacobian": ("com",),
+    "com_jacobian": ("com",), "rnea_derivatives": ("rnea",), "aba_derivatives": ("aba",),
 }  # fmt: skip
 """What a term is the derivative of."""
 EXACT = 1e-12

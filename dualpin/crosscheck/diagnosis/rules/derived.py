@@ -26,7 +26,7 @@ MOST = 12
 """Degrees of freedom up to which predictions are differentiated."""
 SOURCES = {
     "rnea_derivatives": ("rnea", "coriolis", "crba"),
-    "aba_derivatives": ("aba", "rnea", "crba", "coriolis", "rnea_derivatives"),
+    "aba_derivatives": ("aba", "rnea", "crba", "minv", "coriolis", "rnea_derivatives"),
 }
 """What derivatives may be made of."""
 

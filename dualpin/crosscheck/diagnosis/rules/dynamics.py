@@ -191,9 +191,11 @@ for _name, _forces in {
         _name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}",
         after=of_mass,
     )  # fmt: skip
-register(
-    "regressors", Dynamics(right(world_axes.forces), right(spatial.mass), regressor=regressors.slipped), (REGRESSOR,)
-)  # fmt: skip
+for _variant, _regressor in {"": regressors.slipped, "in the links' axes": regressors.slipped_in_links}.items():
+    register(
+        "regressors", Dynamics(right(world_axes.forces), right(spatial.mass), regressor=_regressor), (REGRESSOR,),
+        _variant,
+    )  # fmt: skip
 register(
     "Newton-Euler with external wrenches",
     Dynamics(right(world_axes.forces), right(spatial.mass), pushed=world_axes.pushed), PUSHED,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..case import View
-from ..textbook.answers import JACOBIANS, Made
+from ..textbook.answers import JACOBIANS, OF_SYMBOLS, Made
 from ..textbook.assembly import Dynamics, Seen
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
@@ -38,7 +38,15 @@ class Slipping:
         if type(other) is Dynamics or isinstance(other, Seen):
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
-        if not isinstance(other, Slipping) or self._with(other) != other._with(self):
+        if not isinstance(other, Slipping):
+            return None
+        symbols = [s for s in (self, other) if dict(s.how).get("how") in OF_SYMBOLS]
+        free = [s for s in (self, other) if "rest" not in s.parts and set(dict(s.how)) <= {"fused", "early"}]
+        mine, theirs = dict(self.how), dict(other.how)
+        if symbols and free and mine.get("fused") == theirs.get("fused"):  # whatever poses are, C is made of M
+            parts, how = self.parts | other.parts, tuple(sorted({**mine, **theirs}.items()))
+            return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
+        if self._with(other) != other._with(self):
             return None
         parts, how = self.parts | other.parts, max(self.how, other.how, key=len)  # axes are kept early in both
         return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None

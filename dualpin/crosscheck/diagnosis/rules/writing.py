@@ -292,12 +292,21 @@ def a_ignored(view: View) -> States:
     return {**view.states, "a": 0 * view.states["a"]}
 
 
-@rule(
-    "clipped", "positions are cut to the file's limits", "take positions as they are passed", ALL, "state", cost=1.1,
-    when=lambda case: bool((case.robot.lower > -np.inf).any()),
-)  # fmt: skip
-def clipped(view: View) -> States:
-    return {**view.states, "q": np.clip(view.states["q"], view.case.robot.lower, view.case.robot.upper)}
+@proposer("clipped", "positions are cut", "take positions as they are passed")
+def clipped(h: Hypothesis, case: Case) -> list[Hypothesis]:
+    """To the file's limits, or to others."""
+    low, high = case.robot.lower, case.robot.upper
+    found: dict[str, tuple[Any, Any]] = {"to the file's limits": (low, high)} if (low > -np.inf).any() else {}
+    if not case.floating:
+        found |= {f"to -{words} .. {words}": (-x, x) for words, x in (("1", 1.0), ("pi/2", np.pi / 2), ("pi", np.pi))}
+
+    def one(words: str, ends: tuple[Any, Any]) -> Hypothesis:
+        def act(view: View) -> States:
+            return {**view.states, "q": np.clip(view.states["q"], *ends)}
+
+        return replace(h, terms=ALL, place="state", act=act, values=words, cost=1.1)
+
+    return [one(words, ends) for words, ends in found.items()]
 
 
 @rule("q_ignored", "positions are ignored", "pass q, and use it", ALL, "state", cost=1.2)

@@ -188,10 +188,8 @@ class Made:
         second = product(J, a) + product(D, v)
         moving = regressors.Moving(R, w, second[..., :3], second[..., 3:])
         g = np.array(self.view.description.gravity)
-        if self.how == IN_LINKS:
-            forces, moments = regressors.in_links(moving, g)
-        else:
-            forces, moments = regressors.wrenches(RIGHT, moving, g, 0 * p)
+        made = regressors.in_links if self.how == IN_LINKS else regressors.wrenches
+        forces, moments = made(RIGHT, moving, g, 0 * p)
         columns = self.columns(tree)
         Y = regressors.torques(RIGHT, columns.reduced(columns.at(p, links)), forces, moments)
         name = {n: link for link, n in tree.number.items()}

@@ -219,8 +219,8 @@ class Poses:
             x = steps.add("the position of a joint that follows", **terms)
         x = part.rate * x
         axis = about = part.unit_axis[None, None]
-        if part.axis is not None and np.abs(part.axis - axis).max() > 1e-12:
-            raw, own = _lengths(part.axis), ways.own or steps
+        raw, own = {} if part.axis is None else _lengths(part.axis, axis), ways.own or steps
+        if raw:
             axis = own.pick("the axis of a joint", axis, **raw)
             about = own.pick("the axis in a joint's rotation", axis, **raw)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
@@ -333,15 +333,16 @@ class Poses:
         return H
 
 
-def _lengths(axis: np.ndarray) -> dict[str, np.ndarray]:
-    """An axis that is not divided by its length."""
+def _lengths(axis: np.ndarray, right: np.ndarray) -> dict[str, np.ndarray]:
+    """An axis that is not divided by its length, or is rounded."""
     other = {
         "divided by the square of its length": axis @ axis, "divided by the sum of its entries": axis.sum(),
         "divided by the sum of its entries' absolute values": np.abs(axis).sum(),
         "divided by its largest entry": np.abs(axis).max(), "multiplied by its length": 1 / np.linalg.norm(axis),
     }  # fmt: skip
     found = {"not normalised": axis, **{words: axis / x for words, x in other.items() if abs(x) > 1e-9}}
-    return {words: x[None, None] for words, x in found.items()}
+    found["rounded to whole numbers"] = np.round(right[0, 0])
+    return {words: x[None, None] for words, x in found.items() if np.abs(x - right).max() > 1e-12}
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

@@ -10,7 +10,7 @@ References: Atkeson, An and Hollerbach, Estimation of Inertial Parameters of Man
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -79,12 +79,16 @@ def _listed(words: str) -> list[int]:
     return [PARAMETERS[4:].index(f"I{name}") for name in words.split()]
 
 
-def in_links(m: Moving, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def in_links(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same, made in the links' axes and turned into the world's: not so if matrices are no rotations."""
     back = transposed(m.R)
-    w, alpha, a = (product(back, x) for x in (m.w, m.alpha, m.a - g))
+    w = steps.turn("the angular velocity in a regressor", back, m.w)
+    alpha = steps.turn("the angular acceleration in a regressor", back, m.alpha)
+    a = steps.turn("the acceleration without gravity, in a regressor,", back, m.a - g)
     made = wrenches(Steps(), Moving(np.eye(3) + 0 * m.R, w, alpha, a), np.zeros(3), 0 * a)
-    return m.R @ made[0], m.R @ made[1]
+    return steps.pick("the force of a unit parameter", m.R @ made[0], **{"in the link's axes": made[0]}), steps.pick(
+        "the moment of a unit parameter", m.R @ made[1], **{"in the link's axes": made[1]}
+    )
 
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
@@ -150,14 +154,22 @@ def slipped(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
     return _of_motions(steps, tree, tree.poses(q), world_motions.motions(Steps(), tree, q, v, a))
 
 
-def _of_motions(steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_motions.Motion]) -> np.ndarray:
+def slipped_in_links(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
+    """The same, made in the links' axes."""
+    return _of_motions(steps, tree, tree.poses(q), world_motions.motions(Steps(), tree, q, v, a), in_links)
+
+
+def _of_motions(
+    steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_motions.Motion],
+    made: Callable[..., tuple[np.ndarray, np.ndarray]] = wrenches,
+) -> np.ndarray:  # fmt: skip
     if tree.floating:
         raise ValueError("a fixed base only")
     every = list(range(len(tree.links)))
     w, alpha, a, z = (stacked([getattr(m, x) for m in motions], every, 1) for x in ("w", "alpha", "a", "z"))
     R, p = stacked([x.R0 for x in poses], every, 2), stacked([x.p0 for x in poses], every, 1)
     c = product(R, stacked([k.c for k in tree.links], every, 1) + 0 * R[..., 0])
-    forces, moments = wrenches(steps, Moving(R, w, alpha, a), tree.gravity[:, :, None], c)
+    forces, moments = made(steps, Moving(R, w, alpha, a), tree.gravity[:, :, None], c)
     lead = np.broadcast_shapes(z.shape[:2], p.shape[:2], (steps.rows, 1))
     J = np.zeros((*lead, len(every), 6, tree.nv))
     for j in (j for j in tree.links if j.moves):

@@ -136,6 +136,9 @@ def entry_by_entry(steps: Steps, w: np.ndarray, u: np.ndarray, whose: str) -> np
     return _matrix(steps, table, f"of the rotation of {whose}")
 
 
+ANGLES = ("roll", "pitch", "yaw")
+
+
 def of_rpy(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
     """Rz(yaw) Ry(pitch) Rx(roll), as the product of three matrices; rpy (3,)."""
     turns = []
@@ -147,6 +150,11 @@ def of_rpy(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
             "with both sines negative": R * ONE - np.sin(angle) * _sines(k), "without its 1": R - np.diag(ONE[k]),
             "1": ONE + 0 * R,
         }  # fmt: skip
+        own = np.diag(ONE[k])
+        for other in (n for n in range(3) if n != k):
+            s = (turn(k, np.pi / 2) - own) * (ONE == 0) * (np.sin(rpy[other]) - np.sin(angle))
+            c = (ONE - own) * (np.cos(rpy[other]) - np.cos(angle))
+            wrong |= {f"with the sine of {ANGLES[other]}": R + s, f"with the cosine of {ANGLES[other]}": R + c}
         turns.append(steps.pick(f"R{name} of roll, pitch and yaw: {whose}", R, **wrong))
     x, y, z = turns
     others = {

@@ -91,7 +91,11 @@ class Sums:
         self.local = com + 0 * self.p
         there, origin = self._standing("in placing its centre")
         self.r = steps.turn("the centre of mass of a body", there, self.local, **others) + (origin - self.p)
-        wrong = {"that of the parent": lambda: stacked(poses.p, parents, 1) + 0 * self.p}
+        still = [poses.p[k] - poses.travel.get(k, 0 * poses.p[k]) for k in self.links]
+        wrong = {
+            "that of the parent": lambda: stacked(poses.p, parents, 1) + 0 * self.p,
+            "that of its joint, before it slides": lambda: stacked(still, list(range(len(still))), 1) + 0 * self.p,
+        }  # fmt: skip
         p = steps.pick("the origin from which a body's centre is counted", self.p, **wrong)
         c = steps.add("the place of a body's centre", **{"the link's origin": p, "R c": self.r})
         self.c = np.asarray(steps.components("the place of a body's centre, in world axes,", c))
@@ -296,7 +300,11 @@ class Sums:
 
     def kinetic_energy(self) -> np.ndarray:
         w, v = self.centre_velocities()
-        turning = (w * product(self.inertia, w)).sum(-1)
+        parents = {"the parent's": lambda: stacked(self.columns.w, self.parents, 1) + 0 * w}
+        parents["that of the body before in the list"] = lambda: np.concatenate([0 * w[..., :1, :], w[..., :-1, :]], -2)
+        sides = ("its first", "its second")
+        one, two = (self.steps.pick(f"the angular velocity in w . I w: {x}", w, **parents) for x in sides)
+        turning = (one * product(self.inertia, two)).sum(-1)
         mean = np.trace(self.inertia, axis1=-2, axis2=-1) / 3 * (w * w).sum(-1)
         turning = self.steps.pick("w . I w in the kinetic energy", turning, **{"that of the mean of its moments": mean})
         m = self.masses("the mass in the kinetic energy") * self.every("the kinetic energies: m v.v / 2")
