@@ -68,6 +68,8 @@ class Poses:
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
         self.listing = "" if not branched(d) else " (breadth first)" if by_level else " (depth first)"
+        axes = [(p.axis, p.unit_axis) for p in d.parts if p.axis is not None and p.moves]
+        self.ragged = [np.abs(a - u).max() > 1e-12 or np.abs(np.round(u) - u).max() > 1e-12 for a, u in axes]
         self.axes: list[Axis] = []
         self.of_link: list[list[int]] = [[]]
         zero = np.zeros((1, len(q), 3), q.dtype)
@@ -219,8 +221,8 @@ class Poses:
             x = steps.add("the position of a joint that follows", **terms)
         x = part.rate * x
         axis = about = part.unit_axis[None, None]
-        raw, own = {} if part.axis is None else _lengths(part.axis, axis), ways.own or steps
-        if raw:
+        raw, own = _lengths(part.unit_axis if part.axis is None else part.axis, axis), ways.own or steps
+        if any(self.ragged):
             axis = own.pick("the axis of a joint", axis, **raw)
             about = own.pick("the axis in a joint's rotation", axis, **raw)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
@@ -340,9 +342,9 @@ def _lengths(axis: np.ndarray, right: np.ndarray) -> dict[str, np.ndarray]:
         "divided by the sum of its entries' absolute values": np.abs(axis).sum(),
         "divided by its largest entry": np.abs(axis).max(), "multiplied by its length": 1 / np.linalg.norm(axis),
     }  # fmt: skip
-    found = {"not normalised": axis, **{words: axis / x for words, x in other.items() if abs(x) > 1e-9}}
+    found = {"not normalised": axis, **{words: axis / (x if abs(x) > 1e-9 else 1.0) for words, x in other.items()}}
     found["rounded to whole numbers"] = np.round(right[0, 0])
-    return {words: x[None, None] for words, x in found.items() if np.abs(x - right).max() > 1e-12}
+    return {words: x[None, None] for words, x in found.items()}  # the same words at all joints
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

@@ -127,6 +127,8 @@ def _bodies(
             "that to the centre as it is counted from the parent's origin": c - from_parent,
             "that of the world's origin to the link's": pose.p0 + 0 * c, **unturned(tree, k, poses, c),
         }  # fmt: skip
+        travel = product(poses[max(0, k.parent)].R0, pose.p - k.p)
+        arms["that to the centre as it is counted from the joint, before it slides"] = c - travel
         arm = steps.pick("the arm of a body's own force", c, **arms)
         own = {"N": N, "r x f": wedge(steps, arm, F) + cross(at - c, -weight)}
         total = steps.add("a body's moment about the link's origin", **own)
