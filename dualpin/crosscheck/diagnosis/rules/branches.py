@@ -13,8 +13,6 @@ from ..textbook.lists import by_levels
 from ..textbook.lumps import listed
 from .register import ALL, MOST_ITEMS, proposer
 
-TERMS = ALL
-"""Its columns are in the order of the tree, which is another one then."""
 Edges = dict[str, str]
 """Of joints, the links on which they hang."""
 
@@ -108,7 +106,7 @@ def branch(h: Hypothesis, case: Case) -> list[Hypothesis]:
             marks = ("of bodies merged from fixed links" * bodies, "of fixed joints too" * fixed, which)
             variant = ", ".join(x for x in marks if x)
             cost = 1.1 + 0.02 * fixed + 0.01 * bodies
-            found.append(replace(h, place="edit", act=edit, terms=TERMS, values=words, variant=variant, cost=cost))
+            found.append(replace(h, place="edit", act=edit, terms=ALL, values=words, variant=variant, cost=cost))
     return found
 
 

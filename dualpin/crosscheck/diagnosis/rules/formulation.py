@@ -37,7 +37,10 @@ RARER = 0.02
 SPATIAL = 0.002
 """What products of exponentials cost less where Jacobians are about the world's origin, as these codes make them."""
 USUAL = 0.06
-"""What a slip costs less that has a key of its own: codes have these, and of equal ones they are told first."""
+"""What a slip costs less that has a key of its own: codes have these, and of equal ones they are told first.
+
+More than what right terms add to the price of one and not of the other, where a formulation predicts more terms.
+"""
 FUSING = 0.0005
 """What it costs more if fixed links are merged first: codes do either, and the first is told of two that fit."""
 
