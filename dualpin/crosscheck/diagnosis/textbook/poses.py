@@ -68,8 +68,6 @@ class Poses:
         self.number = {d.root: 0} | {p.link: k + 1 for k, p in enumerate(d.parts)}
         self.parent = [-1, *(self.number[p.parent] for p in d.parts)]
         self.listing = "" if not branched(d) else " (breadth first)" if by_level else " (depth first)"
-        axes = [(p.axis, p.unit_axis) for p in d.parts if p.axis is not None and p.moves]
-        self.ragged = [np.abs(a - u).max() > 1e-12 or np.abs(np.round(u) - u).max() > 1e-12 for a, u in axes]
         self.axes: list[Axis] = []
         self.of_link: list[list[int]] = [[]]
         zero = np.zeros((1, len(q), 3), q.dtype)
@@ -222,7 +220,7 @@ class Poses:
         x = part.rate * x
         axis = about = part.unit_axis[None, None]
         raw, own = _lengths(part.unit_axis if part.axis is None else part.axis, axis), ways.own or steps
-        if any(self.ragged):
+        if raw:
             axis = own.pick("the axis of a joint", axis, **raw)
             about = own.pick("the axis in a joint's rotation", axis, **raw)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
@@ -336,7 +334,9 @@ class Poses:
 
 
 def _lengths(axis: np.ndarray, right: np.ndarray) -> dict[str, np.ndarray]:
-    """An axis that is not divided by its length, or is rounded."""
+    """An axis that is not divided by its length, or is rounded, where that is another one."""
+    if max(np.abs(axis - right).max(), np.abs(np.round(right) - right).max()) < 1e-12:
+        return {}
     other = {
         "divided by the square of its length": axis @ axis, "divided by the sum of its entries": axis.sum(),
         "divided by the sum of its entries' absolute values": np.abs(axis).sum(),
@@ -344,7 +344,7 @@ def _lengths(axis: np.ndarray, right: np.ndarray) -> dict[str, np.ndarray]:
     }  # fmt: skip
     found = {"not normalised": axis, **{words: axis / (x if abs(x) > 1e-9 else 1.0) for words, x in other.items()}}
     found["rounded to whole numbers"] = np.round(right[0, 0])
-    return {words: x[None, None] for words, x in found.items()}  # the same words at all joints
+    return {words: x[None, None] for words, x in found.items()}
 
 
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:

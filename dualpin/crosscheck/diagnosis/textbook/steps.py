@@ -97,7 +97,7 @@ class Steps:
     def __init__(self, *slips: Slip) -> None:
         self._found: dict[Slip, None] = {}
         self._right = not slips
-        self._seen: set[tuple[str, str]] = set()
+        self._seen: set[tuple[str, str, tuple[str, ...]]] = set()
         self._take([slips])
 
     @classmethod
@@ -298,14 +298,15 @@ class Steps:
     ) -> Any:  # fmt: skip
         """The plan of the slips to be made at this step, which is made once; None where there are none.
 
-        Where none is made at all, what is `possible` is noted once.  `of` tells several steps at one site apart.
+        Where none is made at all, what is `possible` is noted, once for the same `names`: later links may allow more.
+        `of` tells several steps at one site apart.
         """
+        key = site, of, names
         if self._right:
-            if (site, of) not in self._seen:
-                self._seen.add((site, of))
+            if key not in self._seen:
+                self._seen.add(key)
                 self._found |= {Slip(site, what, how): None for what, how in possible()}
             return None
-        key = site, of, names
         if key not in self._plans:
             here = [mine for group in (*_groups(site), *groups) for mine in self._at.get(group, ())]
             kinds, rows = set(possible() if here else ()), dict[int, list[Slip]]()
