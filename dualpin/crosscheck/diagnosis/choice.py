@@ -103,3 +103,20 @@ def lonely(picked: Mapping[str, Story]) -> list[str]:
     """Terms whose cause explains hardly any others."""
     told = Counter(as_causes(s) for s in picked.values())
     return [t for t, s in picked.items() if told[as_causes(s)] <= LONELY and all(h.key != "follows" for h in s)]
+
+
+def sharing(
+    picked: Mapping[str, Story], options: Mapping[str, Sequence[Story]]
+) -> list[tuple[str, list[Story]]]:  # fmt: skip
+    """Terms, and causes of others that may be theirs too: they explain a term which is told the same as they."""
+    known = {t: set(map(as_causes, stories)) for t, stories in options.items()}
+    whose: dict[frozenset[Any], list[str]] = {}
+    for t, s in picked.items():
+        whose.setdefault(as_causes(s), []).append(t)
+    found: dict[str, list[Story]] = {}
+    for cause, terms in whose.items():
+        for other, theirs in whose.items():
+            if other != cause and any(other in known[t] for t in terms):
+                for t in terms:
+                    found.setdefault(t, []).append(picked[theirs[0]])
+    return list(found.items())

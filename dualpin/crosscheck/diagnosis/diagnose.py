@@ -13,7 +13,7 @@ from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
-from .choice import as_causes, cause_of, cheapest, lonely, prices
+from .choice import as_causes, cause_of, cheapest, lonely, prices, sharing
 from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
@@ -28,7 +28,10 @@ BUDGETS = (8.0, 50.0)
 
 The aim is 10 and 60: what is being predicted when time is over is finished."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
-PLAINEST = ("fk", "com", "potential_energy")
+PLAINEST = (
+    "fk", "com", "potential_energy", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration",
+    "kinetic_energy",
+)  # fmt: skip
 """Terms that are looked at first: fewest mistakes can be behind them, and most others rest on them."""
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
@@ -226,8 +229,11 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         if search.open:
             search.sums()
         search.exchanged(searches.values())
-    picked = _picked(case, searches)
-    for term in lonely(picked):
+    for _ in range(2):  # the first round may find what the second one needs
+        known = {t: list(s.good.values()) for t, s in searches.items() if not s.open}
+        for term, others in sharing(_picked(case, searches), known):
+            searches[term].shared(others)
+    for term in lonely(_picked(case, searches)):
         searches[term].shared(_causes(case, searches)[:FIRST])
     return _grounded({t: s.explanation() for t, s in searches.items()})
 

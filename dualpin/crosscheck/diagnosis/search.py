@@ -147,9 +147,10 @@ class Search:
     def shared(self, causes: Sequence[Story]) -> None:
         """Whether the causes of most terms are behind this one too, although it is explained."""
         mine = {h.mistake or h.cause for s in self.good.values() for h in s}
-        shown = [s for cause in causes for h in cause if (h.mistake or h.cause) not in mine for s in self._shown(h)]
-        fresh = sorted((s for s in shown if identity(s) not in self.seen), key=self._strange)
-        self.consider(self.catalogue.nearest(self.term, fresh, self.until))
+        shown = {identity(s): s for cause in causes for h in cause for s in self._shown(h)}
+        new = (s for key, s in shown.items() if key not in self.seen and not mine & as_causes(s))
+        self.consider(self.catalogue.nearest(self.term, sorted(new, key=self._strange), self.until))
+        self._others |= shown.keys() & self.good.keys()
 
     def _strange(self, story: Story) -> int:
         """In how many formulations it is made in which nothing is told: one code has few."""

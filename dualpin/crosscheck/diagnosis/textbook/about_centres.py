@@ -125,7 +125,7 @@ def _steiner(
     steps: Steps, which: str, m: np.ndarray, d: np.ndarray, other: np.ndarray, apart: np.ndarray
 ) -> np.ndarray:
     """m (d.d 1 - d d^T)."""
-    m = steps.pick(f"the mass in Steiner's term: {which}", m, **{"that of the other": other, "that of both": m + other})
+    m = steps.pick(f"the mass in Steiner's term: {which}", m, **{"that of the other": other, "that of both": m + other, "1": 1 + 0 * m})
     d = steps.pick(f"the arm in Steiner's term: {which}", d, **{"that between both centres": apart})
     square, outer = (d * d).sum(-1)[..., None, None] * ONE, d[..., :, None] * d[..., None, :]
     length = {"|d| 1": lambda: np.sqrt((d * d).sum(-1))[..., None, None] * ONE}

@@ -159,9 +159,16 @@ def _next(
         turning = 2 * wedge(steps, w_slide, k.z * qd_here)
         terms = {"that of the place where it is": acc, "2 w x z qd": turning, "z qdd": k.z * qdd}
         acc = steps.add("the acceleration of a sliding link", **terms)
-        w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
-        alpha = steps.pick("the angular acceleration of a sliding link", alpha, zero=0 * alpha)
+    if not k.moves or k.slides:
+        w, alpha = unturning(steps, which, w, alpha)
     return Motion(w, alpha, acc)
+
+
+def unturning(steps: Steps, which: str, w: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """w and alpha of a link that no joint turns on its parent, which are those of the parent."""
+    site = f"of a link that no joint turns: {which}"
+    w = steps.pick(f"the angular velocity {site}", w, zero=0 * w)
+    return w, steps.pick(f"the angular acceleration {site}", alpha, zero=0 * alpha)
 
 
 def unturned(k: Link, pose: Pose, up: np.ndarray) -> dict[str, np.ndarray]:

@@ -139,7 +139,6 @@ def at_once(steps: Steps, group: list[Piece]) -> Body:
     for k in range(len(group)):
         d = steps.add("the arm of Steiner's term", **{"the link's centre": centres[k], "the common centre": -about})
         wrong = {"that of all": mass, "that of the first link": masses[0], "that of the last link": masses[-1]}
-        wrong["1"] = np.ones(())
         m = steps.pick("the mass in Steiner's term", masses[k], **wrong)
         wrong = {"that of the first link": tensors[0], "that of the last link": tensors[-1]}
         own = steps.pick("the tensor that is merged", tensors[k], **wrong)
@@ -194,29 +193,37 @@ def from_nothing(steps: Steps, group: list[Piece]) -> Body:
 
 def about_origin(steps: Steps, group: list[Piece]) -> Body:
     """First moments and tensors about the body's origin are added up, and brought to the common centre at the end."""
-    group = [standing(steps, p) for p in group]
-    masses, centres = np.array([p.mass for p in group]), [centre(steps, p) for p in group]
-    first, about = np.zeros(3), np.zeros((3, 3))
-    for k, (p, c) in enumerate(zip(group, centres, strict=True)):
+    m, first, about = np.zeros(()), np.zeros(3), np.zeros((3, 3))
+    for k, p in enumerate(standing(steps, p) for p in group):
+        mass, c = np.array(p.mass), centre(steps, p)
         which = f": {'of the link that joints move' if k == 0 else 'of links fixed to it'}"
-        terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, masses[k], c, which)}
-        about = about + steps.add(f"the inertia about the body's origin{which}", **terms)
-        moments = {"m c of what is there": first, "m c of the fixed link": masses[k] * c}
-        first = steps.add("the sum m c of what is there and a fixed link", **moments)
-    mass = masses.sum()
-    C = first / (mass or 1.0)
-    back = _steiner(steps, mass, C, ": of all at once, back to the common centre")
+        terms = {"the link's tensor": tensor(steps, p)[0, 0], "Steiner's term": _steiner(steps, mass, c, which)}
+        added = steps.add(f"the inertia about the body's origin{which}", **terms)
+        terms = {"that of what is there": about, "that of the fixed link": added}
+        about = steps.add("the inertia of what is there and a fixed link", **terms)
+        m, first = _summed(steps, m, first, mass, mass * c)
+    by_number = {"the sum of m c, divided by the number of links": first / len(group)}
+    not_divided = {"the sum m c, not divided by the mass": first}
+    C = steps.pick("the centre of merged links", first / (m or 1.0), **not_divided, **by_number)
+    back = _steiner(steps, m, C, ": of all at once, back to the common centre")
     terms = {"the inertia about the body's origin": about, "-Steiner's term of all": -back}
-    return Body(float(mass), C, np.zeros(3), ONE, steps.add("the inertia about the common centre", **terms))
+    return Body(float(m), C, np.zeros(3), ONE, steps.add("the inertia about the common centre", **terms))
+
+
+def _summed(
+    steps: Steps, m: np.ndarray, first: np.ndarray, mass: np.ndarray, more: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Mass and first moment of what is there and one link more."""
+    terms = {"the mass of what is there": m, "the fixed link's mass": mass}
+    whole = steps.add("the mass of what is there and a fixed link", **terms)
+    terms = {"m c of what is there": first, "m c of the fixed link": more}
+    return whole, steps.add("the sum m c of what is there and a fixed link", **terms)
 
 
 def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list[Piece]) -> Body:
     for p in more:
         mass, new = np.array(p.mass), centre(steps, p)
-        terms = {"the mass of what is there": m, "the fixed link's mass": mass}
-        whole = steps.add("the mass of what is there and a fixed link", **terms)
-        terms = {"m c of what is there": m * c, "m c of the fixed link": mass * new}
-        moment = steps.add("the sum m c of what is there and a fixed link", **terms)
+        whole, moment = _summed(steps, m, m * c, mass, mass * new)
         others = _common(m, c, mass, new)
         C = steps.pick("the centre of what is there and a fixed link", moment / (whole or 1.0), **others)
         others = {
@@ -272,12 +279,12 @@ def _share(
     site = f"the arm of Steiner's term: {whose}"
     d = steps.add(site, **{"the body's centre": c, "the common centre": -about})
     d = steps.pick(site, d, **{f"counted from {what}": partial(np.subtract, c, x) for what, x in others.items()})
-    m = steps.pick(f"the mass in Steiner's term: {whose}", m, **{"1": np.ones(())})
     terms = {"the tensor": I, "Steiner's term": _steiner(steps, m, d, f": {whose}")}
     return np.asarray(steps.add(f"a body's share of the inertia: {whose}", **terms))
 
 
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:
+    m = steps.pick(f"the mass in Steiner's term{which}", m, **{"1": np.ones(())})
     outer = steps.pick(OUTER, d[:, None] * d, **{what: partial(of, d) for what, of in BY_ELEMENTS.items()})
     wrong: dict[str, Callable[[], np.ndarray]] = {
         "d.d in each entry": lambda: d @ d * np.ones((3, 3)),

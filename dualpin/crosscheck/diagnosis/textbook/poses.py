@@ -218,11 +218,12 @@ class Poses:
             terms = {"multiplier times q": ratio * x, "offset": offset + 0 * x}
             x = steps.add("the position of a joint that follows", **terms)
         x = part.rate * x
-        axis = about = part.unit_axis[None, None]
+        axis = part.unit_axis[None, None]
         raw, own = _lengths(part.unit_axis if part.axis is None else part.axis, axis), ways.own or steps
         if raw:
             axis = own.pick("the axis of a joint", axis, **raw)
-            about = own.pick("the axis in a joint's rotation", axis, **raw)
+        always = {f"{x}, whatever it is": e[None, None] for x, e in zip("xyz", ONE, strict=True)}
+        about = own.pick("the axis in a joint's rotation", axis, **raw, **always)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
         z = None
         if self.early:
@@ -261,6 +262,8 @@ class Poses:
                     "that without the joint's turn": lambda: before + 0 * T, "that of the joint's turn alone": T,
                 },
             )  # fmt: skip
+        again = {"turned by its own rpy once more": lambda A=A: ways.then(A, Ao)}
+        A = steps.pick("the rotation of a link, behind its joint,", A, **again)
         self._axis(Axis(link, up, part.turns, axis, joint.v.start, part.rate * ratio, follows, world=z))
         other, few = "a turning joint" if part.slides else "a sliding joint", some(steps, ways)
 

@@ -176,16 +176,41 @@ def rpy_by(make: Turn) -> Callable[[Steps, np.ndarray, str], np.ndarray]:
 
 
 def rpy_entries(steps: Steps, rpy: np.ndarray, whose: str) -> np.ndarray:
-    """The same, entry by entry."""
-    (cr, cp, cy), (sr, sp, sy) = (f(rpy)[:, None, None] for f in (np.cos, np.sin))
+    """The same, entry by entry: sums of products of sines and cosines."""
+    what = f"of the rotation by roll, pitch and yaw: {whose}"
+    factor = {f + a: x for f, of in (("c", np.cos), ("s", np.sin)) for a, x in zip("rpy", of(rpy), strict=True)}
+
+    def made(names: tuple[str, ...], sign: float) -> np.ndarray:
+        return np.full((1, 1), sign * np.prod([factor[x] for x in names]))
+
+    def term(entry: str, names: tuple[str, ...], sign: float) -> np.ndarray:
+        """A product; with a factor left out, or another one in its place."""
+        wrong: dict[str, np.ndarray] = {}
+        for k, name in enumerate(names):
+            others = [x for x in factor if x not in names and (x[0] == name[0] or x[1] == name[1])]
+            for x in ((), *((x,) for x in others)):
+                changed = (*names[:k], *x, *names[k + 1 :])
+                wrong[" ".join(changed) or "1"] = made(changed, sign)
+        return np.asarray(steps.pick(f"{' '.join(names)} in entry {entry} {what}", made(names, sign), **wrong))
+
     table = [
-        [{"cy cp": cy * cp}, {"cy sp sr": cy * sp * sr, "sy cr": -sy * cr},
-         {"cy sp cr": cy * sp * cr, "sy sr": sy * sr}],
-        [{"sy cp": sy * cp}, {"sy sp sr": sy * sp * sr, "cy cr": cy * cr},
-         {"sy sp cr": sy * sp * cr, "cy sr": -cy * sr}],
-        [{"sp": -sp}, {"cp sr": cp * sr}, {"cp cr": cp * cr}],
-    ]  # fmt: skip
-    return _matrix(steps, table, f"of the rotation by roll, pitch and yaw: {whose}")
+        [
+            {" ".join(names): term(f"{i + 1}{j + 1}", names, sign) for names, sign in terms}
+            for j, terms in enumerate(row)
+        ]
+        for i, row in enumerate(_OF_RPY)
+    ]
+    return _matrix(steps, table, what)
+
+
+_OF_RPY = (
+    ((("cy", "cp"), 1),), ((("cy", "sp", "sr"), 1), (("sy", "cr"), -1)), ((("cy", "sp", "cr"), 1), (("sy", "sr"), 1)),
+), (
+    ((("sy", "cp"), 1),), ((("sy", "sp", "sr"), 1), (("cy", "cr"), 1)), ((("sy", "sp", "cr"), 1), (("cy", "sr"), -1)),
+), (
+    ((("sp",), -1),), ((("cp", "sr"), 1),), ((("cp", "cr"), 1),),
+)  # fmt: skip
+"""The entries of Rz(yaw) Ry(pitch) Rx(roll): products of sines and cosines, with their signs."""
 
 
 def _matrix(steps: Steps, table: list[list[dict[str, np.ndarray]]], what: str) -> np.ndarray:

@@ -48,15 +48,16 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     terms = {"that of the parent": w_up} | ({"z qd": rate} if turns else {})
     own = steps.add(f"the angular velocity of a link: {which}", **terms)
     own = own if turns else own + rate
-    if slides and not turns:
-        own = steps.pick("the angular velocity of a sliding link", own, zero=0 * own)
+    if not turns:
+        site = f"the angular velocity of a link that no joint turns: {'of sliding links' if slides else 'of fixed links'}"
+        own = steps.pick(site, own, zero=0 * own)
     carries = f"the angular velocity that carries a link's origin: {which.partition(': ')[0]}"
     w = steps.pick(carries, up_w, **{"the link's own": own}, **_near(t, link, t.w))
     others = {
         "that from the world's origin": t.p[link] + 0 * r, "the sum of both positions": r + 2 * t.p[up],
         "in the parent's axes": lambda: product(transposed(t.R[up]), r),
         "in the link's axes": lambda: product(transposed(t.R[link]), r),
-        "without the travel of a sliding joint": lambda: r - t.travel.get(link, 0 * r),
+        "without the travel of a sliding joint": lambda: r - t.travel.get(link, 0 * r), "of the other sign": -r,
     }  # fmt: skip
     arm = steps.pick(f"the arm to a link's origin: {which.partition(': ')[0]}", r, **others)
     v_up = steps.pick("the parent's velocity", up_v, **_near(t, link, t.v))

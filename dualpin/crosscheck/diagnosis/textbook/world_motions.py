@@ -16,7 +16,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .in_place import SPIN, Whole, afterwards, array, found
-from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross
+from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross, unturning
 from .products import wedge
 from .steps import Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
@@ -138,13 +138,14 @@ def _next(
         place = product(on.R0, k.p)
         parts = {"without its travel": place, "its travel alone": r - place}
         r = steps.pick("the arm to a sliding link", r, **parts)
-        w = steps.pick("the angular velocity of a sliding link", w, zero=0 * w)
-        wrong = {"zero": 0 * alpha, "that with w x z qd, as of a turning one": alpha + turning}
+        wrong = {"that with w x z qd, as of a turning one": alpha + turning}
         alpha = steps.pick("the angular acceleration of a sliding link", alpha, **wrong)
     elif k.moves:
         w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
         alpha = steps.add("the angular acceleration of a turning link", **rates)
+    if not k.moves or k.slides:
+        w, alpha = unturning(steps, which, w, alpha)
     site = f"that carries a link's origin: {which}"
     w_r = steps.pick(f"the angular velocity {site}", up.w, **{"the link's own": w}, **ws)
     alpha_r = steps.pick(f"the angular acceleration {site}", up.alpha, **{"the link's own": alpha}, **alphas)
@@ -152,7 +153,7 @@ def _next(
     arms = {
         "that to its centre of mass": r + product(pose.R0, k.c), "that from the world's origin": pose.p0 + 0 * r,
         "in the parent's axes": product(transposed(on.R0), r), "in the link's axes": product(transposed(pose.R0), r),
-        "that from the parent's centre of mass": r - product(on.R0, tree.links[k.parent].c),
+        "that from the parent's centre of mass": r - product(on.R0, tree.links[k.parent].c), "of the other sign": -r,
     }  # fmt: skip
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
     up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
