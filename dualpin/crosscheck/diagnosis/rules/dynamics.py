@@ -11,6 +11,7 @@ from ..textbook import (
     about_centres,
     body_jacobians,
     composite,
+    factors,
     habits,
     link_axes,
     regressors,
@@ -217,6 +218,9 @@ register(
 )  # fmt: skip
 register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",), only=but_tensors)
 formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)
+for _from_base in (False, True):
+    _order = "from the base" if _from_base else ""
+    formulation("the factors of M", factors.TERMS, KNOWN, _order, batched=True)(factors.Factors(_from_base))
 
 
 def _small(fused: bool, case: Case) -> bool:

@@ -23,6 +23,7 @@ from .walks import of_joints
 from .weighted import steiners
 
 ONE = np.eye(3)
+FELT = "what a joint feels of a unit acceleration"
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Mass (..., 1), centre (..., 3) and inertia about it (..., 3, 3), in the world."""
 
@@ -51,7 +52,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             counts = steps.pick(MOVING, found.pop(""), **found)
             # a wrong walk may find either of two joints from the other
             before = entries.get((row, column), 0.0) if 0 < at.number != k.number else 0.0
-            x = before + counts * _felt(steps, y, p, along, lumps[k.number], n, f)
+            x = before + counts * _felt(steps, y, p, (along, slides), lumps[k.number], n, f)
             entries[row, column] = entries[column, row] = x
     return filled(entries, tree.nv, q)
 
@@ -118,6 +119,7 @@ def _joined(steps: Steps, up: Lump, mine: Lump) -> Lump:
     whole = steps.add("the inertia of a composite", **terms)
     whole = steps.pick("the inertia of a composite, with those of children,", whole, **{"the link's own alone": T})
     kept = steps.pick("the mass of a composite, kept for what carries it,", total, **{"the link's own": M})
+    centre = steps.pick("the centre of a composite, kept for what carries it,", centre, **{"the link's own": C})
     return kept, centre, whole
 
 
@@ -125,7 +127,8 @@ def _steiner(
     steps: Steps, which: str, m: np.ndarray, d: np.ndarray, other: np.ndarray, apart: np.ndarray
 ) -> np.ndarray:
     """m (d.d 1 - d d^T)."""
-    m = steps.pick(f"the mass in Steiner's term: {which}", m, **{"that of the other": other, "that of both": m + other, "1": 1 + 0 * m})
+    others = {"that of the other": other, "that of both": m + other, "1": 1 + 0 * m}
+    m = steps.pick(f"the mass in Steiner's term: {which}", m, **others)
     d = steps.pick(f"the arm in Steiner's term: {which}", d, **{"that between both centres": apart})
     square, outer = (d * d).sum(-1)[..., None, None] * ONE, d[..., :, None] * d[..., None, :]
     length = {"|d| 1": lambda: np.sqrt((d * d).sum(-1))[..., None, None] * ONE}
@@ -166,16 +169,17 @@ def _unit(
 
 
 def _felt(
-    steps: Steps, z: np.ndarray, o: np.ndarray, slides: bool, lump: Lump, n: np.ndarray, f: np.ndarray
+    steps: Steps, z: np.ndarray, o: np.ndarray, kinds: tuple[bool, bool], lump: Lump, n: np.ndarray, f: np.ndarray
 ) -> np.ndarray:
-    """What a joint feels of it."""
+    """What a joint feels of it; `kinds` say whether it slides, and whether the joint that moves does."""
     arm = steps.pick("the arm of a unit acceleration's force", lump[1] - o, **{"from the world's origin": lump[1]})
     terms = {"N": n, "(c - o) x F": wedge(steps, arm, f)}
     moment = steps.add("the moment of a unit acceleration at a joint", **terms)
     turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
+    slides, other = kinds
+    mistaken = {"of the kind of the joint that moves": sliding if other else turning}
     if slides:
         others = {"that of a turning one": turning, "that of both": turning + sliding}
-        return np.asarray(steps.pick("what a sliding joint feels of a unit acceleration", sliding, **others))
-    return np.asarray(
-        steps.pick("what a turning joint feels of a unit acceleration", turning, **{"that of a sliding one": sliding})
-    )
+        return np.asarray(steps.pick(f"{FELT}: of a sliding one", sliding, **others, **mistaken))
+    others = {"that of a sliding one": sliding, **mistaken}
+    return np.asarray(steps.pick(f"{FELT}: of a turning one", turning, **others))

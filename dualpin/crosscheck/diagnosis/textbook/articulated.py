@@ -22,7 +22,7 @@ from .in_place import array, repeated
 from .link_axes import gathered, of_joint
 from .plucker import Coordinates, Model, brought, links, of_others, to_parent, to_parent_inertia
 from .products import crf, crm
-from .spatial import OF_FIXED, gravity, hand_on, start, velocities
+from .spatial import OF_FIXED, at_origins, gravity, hand_on, start, velocities
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
@@ -43,7 +43,8 @@ def forward(
     """The accelerations (runs, samples, nv) of the torques, under the gravity g."""
     m = of(steps, tree, q)
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
-    c, p, I = _first(steps, tree, m, v, zero)
+    vs = velocities(steps, tree, m, v, zero)
+    c, p, I = _first(steps, tree, m, at_origins(steps, tree, q, vs) if m.common else vs, v, zero)
     bodies: dict[int, Body] = {}
     for k in reversed(tree.links[1:]):
         _inward(steps, tree, k, m, c[k.number], p, I, tau, bodies)
@@ -51,9 +52,9 @@ def forward(
 
 
 def _first(
-    steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarray
+    steps: Steps, tree: Tree, m: Model, vs: list[np.ndarray], v: np.ndarray, zero: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray], list[np.ndarray]]:
-    vs, c = velocities(steps, tree, m, v, zero), [zero]
+    c = [zero]
     for k in tree.links[1:]:
         c_k = zero
         if k.moves:

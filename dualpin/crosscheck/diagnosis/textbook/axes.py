@@ -62,3 +62,21 @@ def of_kind(steps: Steps, which: str, turns: np.ndarray, made: tuple[np.ndarray,
                "[0; z + z x r]": of(zero, z + across), "[0; r]": of(zero, r + zero)},
         )  # fmt: skip
     return np.asarray(turns * column + (1 - turns) * slide)
+
+
+def exchanged(
+    steps: Steps, z: np.ndarray, r: np.ndarray, lever: np.ndarray, in_world: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Angular and linear part of the base's turning columns, with two of its axes exchanged."""
+    angular, linear = {}, {}
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        to = [0, 1, 2]
+        to[a], to[b] = b, a
+        # where the base's velocity is in world axes, the columns are those of the world's
+        y = z[..., to] if in_world else z[..., [*to, *range(3, z.shape[-2])], :]
+        other = cross(y, r)
+        for rows, x, u in (("angular rows", y, lever), ("linear rows", z, other), ("all rows", y, other)):
+            name = f"exchanged, {'xyz'[a]} with {'xyz'[b]}, in {rows}"
+            angular[name], linear[name] = x, u
+    site = "the base's turning columns"
+    return steps.pick(site, z, **angular), steps.pick(site, lever, **linear)

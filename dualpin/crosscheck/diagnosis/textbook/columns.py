@@ -19,7 +19,7 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .axes import of_kind
+from .axes import exchanged, of_kind
 from .lists import beside
 from .poses import Poses, stacked
 from .products import wedge
@@ -165,8 +165,16 @@ class Columns:
         halves = []
         for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
             wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
+            if rows == "angular":
+                wrong["each with the axis of the last one"] = partial(self._of_last, links, x)
             halves.append(self.steps.pick(f"the joints that have {rows} rows in a Jacobian", x, **wrong))
         return joined(halves, -2)
+
+    def _of_last(self, links: Sequence[int], w: np.ndarray) -> np.ndarray:
+        """Angular rows of which all have the axis of the last joint that moves the point."""
+        moving = self.poses.carries()[list(links)]
+        z = self.steps.few(self.z)[..., [max(np.flatnonzero(x), default=0) for x in moving], :, None]
+        return np.asarray(z * (moving * self.turns)[:, None, :] + 0 * self.steps.few(w))
 
     def _columns(
         self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str
@@ -188,28 +196,11 @@ class Columns:
         lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: wedge(steps, z, r)})
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         z = z + np.zeros_like(lever)
-        angular, lever = self._exchanged(z, r, lever, group)
+        angular = z
+        if self.axes[group[0]].base:
+            angular, lever = exchanged(steps, z, r, lever, self.world[0])
         J = of_kind(steps, which, self.turns[group, None], (angular, lever, z, r, o))
         return np.swapaxes(J, -1, -2)
-
-    def _exchanged(
-        self, z: np.ndarray, r: np.ndarray, lever: np.ndarray, group: list[int]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Angular and linear part of turning columns; of the base, with two of its axes exchanged."""
-        if not self.axes[group[0]].base:
-            return z, lever
-        angular, linear = {}, {}
-        for a, b in ((0, 1), (0, 2), (1, 2)):
-            to = [0, 1, 2]
-            to[a], to[b] = b, a
-            # where the base's velocity is in world axes, the columns are those of the world's
-            y = z[..., to] if self.world[0] else z[..., [*to, *range(3, z.shape[-2])], :]
-            other = cross(y, r)
-            for rows, x, u in (("angular rows", y, lever), ("linear rows", z, other), ("all rows", y, other)):
-                name = f"exchanged, {'xyz'[a]} with {'xyz'[b]}, in {rows}"
-                angular[name], linear[name] = x, u
-        site = "the base's turning columns"
-        return self.steps.pick(site, z, **angular), self.steps.pick(site, lever, **linear)
 
     def _seen(self, links: Sequence[int], group: list[int]) -> np.ndarray:
         """(runs, n, points, axes, 3): the axes of this group, turned by the matrices of other links."""
@@ -331,15 +322,17 @@ class Columns:
             "w x r alone, without that of its body's origin": cross(body_w, p - body_p) + 0 * ends,
             "that of its body's origin with w x the sum of both positions":
                 body_v + cross(body_w, p + body_p) + 0 * ends,
+            "that of the centre of mass of its link": lambda: self._of_centres(list(links))[..., None, :] + 0 * ends,
         }  # fmt: skip
         ends = steps.pick(f"the velocity of the end of a lever arm: at {whose}", ends, **wrong)
         if self.by_origins and not self.axes[group[0]].base:
             on = [self.parents[i] for i in group]
             up_w, up_v, up_p = (stacked(x, on, 1)[..., None, :, :] for x in (self.w, self.v, self.poses.p))
             u = of_origin(steps, up_w, up_v, up_p, o)
-        u = steps.pick(
-            f"the velocity of a joint in the rate of a lever arm: {which}", u, **self._others(group, self.v, u)
-        )
+        others = self._others(group, self.v, u)
+        if others:
+            others["that of the centre of mass of its link"] = lambda: self._of_centres(mine)[..., None, :, :] + 0 * u
+        u = steps.pick(f"the velocity of a joint in the rate of a lever arm: {which}", u, **others)
         still = np.array([self.axes[i].base and self.world[not self.axes[i].turns] for i in group])
         turned = 0 * cross(w, z)
         if not still.all():  # those that are axes of the world do not turn, for now
@@ -363,6 +356,13 @@ class Columns:
             slide = steps.pick(f"the rate of a sliding column: {which}", slide, **wrong)
         turns = self.turns[group, None]
         return np.swapaxes(turns * column + (1 - turns) * slide, -1, -2)
+
+    def _of_centres(self, links: list[int]) -> np.ndarray:
+        """(runs, n, links, 3): the velocities of links' centres of mass."""
+        t = self.poses
+        w, v = (stacked(x, links, 1) for x in (self.w, self.v))
+        r = product(stacked(t.R, links, 2), np.stack([t.centre(k) for k in links]) + 0 * w)
+        return np.asarray(v + cross(w + 0 * r, r))
 
     def _in_rate(self, z: np.ndarray, group: list[int]) -> np.ndarray:
         """The axes of joints, as codes find them again for the rates of columns."""

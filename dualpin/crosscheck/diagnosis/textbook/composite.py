@@ -131,7 +131,9 @@ def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
         I = steps.pick(
             "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
         )
-        terms = {"m v.v / 2": 0.5 * m * (at * at).sum(-1), "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
+        vv = (at * at).sum(-1)
+        vv = steps.pick("v.v in the kinetic energy", vv, **{"|v|, not squared": lambda vv=vv: np.sqrt(vv)})
+        terms = {"m v.v / 2": 0.5 * m * vv, "w . I w / 2": 0.5 * (w * product(I, w)).sum(-1)}
         energy = steps.add("the kinetic energy of a body", **terms)
         total = total + steps.part("the bodies whose energy counts", energy, i, len(tree.carried), alone=True)
     return total

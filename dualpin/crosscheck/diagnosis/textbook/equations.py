@@ -42,6 +42,8 @@ class Equations(Sums):
     def of_bodies(self) -> np.ndarray:
         """The mass matrix without rotors."""
         J, m = self.jacobians, self.masses("the mass in m Jv^T Jv") * self.every("the mass matrices: m Jv^T Jv")
+        exchanged = {"linear rows first, taken for angular ones": lambda: J[..., [3, 4, 5, 0, 1, 2], :]}
+        J = self.steps.pick("the rows of a body's Jacobian in M", J, **exchanged)
         Jw, Jv = J[..., :3, :], J[..., 3:, :]
         spin = self.every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
         terms = {

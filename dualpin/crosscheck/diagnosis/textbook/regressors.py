@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import permutations
 from typing import Any
 
 import numpy as np
@@ -63,6 +65,7 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
         "in one place of the matrix alone": m.R[..., None, :, :] @ np.triu(TENSORS) @ transposed(m.R[..., None, :, :]),
         "of the other sign": np.where(PRODUCTS, -1.0, 1.0) * I,
         **{f"another: in the order {words}": I[..., _listed(words), :, :] for words in ORDERS},
+        **{f"without its place {i + 1}{j + 1}": partial(_without, m.R, i, j) for i, j in permutations(range(3), 2)},
     }  # fmt: skip
     I = steps.pick("a unit product of inertia, in a regressor,", I, **wrong)
     w, alpha = m.w[..., None, :] + 0 * I[..., 0], m.alpha[..., None, :] + 0 * I[..., 0]
@@ -72,6 +75,12 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     forces = [lift[..., None] + zero[..., :1], turning @ R + zero[..., :3], zero]
     moments = [zero[..., :1], arms @ R + zero[..., :3], second]
     return _joined(forces), _joined(moments)
+
+
+def _without(R: np.ndarray, i: int, j: int) -> np.ndarray:
+    """Unit inertias whose products lack one of their two places."""
+    R = R[..., None, :, :]
+    return np.asarray(R @ (TENSORS * (1 - np.outer(np.eye(3)[i], np.eye(3)[j]))) @ transposed(R))
 
 
 def _listed(words: str) -> list[int]:
@@ -175,7 +184,9 @@ def _of_motions(
     for j in (j for j in tree.links if j.moves):
         on = [k.number for k in tree.links if j in tree.joints_of(k)]
         o, axis = p[:, :, j.number, None], z[:, :, j.number, None]
-        lever = wedge(steps, axis + 0 * p[:, :, on], p[:, :, on] - o)
+        ends = {"that of its centre of mass": lambda on=on: p[:, :, on] + c[:, :, on]}
+        end = steps.pick("the point of a link's Jacobian, in a regressor,", p[:, :, on], **ends)
+        lever = wedge(steps, axis + 0 * end, end - o)
         lever = steps.add("the moment of a force about a joint, in a regressor", **{"r x f": lever})
         turning = six(axis + 0 * lever, lever)
         slide = six(0 * lever, axis + 0 * lever)

@@ -17,7 +17,7 @@ import numpy as np
 from . import one_joint
 from .columns import MOVING, Columns
 from .products import wedge
-from .steps import cross
+from .steps import Steps, cross
 from .walks import ALL, CHAIN
 
 ORDER = "the order of joints along a path"
@@ -126,29 +126,33 @@ class Gradients(Columns):
 
 
 def by_products(
-    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray,
+    turning: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves.
 
-    `axes` are those about which joints turn others: their angular columns, or their own axes.
+    `axes` are those about which joints turn others: their angular columns, or their own axes; `turning` are those
+    about which whole columns turn, if these are not the same.
     """
     steps, count = cols.steps, len(order)
     carries = cols.poses.carries()[[cols.axes[i].link for i in order]][:, order]
     listed = np.tril(np.ones((count, count), bool))[None, None, None]
     before = steps.pick(MOVING, carries[None, None, None], **{ALL: listed, CHAIN: listed})[..., None]  # k carries i
     both = (moved[..., :, None] * moved[..., None, :])[..., None]  # of every body
-    w, u, axes = same(w, u, axes)
+    w, u, axes, turning = same(w, u, axes, axes if turning is None else turning)
     w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
-    a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
+    a_i, a_k = axes[..., :, None, :], turning[..., None, :, :]
     turned = both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)
     right = before * turned
     wrong = {"those of joints behind it": lambda: ~before * turned, "those of all joints": turned}
     of_w = {"w_k x w_i": steps.pick("the derivatives of an angular column, by joints before it,", right, **wrong)}
     dw = steps.add("the derivative of an angular column by q_k", **of_w)
     by_axis = both * wedge(steps, a_k + 0 * u_i, u_i + 0 * a_k)
+    own = {"w_i x v_i": lambda: wedge(Steps(), a_i + 0 * u_i, u_i + 0 * a_i)}
+    behind = steps.pick("w_i x v_k, of joints k behind it,", wedge(steps, a_i + 0 * u_k, u_k + 0 * a_i), **own)
     terms = {
         "w_k x v_i, of joints before it,": before * by_axis,
-        "w_i x v_k, of joints behind it,": ~before * both * wedge(steps, a_i + 0 * u_k, u_k + 0 * a_i),
+        "w_i x v_k, of joints behind it,": ~before * both * behind,
     }  # fmt: skip
     du = steps.add("the derivative of a linear column by q_k", **terms)
     return dw, steps.pick("the whole derivative of a linear column by q_k", du, **{"w_k x v_i for all joints": by_axis})

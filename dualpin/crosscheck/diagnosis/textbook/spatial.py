@@ -87,6 +87,7 @@ def _motions(
         accs.append(a_k)
     if m.common:
         vs, accs = afterwards(steps, "velocity", vs, lambda: whole), afterwards(steps, "acceleration", accs)
+        vs = at_origins(steps, tree, q, vs)
     return vs, accs
 
 
@@ -211,6 +212,16 @@ def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarr
         vs.append(next_velocity(steps, tree, k, m, start(steps, tree, k, vs), v))
     whole = {WHOLE: _whole(tree, m, v, vs[0])} if m.common else {}
     return [steps.pick(array("velocity"), x, **whole) for x in vs] if whole else vs
+
+
+def at_origins(steps: Steps, tree: Tree, q: np.ndarray, vs: list[np.ndarray]) -> list[np.ndarray]:
+    """Velocities about the world's origin, once they are handed on; slips take those of the links' own origins."""
+    found = []
+    for v, pose in zip(vs, tree.poses(q), strict=True):
+        others = {"that of the link's origin": lambda v=v, pose=pose: v[..., 3:] + cross(v[..., :3], pose.p0)}
+        u = steps.pick("the linear part of a velocity about the world's origin", v[..., 3:], **others)
+        found.append(np.concatenate(np.broadcast_arrays(v[..., :3], u), -1))
+    return found
 
 
 def start(steps: Steps, tree: Tree, k: Link, found: list[np.ndarray], what: str = "velocity") -> np.ndarray:

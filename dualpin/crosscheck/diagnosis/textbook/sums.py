@@ -23,6 +23,7 @@ REFERENCES = ("world", "local", "local_world_aligned")
 DAMPED = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """What people add to the diagonal of a matrix before they invert it."""
 TERMS = ("bias", "rnea", "rnea_f_ext", "minv", "aba", "aba_f_ext", "coriolis", "rnea_derivatives", "aba_derivatives")
+BY_Q = "the derivative by q"
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
 """Of finite differences so coarse that their error is more than rounding."""
 
@@ -161,13 +162,14 @@ def _rnea_derivatives(view: View, steps: Steps) -> np.ndarray:
     others: dict[str, Callable[[], np.ndarray]] = {
         "that at a = 0": lambda: at(a=zero)[:, :, 0], "that at v = 0": lambda: at(v=zero)[:, :, 0],
         "that of gravity alone": lambda: gravity, "that without gravity": lambda: by_q - gravity,
-        "0": lambda: 0 * by_q,
+        "0": lambda: 0 * by_q, "its transpose": lambda: transposed(by_q),
     }  # fmt: skip
-    by_q = steps.pick("the derivative by q", by_q, **others)
+    by_q = steps.pick(BY_Q, by_q, **others)
     C = view.compute("coriolis")[None]
     by_v = steps.pick(
         "the derivative by v", by_v,
-        **{"C": C, "2 C": 2 * C, "half of it": by_v / 2, "twice of it": 2 * by_v, "0": 0 * by_v},
+        **{"C": C, "2 C": 2 * C, "half of it": by_v / 2, "twice of it": 2 * by_v, "0": 0 * by_v,
+           "its transpose": transposed(by_v)},
     )  # fmt: skip
     others = {
         "M^-1": lambda: np.linalg.inv(right[:, :, 2]), "1": lambda: np.eye(by_a.shape[-1]) + 0 * by_a,
@@ -191,9 +193,15 @@ def _aba_derivatives(view: View, steps: Steps) -> np.ndarray:
     }  # fmt: skip
     D = steps.pick("the derivative of tau", of_tau(a=a), **others)
     inverse = _inverted(view, steps)
-    by_q = steps.add("the derivative of a by q", **{"-M^-1 d tau / dq": -inverse @ D[:, :, 0]})
+    others = {
+        "that without gravity": lambda: D[:, :, 0] - of_tau(a=zero, v=zero)[:, :, 0],
+        "that of gravity alone": lambda: of_tau(a=zero, v=zero)[:, :, 0],
+        "its transpose": lambda: transposed(D[:, :, 0]),
+    }  # fmt: skip
+    by_q = steps.pick(BY_Q, D[:, :, 0], **others)
+    by_q = steps.add("the derivative of a by q", **{"-M^-1 d tau / dq": -inverse @ by_q})
     by_v = steps.add("the derivative of a by v", **{"-M^-1 d tau / dv": -inverse @ D[:, :, 1]})
-    missing = {"without M^-1": -D[:, :, 0]}
+    missing = {"without M^-1": -D[:, :, 0] + 0 * by_q}
     by_q = steps.pick("the derivative of a by q, as a product,", by_q, **missing)
     missing = {"without M^-1": -D[:, :, 1]}
     by_v = steps.pick("the derivative of a by v, as a product,", by_v, **missing)

@@ -49,8 +49,8 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     own = steps.add(f"the angular velocity of a link: {which}", **terms)
     own = own if turns else own + rate
     if not turns:
-        site = f"the angular velocity of a link that no joint turns: {'of sliding links' if slides else 'of fixed links'}"
-        own = steps.pick(site, own, zero=0 * own)
+        kind = "of sliding links" if slides else "of fixed links"
+        own = steps.pick(f"the angular velocity of a link that no joint turns: {kind}", own, zero=0 * own)
     carries = f"the angular velocity that carries a link's origin: {which.partition(': ')[0]}"
     w = steps.pick(carries, up_w, **{"the link's own": own}, **_near(t, link, t.w))
     others = {

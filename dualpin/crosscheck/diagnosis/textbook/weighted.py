@@ -213,7 +213,11 @@ class Sums:
         r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
         lever = steps.add("the linear velocity of what a joint carries", **{"z x r": wedge(steps, cols.z + 0 * r, r)})
         turns = cols.turns[:, None]
-        J = m * (turns * lever + (1 - turns) * cols.z) / self.mass[..., None]
+        site, least = "m r of what a joint carries", {"sum m c, less its own link's m times the joint's origin": (
+            lambda: wedge(steps, cols.z + 0 * r, moment - single * cols.o)
+        )}  # fmt: skip
+        moved = steps.pick(site, m * lever, **least)
+        J = (turns * moved + (1 - turns) * m * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
     def masses(self, site: str) -> np.ndarray:
@@ -309,7 +313,9 @@ class Sums:
         turning = self.steps.pick("w . I w in the kinetic energy", turning, **{"that of the mean of its moments": mean})
         m = self.masses("the mass in the kinetic energy") * self.every("the kinetic energies: m v.v / 2")
         turning = turning * self.every("the kinetic energies: w.I w / 2")
-        parts = {"m v.v / 2": m * (v * v).sum(-1) / 2, "w.I w / 2": turning / 2}
+        vv = (v * v).sum(-1)
+        vv = self.steps.pick("v.v in the kinetic energy", vv, **{"|v|, not squared": lambda: np.sqrt(vv)})
+        parts = {"m v.v / 2": m * vv / 2, "w.I w / 2": turning / 2}
         assert self.poses.qd is not None
         rotors = (self.rotors * self.poses.qd**2).sum(-1) / 2
         return np.asarray(self.steps.add("the kinetic energy", **parts).sum(-1) + rotors)
@@ -319,7 +325,10 @@ class Sums:
         wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
         m = self.masses("the mass in the potential energy") * self.every("the potential energies")
-        V = self.steps.add("the potential energy", **{"-m g.c": -(m * (c @ g)).sum(-1)})
+        heights = c @ g
+        distance = {"-|g| |c|, of the distance from the world's origin": lambda: -np.linalg.norm(g) * _length(c)}
+        heights = self.steps.pick("g.c in the potential energy", heights, **distance)
+        V = self.steps.add("the potential energy", **{"-m g.c": -(m * heights).sum(-1)})
         more = 1 + self.grounded / self.total
         wrong = {"that of all links, also of those that cannot move": V * more} if self.grounded else {}
         return np.asarray(self.steps.pick("the mass whose height is that of the centre of mass", V, **wrong))
@@ -334,6 +343,10 @@ class Sums:
                 raise ValueError("rotors of joints with coordinates of their own only")
             out[joint.v] = part.armature
         return out
+
+
+def _length(x: np.ndarray) -> np.ndarray:
+    return np.asarray(np.sqrt((x * x).sum(-1)))  # not `norm`: of complex steps too
 
 
 def _rotated(R: np.ndarray, I: np.ndarray) -> np.ndarray:
