@@ -16,13 +16,14 @@ from ..subjects.layout import Layout, product
 from ..subjects.questions import QUESTIONS, Question
 from .description import Description, Part, built, merged
 from .evaluation import evaluate
-from .finishing import finish, tried
+from .finishing import SENSELESS, finish, tried
 from .forces import forces_of
 from .hypothesis import Hypothesis, Story, Wording, identity
 from .reading import describe
 from .scores import FAR, Score, errors, in_forces, limits, scored
 from .shared import shared
 from .textbook.slipped import Slipped, alike, in_one, predicted
+from .textbook.steps import UncoveredError
 
 States = dict[str, np.ndarray]
 COLUMNS = 100_000
@@ -366,8 +367,11 @@ def _by_formulas(term: str, acts: Sequence[Callable[..., Any] | None], views: Se
     """What the acts predict, many in one run; None where there is none, or where it makes no sense."""
     xs: list[Any] = [None] * len(acts)
     for at in alike(acts, views):
-        found = tried(predicted, [acts[k] for k in at], views[at[0]], term)
-        if found is None:  # one of them makes no sense: each by itself
+        try:
+            found = predicted([act for k in at if (act := acts[k]) is not None], views[at[0]], term)
+        except UncoveredError:
+            continue
+        except SENSELESS:  # one of them: each by itself
             found = [(tried(predicted, [acts[k]], views[at[0]], term) or [None])[0] for k in at]
         _fill(xs, at, found)
     return xs

@@ -105,6 +105,19 @@ def lonely(picked: Mapping[str, Story]) -> list[str]:
     return [t for t, s in picked.items() if told[as_causes(s)] <= LONELY and all(h.key != "follows" for h in s)]
 
 
+def rivals(causes: Sequence[Story], good: Sequence[Collection[Story]]) -> list[Story]:
+    """Readings that explain as many terms as one of these, which is told: with a second mistake either may hold."""
+    single = [{s[0].cause: s for s in stories if len(s) == 1 and s[0].place in READ} for stories in good]
+    found: dict[Any, Story] = {}
+    for cause in (s[0].cause for s in causes if len(s) == 1 and s[0].place in READ):
+        mine = [stories for stories in single if cause in stories]
+        for other in mine[0] if mine else ():
+            if all(other in stories for stories in mine):
+                found[other] = mine[0][other]
+    told = {s[0].cause for s in causes if len(s) == 1}
+    return [s for cause, s in found.items() if cause not in told]
+
+
 def sharing(
     picked: Mapping[str, Story], options: Mapping[str, Sequence[Story]]
 ) -> list[tuple[str, list[Story]]]:  # fmt: skip

@@ -13,7 +13,7 @@ from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
-from .choice import as_causes, cause_of, cheapest, lonely, prices, sharing
+from .choice import as_causes, cause_of, cheapest, lonely, prices, rivals, sharing
 from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
@@ -33,6 +33,7 @@ PLAINEST = (
     "kinetic_energy",
 )  # fmt: skip
 """Terms that are looked at first: fewest mistakes can be behind them, and most others rest on them."""
+SCALAR = ("kinetic_energy", "potential_energy")
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
@@ -155,14 +156,18 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def one_more_reading(search: Search) -> None:
         search.added_readings(_causes(case, searches))
 
+    def first_causes() -> list[Story]:
+        causes = _causes(case, searches)[:BESIDES]
+        return [*causes, *rivals(causes, [s.good.values() for s in searches.values() if not s.open])[:BESIDES]]
+
     def besides(search: Search) -> None:
-        search.slips_besides(_causes(case, searches)[:BESIDES])
+        search.slips_besides(first_causes())
 
     def besides_nearer(search: Search) -> None:
-        search.slips_besides(_causes(case, searches)[:BESIDES], nearer=True)
+        search.slips_besides(first_causes(), nearer=True)
 
     def merging(search: Search) -> None:
-        search.merging(_causes(case, searches)[:BESIDES])
+        search.merging(first_causes())
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
     rare = "rare readings of the file and of inputs"
@@ -190,16 +195,17 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
+    first = [t for t in off if t not in SCALAR][:1] or off[:1]  # one number tells little of two causes apart
     if not catalogue.settled:
-        stage("two causes of the whole robot", Search.plain_pairs, unknown, off[:1])
-        stage(one_more_cause, one_more, unknown, off[1:])
+        stage("two causes of the whole robot", Search.plain_pairs, unknown, first)
+        stage(one_more_cause, one_more, unknown, [t for t in off if t not in first])
     stage(beside, besides_nearer, unknown, off)
     stage(rare, Search.readings, lambda s: not (s.good or s.reread), off)
     stage(slips, Search.slips, lambda s: not (s.good or s.slipped), off)
     stage(lumped, merging, lambda s: not (s.good or s.remerged), off)
     stage(several, Search.several, lambda s: not (s.good or s.toggled), off)
     if not catalogue.settled:
-        stage("slips beside a cause of the whole robot", Search.slips_near, unknown, off[:1])
+        stage("slips beside a cause of the whole robot", Search.slips_near, unknown, first)
     stage(beside, besides, unknown, off)
     stage(reading, one_more_reading, unknown, off)
     stage(adding_up, Search.sums, unknown, off)

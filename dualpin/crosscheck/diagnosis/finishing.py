@@ -91,9 +91,12 @@ def _alone(
     return x
 
 
+SENSELESS = (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError)
+
+
 def tried(f: Callable[..., Any], *args: Any) -> Any:
     """None where a story makes no sense for this robot."""
     try:
         return f(*args)
-    except (DualpinError, ArithmeticError, LookupError, ValueError, np.linalg.LinAlgError):
+    except SENSELESS:
         return None

@@ -23,7 +23,7 @@ from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, s
 from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .several import growing, in_turns
+from .several import bases, growing
 from .spared import READ, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
@@ -42,8 +42,7 @@ from .stories import (
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them
-MADE, MOST_MADE = 6, 16  # variants of a cause beside which slips are looked for: at least, and where that is quick
-QUICK = 1.0  # seconds of processor time for them
+QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 3  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
@@ -55,6 +54,9 @@ KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
+MOSTLY = 0.5
+"""The share of right entries from which what leaves the others is looked at beside slips."""
+BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
 POSES = {"fk", "frame_velocity"}
@@ -228,8 +230,9 @@ class Search:
 
         `nearer` says that only causes count that bring what is predicted nearer.
         """
-        near = self._nearest(causes)
-        self._slips_with([n for n in near if not nearer or n.score.rms < self.before.rms])
+        near = [n for n in self._nearest(causes) if not nearer or n.score.rms < self.before.rms]
+        known = {identity(n.story) for n in near}
+        self._slips_with(near + [n for n in self._most() if identity(n.story) not in known])
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
@@ -248,12 +251,12 @@ class Search:
         return [n for _, n in near if np.isfinite(n.score.error)]
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:
-        made = [n for n in nearest if any(h.place == "formula" for h in n.story)]  # of one algorithm: few slips each
-        first, begun = in_turns(made)[:MOST_MADE], time.process_time()
-        for k, cause in enumerate([*first, *[n for n in nearest if n not in made][:2]]):
-            long = MADE <= k < len(first) and time.process_time() - begun > QUICK
-            if (self.open or self._unsure) and not self.late and not long:
-                self.consider(self.catalogue.slips(self.term, self.until, cause.story, late))
+        begun = time.process_time()
+        until = begun + BESIDE * (self.until - begun)
+        for k, (cause, soon) in enumerate(bases(nearest)):
+            took = time.process_time() - begun
+            if (self.open or self._unsure) and (soon or took < QUICK) and not (k and begun + took > until):
+                self.consider(self.catalogue.slips(self.term, until, cause.story, late), until)
 
     @property
     def _unsure(self) -> bool:
@@ -263,6 +266,10 @@ class Search:
             return in_poses(h) and not POSES.isdisjoint(spared(self.case, h))
 
         return all(any(map(against, s)) for s in self.held)
+
+    def _most(self) -> list[Near]:
+        """What alone explains most of it, once slips were looked at."""
+        return [n for n in sorted(self.near)[:1] if self.slipped and n.score.share >= MOSTLY]
 
     def _shown(self, h: Hypothesis) -> list[Story]:
         """A cause of other terms as it shows in this one."""

@@ -1,4 +1,4 @@
-"""Single links or joints that a cause holds for together, and algorithms that are tried in turns."""
+"""Single links or joints that a cause holds for together, and stories beside which others are looked for, in turns."""
 
 from __future__ import annotations
 
@@ -36,6 +36,22 @@ def growing(case: Case, term: str, single: Sequence[Hypothesis], until: float) -
                 out.append((merged(chosen),))
         found = grown
     return out
+
+
+MADE, MOST_MADE = 6, 16  # variants of a cause beside which slips are looked for: at least, and where that is quick
+READINGS = 2  # of the file: beside each all algorithms are run again
+
+
+def bases(nearest: Sequence[Near]) -> list[tuple[Near, bool]]:
+    """Stories beside which slips are looked for, in this order, and whether also where that takes long.
+
+    A reading that stands first comes first; then slips, beside which only those of their own algorithms are.
+    """
+    made = [n for n in nearest if any(h.place == "formula" for h in n.story)]
+    readings = [n for n in nearest if n not in made][:READINGS]
+    first = readings[:1] if nearest and nearest[0] in readings else []
+    turns = [(n, k < MADE) for k, n in enumerate(in_turns(made)[:MOST_MADE])]
+    return [*((n, True) for n in first), *turns, *((n, True) for n in readings[len(first) :])]
 
 
 def in_turns(near: Sequence[Near]) -> list[Near]:

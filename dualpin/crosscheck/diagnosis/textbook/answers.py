@@ -21,7 +21,7 @@ from .poses import Poses, stacked
 from .positions import position_rates
 from .references import referred, referred_rate
 from .second import Gradients, Products, SecondDerivatives
-from .steps import Steps
+from .steps import Steps, UncoveredError
 from .velocities import carried
 from .weighted import RIGHT
 
@@ -203,7 +203,7 @@ class Made:
         """C from Christoffel's symbols, of few joints whose velocities are the rates of their positions."""
         s, robot = self.view.states, self.view.robot
         if robot.nv > MOST_STEPS or not all(j.model.additive for j in robot):
-            raise ValueError("few joints with coordinates that add up only")
+            raise UncoveredError("few joints with coordinates that add up only")
         dM = by_coordinates(lambda q: self._at(q).mass_matrix, s["q"][None])
         listed = list(dict.fromkeys(a.column for a in self.whole.axes))
         return of_symbols(self.rest if self.how == LAGRANGE else RIGHT, dM, s["v"], listed)

@@ -16,7 +16,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .pushes import wrenches
 from .regressors import in_columns
-from .steps import Steps
+from .steps import Steps, UncoveredError
 from .tree import Tree, tree_of
 
 Forces = Callable[[Steps, Tree, np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
@@ -57,7 +57,7 @@ class Symbols:
 
     def __call__(self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         if tree.floating or tree.nv > MOST_STEPS:
-            raise ValueError("few joints on a fixed base only")
+            raise UncoveredError("few joints on a fixed base only")
         return christoffel(lambda x: self.mass(steps, tree, x), q, v)
 
 

@@ -20,7 +20,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .plucker import inertia, subspace
 from .products import crm
-from .steps import Steps, cross
+from .steps import Steps, cross, inverse
 from .tree import Link, Pose, Tree, spatial, tree_of
 
 TERMS = (
@@ -118,12 +118,10 @@ class Jacobians:
         for n, k in enumerate(chain):
             Ad = self.adjoint(self.world if self.by_world else pose, self.poses[k.number])
             S = subspace(steps, k) + 0 * Ad[..., 0]
-            others = {"by its inverse": lambda Ad=Ad: np.linalg.inv(steps.few(Ad))}
+            others = {"by its inverse": lambda Ad=Ad: inverse(steps.few(Ad))}
             s = steps.turn("a column Ad S of a Jacobian", Ad, S, **others)
             if back is not None:
-                s = steps.turn(
-                    "the world's Jacobian", back, s, **{"by its inverse": lambda: np.linalg.inv(steps.few(back))}
-                )
+                s = steps.turn("the world's Jacobian", back, s, **{"by its inverse": lambda: inverse(steps.few(back))})
             found[k.column] = steps.part("the columns of a link's Jacobian", s, n, len(chain))
         if self.tree.floating:
             Ad = self.adjoint(pose, self.poses[0])

@@ -24,6 +24,7 @@ from .columns import CENTRE
 from .equations import Equations, other_products
 from .products import skew
 from .second import by_products, same
+from .steps import UncoveredError
 
 SECOND, EACH = "of the second Jacobian", "of both Jacobians"
 
@@ -44,7 +45,7 @@ def coriolis(
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
     if v is None or any(a.base or a.follows for a in cols.axes) or count > MOST_STEPS or count != v.shape[-1]:
-        raise ValueError("few joints with an axis and a coordinate of their own, on a fixed base, only")
+        raise UncoveredError("few joints with an axis and a coordinate of their own, on a fixed base, only")
     order = [int(i) for i in np.argsort([a.column for a in cols.axes])]
     J = transposed(sums.jacobians)  # (runs, n, bodies, joints, 6)
     w, u = J[..., :3], J[..., 3:]

@@ -25,7 +25,7 @@ from ...subjects.layout import product, transposed
 from .lumps import Piece, tensor
 from .products import skew, wedge
 from .pushes import Push
-from .steps import Steps, cross
+from .steps import Steps, cross, inverse
 from .tree import Link, Pose, Tree, spatial
 
 
@@ -115,7 +115,7 @@ def world_blocks(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
 
 def _about_world(steps: Steps, tree: Tree, poses: Sequence[Pose], I: list[np.ndarray]) -> Model:
     S = {k.number: _in_world(steps, k, poses) for k in tree.links if k.moves}
-    base = np.linalg.inv(transform(Steps(), poses[0].R0, poses[0].p0)) if tree.floating else None
+    base = inverse(transform(Steps(), poses[0].R0, poses[0].p0)) if tree.floating else None
 
     def framed(steps: Steps, k: Link, pose: Pose, push: Push) -> np.ndarray:
         R = pose.R0 @ push.R if push.reference == "local" else np.eye(3)[None, None]
@@ -202,8 +202,8 @@ def brought(
     if X is None:
         return m
     others: dict[str, Callable[[], Any]] = {
-        "by the inverse": lambda: np.linalg.inv(steps.few(X)),
-        "as a force, by X^-T": lambda: transposed(np.linalg.inv(steps.few(X))),
+        "by the inverse": lambda: inverse(steps.few(X)),
+        "as a force, by X^-T": lambda: transposed(inverse(steps.few(X))),
         **{what: partial(steps.few, Y) for what, Y in (beside or {}).items()},
     }
     return np.asarray(steps.turn(site, X, m, **({} if plain else others)))
@@ -216,8 +216,8 @@ def to_parent(
     if X is None:
         return f
     others: dict[str, Callable[[], Any]] = {
-        "by the inverse of X, as a motion": lambda: np.linalg.inv(steps.few(X)),
-        "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(steps.few(X))),
+        "by the inverse of X, as a motion": lambda: inverse(steps.few(X)),
+        "by X^-T, the inverse of what is right": lambda: transposed(inverse(steps.few(X))),
         **{what: partial(steps.few, transposed(Y)) for what, Y in (beside or {}).items()},
     }
     return np.asarray(steps.turn(site, transposed(X), f, **others))

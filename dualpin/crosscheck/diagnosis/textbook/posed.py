@@ -18,7 +18,7 @@ from .assembly import Dynamics, Seen
 from .attitudes import PLAIN as RIGHT
 from .columns import Columns
 from .poses import Poses
-from .steps import Steps
+from .steps import Steps, inverse
 from .transforms import Transforms
 from .tree import Pose, Tree, tree_of
 from .ways import PLAIN, WAYS
@@ -95,7 +95,7 @@ def _from_world(tree: Tree, world: Callable[[np.ndarray], Poses], q: np.ndarray)
         R, p = R0, p0
         if k.parent >= 0:
             up = out[k.parent]
-            back = np.linalg.inv(up.R0)
+            back = inverse(up.R0)
             R, p = back @ R0, product(back, p0 - up.p0)
         out.append(Pose(R, p, R0, p0))
     return out

@@ -25,7 +25,7 @@ from .attitudes import PLAIN, Ways
 from .axes import Axis, Placed
 from .lists import branched, by_levels
 from .lumps import listed
-from .steps import Steps
+from .steps import Steps, UncoveredError
 from .turns import ONE
 from .wholes import Pose, from_parent, multiplied, some, times
 
@@ -113,7 +113,7 @@ class Poses:
     def _add(self, part: Part, joint: Joint | None) -> None:
         """The next link: its pose, its axes and its velocity."""
         if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any():
-            raise ValueError("a link that stands where its joint moves it")
+            raise UncoveredError("a link that stands where its joint moves it")
         steps, ways, up, link = self.steps, self.ways, self.number[part.parent], len(self.R)
         Ao = ways.of_rpy(steps, part.rpy, part.rotation)
         A, p, on = self._on_body(part, up) if self.fused else self._on_link(part, up, Ao)
@@ -136,7 +136,7 @@ class Poses:
         elif joint is not None and part.type == "planar":
             A, p = self._planar(joint, link, up, A, p)
         elif part.moves:
-            raise ValueError(f"a joint of type {part.type}")
+            raise UncoveredError(f"a joint of type {part.type}")
         if joint is None or part.axial:
             which = "of the first links" if up == 0 else "of further links"
             of = "a fixed link" if self.fused and not self.of_link[link] else "a link", which

@@ -25,7 +25,7 @@ from . import world_motions
 from .poses import stacked
 from .products import skew, wedge
 from .references import six
-from .steps import Steps, cross
+from .steps import Steps, UncoveredError, cross
 from .tree import Pose, Tree
 
 View = Any
@@ -135,7 +135,7 @@ def _columns(view: View, links: Sequence[str]) -> np.ndarray:
             unit = Inertia.basis()[PARAMETERS.index(what)].moved(view.robot.frame(link).placement)
             B[at[on] : at[on] + 10, k] = [float(x) for x in unit.parameters]
         elif link not in standing:
-            raise ValueError(f"no link {link}")
+            raise UncoveredError(f"no link {link}")
     return B
 
 
@@ -173,7 +173,7 @@ def _of_motions(
     made: Callable[..., tuple[np.ndarray, np.ndarray]] = wrenches,
 ) -> np.ndarray:  # fmt: skip
     if tree.floating:
-        raise ValueError("a fixed base only")
+        raise UncoveredError("a fixed base only")
     every = list(range(len(tree.links)))
     w, alpha, a, z = (stacked([getattr(m, x) for m in motions], every, 1) for x in ("w", "alpha", "a", "z"))
     R, p = stacked([x.R0 for x in poses], every, 2), stacked([x.p0 for x in poses], every, 1)

@@ -17,7 +17,7 @@ import numpy as np
 from . import one_joint
 from .columns import MOVING, Columns
 from .products import wedge
-from .steps import Steps, cross
+from .steps import Steps, UncoveredError, cross
 from .walks import ALL, CHAIN
 
 ORDER = "the order of joints along a path"
@@ -32,7 +32,7 @@ class SecondDerivatives(Columns):
     ) -> np.ndarray:  # fmt: skip
         """(runs, n, points, 6, axes): d/dt of `at`."""
         if any(a.base for a in self.axes) or len(set(self.links)) < len(self.axes):
-            raise ValueError("a base that moves, or joints of several axes")
+            raise UncoveredError("a base that moves, or joints of several axes")
         steps, few, count = self.steps, self.steps.few, len(self.axes)
         J = np.swapaxes(self.at(points, links, whose), -1, -2)  # (..., axes, 6)
         dp, z = J[..., 3:], self.z[..., None, :, :] + 0 * J[..., :3]
@@ -99,7 +99,7 @@ class Products(Columns):
     ) -> np.ndarray:  # fmt: skip
         """(runs, n, points, 6, axes): d/dt of `at`."""
         if any(a.base for a in self.axes) or len(set(self.links)) < len(self.axes):
-            raise ValueError("a base that moves, or joints of several axes")
+            raise UncoveredError("a base that moves, or joints of several axes")
         J, qd = np.swapaxes(self.at(points, links, whose), -1, -2), self.poses.qd
         assert qd is not None
         moved = self.moving(links)[..., 0, :].astype(float)
@@ -117,7 +117,7 @@ class Gradients(Columns):
     ) -> np.ndarray:  # fmt: skip
         """(runs, n, points, 6, axes): d/dt of `at`."""
         if any(a.base for a in self.axes):
-            raise ValueError("a base that moves")
+            raise UncoveredError("a base that moves")
         qd = self.poses.qd
         assert qd is not None
         by_q = one_joint.rates(self, points, links, whose, apart=True)

@@ -21,7 +21,7 @@ from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross,
 from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to_parent, to_parent_inertia
 from .products import crf, crm
 from .pushes import Wrenches
-from .steps import HAVE, Steps, cross
+from .steps import HAVE, Steps, cross, inverse
 from .tree import Link, Tree, filled, spatial
 
 OF_FIXED = "what a fixed link hands on"
@@ -123,8 +123,8 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coor
         back = transposed(pose.R0)
         X = m.to_frame(steps, k, pose, push)
         others = {
-            "by the inverse of X, as a motion": lambda: np.linalg.inv(steps.few(X)),
-            "by X^-T, the inverse of what is right": lambda: transposed(np.linalg.inv(steps.few(X))),
+            "by the inverse of X, as a motion": lambda: inverse(steps.few(X)),
+            "by X^-T, the inverse of what is right": lambda: transposed(inverse(steps.few(X))),
             "into the link's axes alone": lambda: spatial([[back, 0 * back], [0 * back, back]]),
         }
         return steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)

@@ -21,7 +21,7 @@ from ..case import View
 from ..description import Description, Part, merged
 from .lists import LISTED, ORDERS
 from .lumps import Piece, listed, pieces, products, tensor
-from .steps import Steps
+from .steps import Steps, UncoveredError
 
 THAT_TURN, THAT_SLIDE = "of links that move: that turn", "of links that move: that slide"
 """Which of a group of sites are those of a link."""
@@ -123,9 +123,9 @@ class Tree:
                 part = replace(part.placed(H @ part.pose), parent=carrier)
             joint = joints.get(part.joint)
             if joint is not None and (joint.model.nv != 1 or joint.mimic is not None or not part.axial):
-                raise ValueError("joints with one axis and one coordinate of their own only")
+                raise UncoveredError("joints with one axis and one coordinate of their own only")
             if np.abs(part.after - np.eye(4)).max() > 0 or part.more.any() or part.rate != 1.0:
-                raise ValueError("links that stand where their joints move them, by their coordinates only")
+                raise UncoveredError("links that stand where their joints move them, by their coordinates only")
             where = (-1, -1) if joint is None else (joint.v.start, joint.q.start)
             link = _link(part, len(self.links), number[part.parent], *where)
             self.links.append(replace(link, pieces=made_of.get(part.link, ())))

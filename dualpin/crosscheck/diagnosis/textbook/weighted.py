@@ -23,7 +23,7 @@ from .in_place import KEPT, in_one_array
 from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .products import IN_MOMENTUM, wedge
-from .steps import Slip, Steps
+from .steps import Slip, Steps, UncoveredError
 from .turns import ONE
 
 RIGHT = Steps(Slip("", "", ""))
@@ -340,7 +340,7 @@ class Sums:
         for part in (p for p in self.poses.d.parts if any(p.armature)):
             joint = joints.get(part.joint)
             if joint is None or joint.mimic is not None:
-                raise ValueError("rotors of joints with coordinates of their own only")
+                raise UncoveredError("rotors of joints with coordinates of their own only")
             out[joint.v] = part.armature
         return out
 
