@@ -31,7 +31,10 @@ def shows(case: Case, h: Hypothesis) -> bool:
 
 
 def _explained(case: Case, h: Hypothesis) -> list[str]:
-    """What was read wrongly would show in every term, beside the mistakes that explain it; so would a wrong pose."""
+    """What was read wrongly would show in every term, beside the mistakes that explain it; so would a wrong pose.
+
+    Where it explains a term as well as what is told, it may be that mistake itself.
+    """
     if h.place not in READ and not in_poses(h):
         return []
     found = []
@@ -40,7 +43,8 @@ def _explained(case: Case, h: Hypothesis) -> list[str]:
         if term in h.terms and not any(g.made_of or g.cause == h.cause or g.place == "relation" for g in here):
             key = h.identity, term, identity(stories[0])
             if key not in case.spared:
-                case.spared[key] = [term] if _changes(case, term, h, stories[0]) else []
+                beside = _changes(case, term, h, stories[0]) and not case.score(term, (h,)).right
+                case.spared[key] = [term] if beside else []
             found += case.spared[key]
     return found
 

@@ -9,6 +9,7 @@ from functools import partial
 from ..case import Case
 from ..textbook import (
     about_centres,
+    about_world,
     body_jacobians,
     composite,
     factors,
@@ -215,6 +216,11 @@ register(
 register(
     "composite bodies about their centres",
     Dynamics(right(spatial.forces), about_centres.mass, symbols(about_centres.mass)), (*MASSES, *FORWARD),
+)  # fmt: skip
+register(
+    "composite bodies about the world's origin",
+    Dynamics(right(spatial.forces), about_world.mass, symbols(about_world.mass)), MASSES, only=but_tensors,
+    when=lambda case: not case.floating,
 )  # fmt: skip
 register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",), only=but_tensors)
 formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)

@@ -42,6 +42,8 @@ from ..textbook.answers import (
     SPUN_INSIDE,
     SYMBOLIC,
     TRANSPOSED,
+    TURNED_LAST,
+    TURNED_SECOND,
 )  # fmt: skip
 from ..textbook.assembly import SYMBOLS
 from ..textbook.columns import ACROSS
@@ -318,7 +320,7 @@ for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=symbols), after="crba", how=DIFFERENTIATED)
 for _name, _run in (("geometric Jacobians", jacobians), ("bodies", reading)):
     _register(_name, _run, _terms(matrix=few), how=SYMBOLIC)
-    for _how in (TRANSPOSED, BOTH, MIRRORED, MIRRORED_SECOND):
+    for _how in (TRANSPOSED, BOTH, MIRRORED, MIRRORED_SECOND, TURNED_LAST, TURNED_SECOND):
         _register(_name, _run, _terms(matrix=few), only=which.askew, how=_how)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.but_symbols, how=RATED)
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.of_walks, how=CARRIED)

@@ -68,6 +68,15 @@ _spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, s
 register(SPATIAL, _spatial, (*ALL, *MOMENTUM, "potential_energy"))
 register(SPATIAL, composite.Energy(by=spatial.energy), ("kinetic_energy",), "energies of bodies")
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies", tensors=True)
+INSIDE = "articulated bodies, the wrench in their bias forces"
+
+
+def accelerated(case: Case) -> bool:
+    """Whether slips of forward dynamics with wrenches are looked for without wrenches first."""
+    return "aba" in case.observed
+
+
+register(SPATIAL, Articulated(inside=True), ("aba_f_ext",), INSIDE, lambda term: "aba", accelerated)
 
 
 def _poses(fused: bool, chained: bool, of: plucker.Coordinates = plucker.links) -> None:
@@ -127,6 +136,7 @@ def _in(
     by(composite.Energy(by=energy), ("kinetic_energy",), f"{variant}, energies of bodies")
     if not by_body:
         by(Articulated(of=of), (*FORWARD, "minv"), f"{variant}, articulated bodies")
+        by(Articulated(of=of, inside=True), ("aba_f_ext",), f"{variant}, {INSIDE}", lambda term: "aba", accelerated)
 
 
 outside(SPATIAL, spatial.pushed, "links")

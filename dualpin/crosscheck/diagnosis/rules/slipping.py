@@ -9,6 +9,7 @@ import numpy as np
 
 from ..case import View
 from ..textbook.answers import JACOBIANS, OF_SYMBOLS, Made
+from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
@@ -35,7 +36,7 @@ class Slipping:
 
     def beside(self, other: object) -> Run | None:
         """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
-        if type(other) is Dynamics or isinstance(other, Seen):
+        if isinstance(other, Seen | Articulated) or (isinstance(other, Dynamics) and type(other) is Dynamics):
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
         if not isinstance(other, Slipping):

@@ -92,4 +92,5 @@ def of_cross_products(slip: Slip) -> bool:
 
 def askew(slip: Slip) -> bool:
     """Whether M may lose its symmetry by a slip."""
-    return slip.site.startswith(("the inertia of a body", READ, TURNED, IN_CARRIER))
+    halves = ("dM/dq_k, of one half", "dJ_i . M J_j in dM/dq_k", "J_i . M dJ_j in dM/dq_k")
+    return slip.site.startswith(("the inertia of a body", READ, TURNED, IN_CARRIER, *halves))

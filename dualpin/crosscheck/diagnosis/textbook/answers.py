@@ -34,6 +34,8 @@ TRANSPOSED = "Christoffel's symbols of derivatives of the second Jacobian, trans
 BOTH = "Christoffel's symbols of derivatives of both Jacobians"
 MIRRORED = "Christoffel's symbols of derivatives that are halves and their transposes"
 MIRRORED_SECOND = f"{MIRRORED}, of the second Jacobian"
+TURNED_LAST = "Christoffel's symbols with dM_kj for dM_jk"
+TURNED_SECOND = f"{TURNED_LAST}, of the second Jacobian"
 BY_AXES = "Christoffel's symbols of derivatives by joints' own axes"
 CARRIED = "Christoffel's symbols of derivatives by joints that carry a body"
 RATED = "Christoffel's symbols of derivatives by rates"
@@ -42,6 +44,7 @@ OF_SYMBOLS: dict[str, dict[str, Any]] = {
     SYMBOLIC: {}, TRANSPOSED: {"tensors": gradient.SECOND}, BOTH: {"tensors": gradient.EACH},
     MIRRORED: {"mirrored": True}, MIRRORED_SECOND: {"tensors": gradient.SECOND, "mirrored": True},
     CARRIED: {"carried": True}, BY_AXES: {"apart": True},
+    TURNED_LAST: {"turned": True}, TURNED_SECOND: {"tensors": gradient.SECOND, "turned": True},
     RATED: {"by_rates": True}, RATED_APART: {"by_rates": True, "apart": True},
 }  # fmt: skip
 """How `gradient` makes Christoffel's symbols."""
@@ -249,7 +252,7 @@ class Made:
         links = [tree.number[f] for f in self.view.frames]
         if term == "fk":
             H = stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
-            return self._on_bodies(tree, links, H) if self.fused else H
+            return self._returned(self._on_bodies(tree, links, H) if self.fused else H)
         J = self._jacobian(tree, links)
         if term == "jacobian":
             return J
@@ -267,6 +270,14 @@ class Made:
             for which, at in (("its angular", slice(0, 3)), ("its linear", slice(3, 6)))
         ]
         return np.concatenate(np.broadcast_arrays(*halves), -1)
+
+    def _returned(self, H: np.ndarray) -> np.ndarray:
+        """Poses as they are written."""
+        R, p = H[..., :3, :3], H[..., :3, 3]
+        wrong = {"that of the inverse pose, -R^T p": lambda: -product(transposed(R), p), "of the other sign": -p}
+        H = H + np.zeros((self.rest.rows, 1, 1, 1, 1))
+        H[..., :3, 3] = self.rest.pick("the position that is written in a pose", p, **wrong)
+        return H
 
     def _of_bodies(self, tree: Poses, links: list[int]) -> np.ndarray:
         """dJ/dt v of the bodies that carry frames on fixed joints."""

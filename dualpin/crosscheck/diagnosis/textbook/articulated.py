@@ -22,7 +22,8 @@ from .in_place import array, repeated
 from .link_axes import gathered, of_joint
 from .plucker import Coordinates, Model, brought, links, of_others, to_parent, to_parent_inertia
 from .products import crf, crm
-from .spatial import OF_FIXED, at_origins, gravity, hand_on, start, velocities
+from .pushes import Wrenches, wrenches
+from .spatial import OF_FIXED, at_origins, gravity, hand_on, on_links, start, velocities
 from .steps import HAVE, Steps
 from .tree import Link, Tree, tree_of
 
@@ -38,13 +39,16 @@ class Body:
 
 
 def forward(
-    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray, of: Coordinates = links
-) -> np.ndarray:
-    """The accelerations (runs, samples, nv) of the torques, under the gravity g."""
+    steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray, of: Coordinates = links,
+    pushes: Wrenches | None = None,
+) -> np.ndarray:  # fmt: skip
+    """The accelerations (runs, samples, nv) of the torques, under the gravity g and wrenches on links."""
     m = of(steps, tree, q)
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
     vs = velocities(steps, tree, m, v, zero)
     c, p, I = _first(steps, tree, m, at_origins(steps, tree, q, vs) if m.common else vs, v, zero)
+    if pushes:
+        p = [own + pushed for own, pushed in zip(p, on_links(steps, tree, m, q, pushes), strict=True)]
     bodies: dict[int, Body] = {}
     for k in reversed(tree.links[1:]):
         _inward(steps, tree, k, m, c[k.number], p, I, tau, bodies)
@@ -164,6 +168,8 @@ class Articulated:
     fused: bool = False
     of: Coordinates = links
     """In which coordinates."""
+    inside: bool = False
+    """Whether wrenches are taken from the bias forces of links, not from the torques."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.answer(view, term, steps, tree_of(view, self.fused))
@@ -177,6 +183,11 @@ class Articulated:
             return solve(steps, tree, q, v, tau, g)
         if term == "minv":
             return tree.columns(solve(steps, tree, *tree.unit(q), np.zeros((1, 1, 3))))
+        if term == "aba_f_ext" and self.inside:
+            q, pushes = wrenches(steps, tree, view)
+            count = len(view.frames)
+            x = solve(steps, tree, q, np.repeat(v, count, axis=1), np.repeat(tau, count, axis=1), g, pushes=pushes)
+            return x.reshape(len(x), -1, count, tree.nv)
         if term == "aba_f_ext":
             pushed = tau[:, :, None] + torques(view)
             n = pushed.shape[2]

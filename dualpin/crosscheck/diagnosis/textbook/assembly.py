@@ -313,8 +313,12 @@ SYMBOLS = {"dM_ij/dq_k": "ijk", "dM_ik/dq_j": "ikj", "-dM_jk/dq_i": "jki"}
 """The terms of Christoffel's sum: the indices of dM."""
 
 
-def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[int] = ()) -> np.ndarray:
+def of_symbols(
+    steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[int] = (), turned: bool = False
+) -> np.ndarray:
     """C of dM_ij/dq_k (runs, samples, i, j, k) and v (samples, k); `columns` says in which order they are summed.
+
+    `turned` says that the last term is written -dM_kj/dq_i, which is another one where M is not symmetric.
 
     References: Siciliano et al., Robotics (2009), equation 7.45.
     """
@@ -335,7 +339,8 @@ def of_symbols(steps: Steps, dM: np.ndarray, v: np.ndarray, columns: Sequence[in
         } | {
             f"{minus}dM_{x[:2]}/dq_{x[2]}": partial(part, x, sign) for x in SYMBOLS.values() if x != indices
         }  # fmt: skip
-        x = steps.pick(f"{name} in Christoffel's sum", part(indices, sign), **slips)
+        right = part("kji" if turned and minus else indices, sign)
+        x = steps.pick(f"{name} in Christoffel's sum", right, **slips)
         wrong = {
             "v_j": lambda x=x: steps.few(x) * v_j, "v_i": lambda x=x: steps.few(x) * v_i,
             "left out": lambda x=x: steps.few(x) + 0 * v_k,

@@ -31,7 +31,7 @@ SECOND, EACH = "of the second Jacobian", "of both Jacobians"
 
 def coriolis(
     sums: Equations, by_rates: bool = False, apart: bool = False, carried: bool = False, tensors: str = "",
-    mirrored: bool = False,
+    mirrored: bool = False, turned: bool = False,
 ) -> np.ndarray:  # fmt: skip
     """C (runs, samples, nv, nv), of few joints with one axis each on a fixed base.
 
@@ -41,6 +41,7 @@ def coriolis(
     `tensors`: J_i . M dJ_j is made and transposed (SECOND), not dJ_i . M J_j, or each is made by itself (EACH), which
     tensors that are not symmetric tell apart.
     `mirrored`: of dI/dq_k only [w_k] I is made, and its transpose is added.
+    `turned`: as in `of_symbols`.
     """
     steps, cols, v = sums.steps, sums.columns, sums.poses.qd
     count = len(cols.axes)
@@ -101,8 +102,12 @@ def coriolis(
         "w_i . dI/dq_k w_j, of the tensors that turn,":
             np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *same(w, rate, w), optimize=True),
     }  # fmt: skip
+    dM = steps.add("dM/dq_k", **whole)
+    if mirrored:
+        one = half + np.einsum("rnbix,rnbkxy,rnbjy->rnijk", *same(w, W @ T, w), optimize=True)
+        dM = steps.pick("dM/dq_k, of one half and its transpose,", dM, **{"twice the half": 2 * one, "half": one})
     columns = sorted(range(count), key=order.__getitem__)
-    return of_symbols(steps, steps.add("dM/dq_k", **whole), v[0], columns)
+    return of_symbols(steps, dM, v[0], columns, turned)
 
 
 def _turned_wrongly(sums: Equations) -> dict[str, Callable[[], np.ndarray]]:

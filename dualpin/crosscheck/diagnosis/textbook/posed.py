@@ -14,6 +14,7 @@ import numpy as np
 
 from ...subjects.layout import product
 from ..case import View
+from .articulated import Articulated
 from .assembly import Dynamics, Seen
 from .attitudes import PLAIN as RIGHT
 from .columns import Columns
@@ -32,7 +33,7 @@ class Posed:
 
     Attributes
     ----------
-    of : Dynamics, Seen or Transforms
+    of : Dynamics, Seen, Articulated or Transforms
         The algorithm, which makes none itself.
     way : str
         The one of `WAYS` in which slips are made, or `PLAIN`; by default they are made in putting poses together.
@@ -40,7 +41,7 @@ class Posed:
         Whether the algorithm makes slips besides.
     """
 
-    of: Dynamics | Seen | Transforms
+    of: Dynamics | Seen | Articulated | Transforms
     way: str = ""
     both: bool = False
 

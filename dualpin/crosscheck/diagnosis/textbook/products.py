@@ -105,6 +105,15 @@ def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
     return np.asarray(steps.pick(AD, x, **_of_blocks(steps, v, f, True)))
 
 
+def applied(steps: Steps, site: str, I: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """I v, half by half: [J w + m c x u; m u - m c x w]."""
+    w, u = v[..., :3], v[..., 3:]
+    parts = {"J w": product(I[..., :3, :3], w), "m c x u": product(I[..., :3, 3:], u)}
+    angular = steps.add(f"{site}: its angular part", **parts)
+    parts = {"-m c x w": product(I[..., 3:, :3], w), "m u": product(I[..., 3:, 3:], u)}
+    return np.concatenate(np.broadcast_arrays(angular, steps.add(f"{site}: its linear part", **parts)), -1)
+
+
 def _of_blocks(steps: Steps, v: np.ndarray, m: np.ndarray, transposed: bool) -> dict[str, Callable[[], np.ndarray]]:
     """What wrong blocks of [w x 0; u x w x] make of v x m, or of v x* m = -(v x)^T m."""
 

@@ -19,7 +19,7 @@ from ...subjects.layout import product, transposed
 from .in_place import GROWING, WHOLE, afterwards, array
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to_parent, to_parent_inertia
-from .products import crf, crm
+from .products import applied, crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross, inverse
 from .tree import Link, Tree, filled, spatial
@@ -114,7 +114,13 @@ def _base(steps: Steps, m: Model, v: np.ndarray, a: np.ndarray, down: np.ndarray
 
 def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coordinates = links) -> np.ndarray:
     """tau (runs, samples, nv) of wrenches on links."""
-    poses, zero, m = tree.poses(q), np.zeros((*q.shape[:-1], 6)), of(steps, tree, q)
+    m = of(steps, tree, q)
+    return _inward(steps, tree, m, on_links(steps, tree, m, q, wrenches), q)
+
+
+def on_links(steps: Steps, tree: Tree, m: Model, q: np.ndarray, wrenches: Wrenches) -> list[np.ndarray]:
+    """What wrenches add to the force of each link."""
+    poses, zero = tree.poses(q), np.zeros((*q.shape[:-1], 6))
 
     def on(k: Link) -> np.ndarray:
         if k.number not in wrenches:
@@ -129,7 +135,7 @@ def pushed(steps: Steps, tree: Tree, q: np.ndarray, wrenches: Wrenches, of: Coor
         }
         return steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
 
-    return _inward(steps, tree, m, [on(k) for k in tree.links], q)
+    return [on(k) for k in tree.links]
 
 
 def _inward(steps: Steps, tree: Tree, m: Model, f: list[np.ndarray], q: np.ndarray) -> np.ndarray:
@@ -218,7 +224,8 @@ def at_origins(steps: Steps, tree: Tree, q: np.ndarray, vs: list[np.ndarray]) ->
     """Velocities about the world's origin, once they are handed on; slips take those of the links' own origins."""
     found = []
     for v, pose in zip(vs, tree.poses(q), strict=True):
-        others = {"that of the link's origin": lambda v=v, pose=pose: v[..., 3:] + cross(v[..., :3], pose.p0)}
+        w_p = cross(v[..., :3], pose.p0)
+        others = {"that of the link's origin": v[..., 3:] + w_p, "with the other sign of p x w": v[..., 3:] + 2 * w_p}
         u = steps.pick("the linear part of a velocity about the world's origin", v[..., 3:], **others)
         found.append(np.concatenate(np.broadcast_arrays(v[..., :3], u), -1))
     return found
@@ -241,13 +248,13 @@ def _needed(
         steps.mistaken(f"v in v x* I v: {x}", y, a=accs[k.number])
         for x, y in (("its first", first), ("its second", second))
     )
-    spin = crf(steps, "v x* I v", first, product(I, second))
+    spin = crf(steps, "v x* I v", first, applied(steps, "the momentum I v", I, second))
     inside = {"I (v x* v), with I before the product": lambda: product(I, crf(Steps(), "", first, second))}
     spin = steps.pick("v x* I v", spin, **inside)
     others = {"the parent's": accs[max(0, k.parent)], **tree.near(k, lambda x: accs[x.number])}
     a_k = steps.pick("the acceleration in I a", accs[k.number], **others)
     a_k = steps.mistaken("a in I a", a_k, v=v_k)
-    f = steps.add("the force of a body", **{"I a": product(I, a_k), "v x* I v": spin})
+    f = steps.add("the force of a body", **{"I a": applied(steps, "I a", I, a_k), "v x* I v": spin})
     heavy = tree.bodies
     return np.asarray(steps.part("the forces of bodies", f, heavy.index(k), len(heavy)) if k.mass > 0 else f)
 
@@ -291,7 +298,7 @@ def of_composite(steps: Steps, k: Link, m: Model, I: list[np.ndarray], own: list
     """F = I^c S."""
     S = m.S[k.number] + 0 * I[k.number][..., 0]
     own_I = {"the link's own": own[k.number]}
-    return product(steps.pick("the composite inertia in F = I S", I[k.number], **own_I), S)
+    return applied(steps, "F = I S", steps.pick("the composite inertia in F = I S", I[k.number], **own_I), S)
 
 
 def mass(steps: Steps, tree: Tree, q: np.ndarray, of: Coordinates = links) -> np.ndarray:

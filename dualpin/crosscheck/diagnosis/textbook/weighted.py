@@ -200,6 +200,10 @@ class Sums:
         first = self.m[..., None] * self.c  # moments
         moment, mine = (np.swapaxes(x, -1, -2) @ first for x in (carries, own))
         mass, single = ((self.m @ x)[..., None] for x in (carries, own))
+        site, apart = "the first moment of what a joint carries", {
+            "its links' own, and of each child all mass at the child's own centre": lambda: self._at_children(own)
+        }  # fmt: skip
+        moment = steps.pick(site, moment, **apart)
         c = steps.pick(
             "the centre of what a joint carries", moment / np.where(mass > 0, mass, 1.0),
             **{"the centre of the whole robot": self.com[..., None, :] + 0 * moment, "not divided by its mass": moment,
@@ -219,6 +223,19 @@ class Sums:
         moved = steps.pick(site, m * lever, **least)
         J = (turns * moved + (1 - turns) * m * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
+
+    def _at_children(self, own: np.ndarray) -> np.ndarray:
+        """(runs, n, axes, 3): m c of the link, and of what each child carries as if all were at the child's centre."""
+        t = self.poses
+        hangs = np.array([[k in self._way(link) for k in range(len(t.p))] for link in self.links], float)
+        children = np.array([[float(t.parent[k] == a.link) for a in t.axes] for k in range(len(t.p))])
+        there = [t.p[k] + product(t.R[k], t.centre(k) + 0 * t.p[k]) for k in range(len(t.p))]
+        at = stacked(there, list(range(len(t.p))), 1) * (self.m @ hangs)[..., None]
+        return np.swapaxes(own, 0, 1) @ (self.m[..., None] * self.c) + np.swapaxes(children, 0, 1) @ at
+
+    def _way(self, link: int) -> list[int]:
+        """A link and those before it."""
+        return [link, *self._way(self.poses.parent[link])] if link >= 0 else []
 
     def masses(self, site: str) -> np.ndarray:
         """(runs, 1, bodies), with what else is taken for them."""

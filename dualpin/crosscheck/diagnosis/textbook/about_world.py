@@ -1,0 +1,103 @@
+"""The mass matrix by composite bodies about the origin of the world: mass, first moment and inertia there.
+
+    m^c = sum m     h^c = sum m c     J^c = sum I + m (c.c 1 - c c^T)                      of what a joint carries
+    turning: u = o x z,  f = m^c u + z x h^c,  n = J^c z + h^c x u      sliding: f = m^c z,  n = h^c x z
+    M_ij = z_i . (n_j - o_i x f_j)  of a turning joint i,   z_i . f_j  of a sliding one
+
+References: Walker and Orin, Efficient dynamic computer simulation of robotic mechanisms (1982), method 3;
+Featherstone, Rigid Body Dynamics Algorithms (2008), section 6.2.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...subjects.layout import product
+from .products import wedge
+from .steps import HAVE, Steps
+from .tree import Link, Pose, Tree, filled
+from .turns import ONE
+
+Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Mass (..., 1), first moment and inertia."""
+
+
+def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
+    """M (runs, samples, nv, nv)."""
+    poses = tree.poses(q)
+    own = [_own(steps, tree, k, poses[k.number], q) for k in tree.links]
+    lumps = _composites(steps, tree, poses, own)
+    axes = [(k, product(poses[k.number].R0, k.z), poses[k.number].p0) for k in tree.links if k.moves]
+    entries: dict[tuple[int, int], np.ndarray] = {}
+    for k, z, o in axes:
+        n, f = _unit(steps, k, z, o, lumps[k.number], own[k.number])
+        for at, y, p in axes:
+            if at is k or at in tree.joints_of(k):
+                x = _felt(steps, at, y, p, n, f)
+                entries[at.column, k.column] = entries[k.column, at.column] = x
+    return filled(entries, tree.nv, q)
+
+
+def _own(steps: Steps, tree: Tree, k: Link, pose: Pose, q: np.ndarray) -> Lump:
+    m = k.mass + np.zeros((*q.shape[:-1], 1), q.dtype)
+    arm = steps.turn("the centre of mass of a body", pose.R0, k.c + 0 * m)
+    c = steps.add("the place of a body's centre", **{"the link's origin": pose.p0, "R c": arm})
+    I = steps.congruent("the inertia of a body", pose.R0, k.tensor(steps))
+    outer = c[..., :, None] * c[..., None, :]
+    far = {"m c.c 1": m[..., None] * (c * c).sum(-1)[..., None, None] * ONE, "-m c c^T": -m[..., None] * outer}
+    terms = {"that about its centre": I, "m (c.c 1 - c c^T)": steps.add("Steiner's term, to the world's origin", **far)}
+    places = {"m times the link's origin": lambda: m * pose.p0, "c, without its mass": lambda: c + 0 * m}
+    h = steps.pick("the first moment of a body, m c,", m * c, **places)
+    return m, h, steps.add("a body's inertia about the world's origin", **terms)
+
+
+def _composites(steps: Steps, tree: Tree, poses: list[Pose], own: list[Lump]) -> list[Lump]:
+    """Of every link, with all that it carries."""
+    found = list(own)
+    for k in reversed(tree.links[1:]):
+        (M, H, T), (m, h, I), pose = found[k.parent], found[k.number], poses[k.number]
+        others = {
+            "the child's own alone": own[k.number][1], "its composite mass at its own centre": (
+                lambda m=m, k=k, pose=pose: m * (pose.p0 + product(pose.R0, k.c + 0 * pose.p0))
+            ),
+        }  # fmt: skip
+        h = steps.pick("the first moment that a child hands on", h, **others)
+        m, I = (
+            steps.pick(f"the {what} that a child hands on", x, **{"the child's own alone": own[k.number][i]})
+            for what, x, i in (("mass", m, 0), ("inertia", I, 2))
+        )
+        m, h, I = (
+            steps.part(f"the links that hand on their {what}", x, k.number - 1, len(tree.links) - 1)
+            for what, x in (("mass", m), ("first moment", h), ("inertia", I))
+        )
+        mass = steps.add("the composite mass", **{HAVE: M, "the child's m": m})
+        moment = steps.add("the composite first moment", **{HAVE: H, "the child's h": h})
+        found[k.parent] = mass, moment, steps.add("the composite inertia", **{HAVE: T, "the child's I": I})
+    return found
+
+
+def _unit(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, lump: Lump, own: Lump) -> tuple[np.ndarray, np.ndarray]:
+    """Moment about the world's origin, and force, of a unit acceleration of a joint."""
+    m, h, I = (
+        steps.pick(f"the composite {what} that a joint moves", x, **{"the link's own": y})
+        for what, x, y in zip(("mass", "first moment", "inertia"), lump, own, strict=True)
+    )
+    if k.slides:
+        n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": wedge(steps, h, z + 0 * h)})
+        return n, steps.add("the force of a sliding joint's unit acceleration", **{"m z": m * z})
+    still = {"0": 0 * h}
+    u = steps.pick("the velocity of the world's origin, o x z,", wedge(steps, o + 0 * z, z + 0 * o), **still)
+    terms = {"m u": m * u, "z x h": wedge(steps, z + 0 * h, h + 0 * z)}
+    f = steps.add("the force of a turning joint's unit acceleration", **terms)
+    terms = {"I z": product(I, z), "h x u": wedge(steps, h + 0 * u, u + 0 * h)}
+    return steps.add("the moment of a turning joint's unit acceleration", **terms), f
+
+
+def _felt(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, n: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """What a joint feels of it."""
+    moment = steps.add("the moment about a joint", **{"n": n, "-o x f": -wedge(steps, o + 0 * f, f + 0 * o)})
+    turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
+    right, other = (sliding, turning) if k.slides else (turning, sliding)
+    kind, another = ("sliding", "turning") if k.slides else ("turning", "sliding")
+    others = {f"that of a {another} one": other}
+    return np.asarray(steps.pick(f"what a {kind} joint feels of a unit acceleration", right, **others))
