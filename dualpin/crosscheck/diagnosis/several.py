@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from .case import Case
 from .hypothesis import Hypothesis, Story, style
@@ -52,6 +52,18 @@ def bases(nearest: Sequence[Near]) -> list[tuple[Near, bool]]:
     first = readings[:1] if nearest and nearest[0] in readings else []
     turns = [(n, k < MADE) for k, n in enumerate(in_turns(made)[:MOST_MADE])]
     return [*((n, True) for n in first), *turns, *((n, True) for n in readings[len(first) :])]
+
+
+OWN_PARTS = ("answer", "formula")
+MOSTLY = 0.5
+"""The share of right entries from which slips are looked for beside what explains these."""
+
+
+def mostly(near: Iterable[Near]) -> list[Near]:
+    """Of what alone explains most of a term: the best slip, and the best of the subject's own other answers."""
+    found = sorted(n for n in near if n.score.share >= MOSTLY)
+    alone = [next((n for n in found if {h.place for h in n.story} == {place}), None) for place in OWN_PARTS]
+    return [n for n in alone if n is not None]
 
 
 def in_turns(near: Sequence[Near]) -> list[Near]:

@@ -55,7 +55,7 @@ def _lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
             if all_links and not any(differ(make(Steps(slip), fewer[link]), made[link]) for link in fewer):
                 continue
             for words, read in _read(made.values()).items():
-                edit = _edit(make, slip, read, all_links)
+                edit = _edit(make, slip, read, all_links, (groups, made))
                 found.append(
                     replace(
                         h, key=slip.how, says=f"bodies of several links: {slip.says}", place="edit", act=edit, fix=FIX,
@@ -76,16 +76,36 @@ def _read(bodies: Iterable[Body]) -> dict[str, Reading]:
     return {"": lambda I: (I + I.T) / 2} if even else TRIANGLES
 
 
+Groups = dict[str, list[Piece]]
+
+
 def _edit(
-    make: Callable[..., Body], slip: Slip, read: Reading, all_links: bool
+    make: Callable[..., Body], slip: Slip, read: Reading, all_links: bool, known: tuple[Groups, dict[str, Body]]
 ) -> Callable[[Description, Sequence[str]], Description]:
+    """`known` are the bodies that the slip makes of the links of the file."""
+
     def edit(d: Description, items: Sequence[str]) -> Description:
-        made = {link: make(Steps(slip), group) for link, group in pieces(d, bare=all_links).items()}
+        groups, (before, made) = pieces(d, bare=all_links), known
+        if not _same(groups, before):
+            made = {link: make(Steps(slip), group) for link, group in groups.items()}
         bodies = {link: replace(b, inertia=read(b.inertia)) for link, b in made.items()}
         parts = tuple(replace(p, body=bodies.get(p.link)) for p in d.parts)
         return replace(d, base=bodies.get(d.root), parts=parts)
 
     return edit
+
+
+def _same(some: Groups, others: Groups) -> bool:
+    """Whether it is the same file."""
+    return some.keys() == others.keys() and all(
+        len(a) == len(b)
+        and all(
+            np.array_equal(np.asarray(x), np.asarray(y))
+            for p, r in zip(a, b, strict=True)
+            for x, y in zip(p, r, strict=True)
+        )
+        for a, b in zip(some.values(), others.values(), strict=True)
+    )
 
 
 # --- principal axes ------------------------------------------------------------------------------

@@ -145,11 +145,14 @@ class Steps:
                 standing.setdefault((slip.what, slip.how), set()).add(_groups(slip.site)[0])
         out: dict[Slip, None] = {}
         for slip in self._found:
-            groups = _groups(slip.site)
-            out[slip._replace(site=groups[0])] = None
-            for whole, group in pairwise(groups):
+            first, *further = _groups(slip.site)
+            if not further:
+                out[slip] = None
+                continue
+            out[Slip(first, slip.what, slip.how)] = None
+            for whole, group in pairwise((first, *further)):
                 if members[group] != members[whole]:
-                    out[slip._replace(site=group)] = None
+                    out[Slip(group, slip.what, slip.how)] = None
         out |= {Slip(EVERYWHERE, *which): None for which, where in standing.items() if len(where) > 1}
         return out
 
