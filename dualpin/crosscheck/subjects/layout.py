@@ -21,6 +21,7 @@ from ...errors import ArgumentError, nearest
 from ...model.robot import Joint, Robot
 from ...spatial.adjoint import cross_matrix
 from ...spatial.inertia import Inertia
+from ...spatial.pose import Pose
 from .algebra import REWRITINGS, SIX, Change, product, transposed
 from .convention import BASE_V, PARAMETERS, Convention, base_of, columns, floats_of, parameter_names
 
@@ -199,8 +200,8 @@ class Layout:
             if what in PARAMETERS and link in frames:
                 joint = frames[link].joint
                 if joint is not None:  # what no joint moves is felt nowhere
-                    unit = Inertia.basis()[PARAMETERS.index(what)].moved(frames[link].placement)
-                    B[10 * joint.index : 10 * joint.index + 10, k] = [float(x) for x in unit.parameters]
+                    column = carried(frames[link].placement)[:, PARAMETERS.index(what)]
+                    B[10 * joint.index : 10 * joint.index + 10, k] = column
             elif name in names:
                 B[names.index(name), k] = 1.0
             else:
@@ -212,6 +213,22 @@ class Layout:
     def turns(self) -> bool:
         """Whether G depends on the state, so that its rate counts."""
         return bool(self.floats) and (self.how.angular != "body" or self.how.linear != "body")
+
+
+def carried(placement: Pose) -> np.ndarray:
+    """(10, 10): from the inertial parameters of a link to those of the body on which it stands so."""
+    key = placement.array.tobytes()
+    if (known := _CARRIED.get(key)) is None:
+        if len(_CARRIED) >= PLACEMENTS:
+            _CARRIED.clear()
+        known = _CARRIED[key] = np.array([unit.moved(placement).array for unit in Inertia.basis()]).T
+        known.flags.writeable = False
+    return known
+
+
+PLACEMENTS = 1024
+"""Of which the last ones are kept: robots that are read in many ways have most in common."""
+_CARRIED: dict[bytes, np.ndarray] = {}
 
 
 UNCHANGED = ("plain", "twist")

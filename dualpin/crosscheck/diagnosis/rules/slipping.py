@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..case import View
-from ..textbook.answers import JACOBIANS, OF_SYMBOLS, Made
+from ..textbook import world_axes
+from ..textbook.answers import JACOBIANS, OF_SYMBOLS, PROJECTED, Made
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen
+from ..textbook.kane import Kane
 from ..textbook.posed import Posed
 from ..textbook.poses import stacked
 from ..textbook.references import referred
@@ -36,6 +38,9 @@ class Slipping:
 
     def beside(self, other: object) -> Run | None:
         """With slips in the parts of both, or in poses and the recursion over them; None where no code makes both."""
+        if dict(self.how).get("how") == PROJECTED and isinstance(other, Dynamics):
+            fused = ("fused", True) in self.how
+            return Kane(fused) if other.forces is world_axes.forces and other.fused == fused else None
         if isinstance(other, Seen | Articulated) or (isinstance(other, Dynamics) and type(other) is Dynamics):
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None

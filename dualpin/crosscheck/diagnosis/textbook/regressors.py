@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ....spatial.inertia import Inertia
 from ...subjects.convention import PARAMETERS, parameter_names
-from ...subjects.layout import product, transposed
+from ...subjects.layout import carried, product, transposed
 from . import world_motions
 from .poses import stacked
 from .products import skew, wedge
@@ -132,8 +131,7 @@ def _columns(view: View, links: Sequence[str]) -> np.ndarray:
             B[at[link] + PARAMETERS.index(what), k] = 1.0
         elif link in standing and standing[link][0] in at:
             on, _ = standing[link]
-            unit = Inertia.basis()[PARAMETERS.index(what)].moved(view.robot.frame(link).placement)
-            B[at[on] : at[on] + 10, k] = [float(x) for x in unit.parameters]
+            B[at[on] : at[on] + 10, k] = carried(view.robot.frame(link).placement)[:, PARAMETERS.index(what)]
         elif link not in standing:
             raise UncoveredError(f"no link {link}")
     return B

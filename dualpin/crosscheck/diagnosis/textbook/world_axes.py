@@ -22,7 +22,7 @@ from .world_motions import Motion, axis_of, joined, kind, motions
 def forces(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, g: np.ndarray) -> np.ndarray:
     """tau (runs, samples, nv) of velocities and accelerations, under the gravity g."""
     poses, moving = tree.poses(q), motions(steps, tree, q, v, a)
-    f, n = _bodies(steps, tree, poses, moving, g)
+    f, n = needed(steps, tree, poses, moving, g)
     return _inward(steps, tree, poses, [m.z for m in moving], f, n, q)
 
 
@@ -76,7 +76,7 @@ def _felt_along(steps: Steps, tree: Tree, k: Link, poses: list[Pose], zs: list[n
     return np.asarray(steps.pick(f"the axis of force and moment: {kind(k)}", z, **{"that of the parent": of_parent}))
 
 
-def _bodies(
+def needed(
     steps: Steps, tree: Tree, poses: list[Pose], moving: list[Motion], g: np.ndarray
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Force and moment (about its origin) that each link needs for itself."""

@@ -132,7 +132,9 @@ def _next(
         z_qd, z_qdd = z * qd, z * qdd
         there = rate_in_cross(steps, tree, k, q, v, a)
         turned = steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws)
-        about = steps.mistaken("z in w x z qd", z, **{"the link's angular velocity": up.w + (not k.slides) * z_qd})
+        about = steps.mistaken(
+            f"z in w x z qd: {which}", z, **{"the link's angular velocity": up.w + (not k.slides) * z_qd}
+        )
         turning = wedge(steps, turned, about * there)
     if k.slides:
         place = product(on.R0, k.p)
