@@ -27,7 +27,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     poses = tree.poses(q)
     own = [_own(steps, tree, k, poses[k.number], q) for k in tree.links]
     lumps = _composites(steps, tree, poses, own)
-    axes = [(k, product(poses[k.number].R0, k.z), poses[k.number].p0) for k in tree.links if k.moves]
+    axes = [(k, _axis(steps, k, poses[k.number]), poses[k.number].p0) for k in tree.links if k.moves]
     entries: dict[tuple[int, int], np.ndarray] = {}
     for k, z, o in axes:
         n, f = _unit(steps, k, z, o, lumps[k.number], own[k.number])
@@ -36,6 +36,13 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
                 x = _felt(steps, at, y, p, n, f)
                 entries[at.column, k.column] = entries[k.column, at.column] = x
     return filled(entries, tree.nv, q)
+
+
+def _axis(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
+    """Of a joint, in the world; named as in a column of a Jacobian."""
+    z = steps.turn(f"the axis of a column: of {'sliding' if k.slides else 'turning'} joints", pose.R0, k.z)
+    frame = {f"that of the link's {x} axis": pose.R0[..., i] for i, x in enumerate("xyz")}
+    return np.asarray(steps.pick("the direction in a column, of joints,", z, **frame))
 
 
 def _own(steps: Steps, tree: Tree, k: Link, pose: Pose, q: np.ndarray) -> Lump:
