@@ -192,6 +192,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 before = [t for t in off if not searches[t].open][:FIRST]
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
+            if term == "fk":  # without a cause of wrong poses hardly any other term has one
+                stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
+                stage(two_causes, Search.pairs, unknown, [term])
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)

@@ -127,16 +127,23 @@ def _register(
     `after` is a term in which its slips show first, if that is answered; they are looked for there.  `only` says which
     of its slips are no twins of those of other formulations.
     """
-    levels, rooted, factored = (how.get(name, False) for name in ("by_level", "rooted", "factored"))
+    levels, rooted, bare, factored = (how.get(name, False) for name in ("by_level", "rooted", "bare", "factored"))
     marks = (
         how.get("how", ""), "with axes kept early" * how.get("early", False), "level by level" * levels,
-        "the root link counts" * rooted, "M by its Cholesky factor" * factored,
+        "the root link counts" * rooted, "links without mass count" * bare, "M by its Cholesky factor" * factored,
     )  # fmt: skip
     variant = ", ".join(x for x in marks if x)
     cost, like = COST + 0.05 * bool(variant), _in_mass if how.get("how") == MASS or factored else shown_in(run)
     slow = partial(_answers, after)
-    alike, when = name if name in WAYS else "", _branches if levels else _heavy_root if rooted else _always
-    twins = [(levels, which.in_a_list), (rooted, which.for_all_joints), (factored, which.askew), (how, which.both_ways)]
+    robots = ((levels, _branches), (rooted, _heavy_root), (bare, _bare))
+    alike, when = name if name in WAYS else "", next((covers for holds, covers in robots if holds), _always)
+    twins = [
+        (levels, which.in_a_list),
+        (rooted, which.for_all_joints),
+        (bare, which.of_weights),
+        (factored, which.askew),
+        (how, which.both_ways),
+    ]
     listing = only or next((f for holds, f in twins if holds), which.every)
     formulation(name, terms, KNOWN, variant, when, cost, SAYS, True, like, slow, alike, listing)(_of(run, **how))
     fused = ", ".join(x for x in ("of bodies merged from fixed links", variant) if x)
@@ -174,6 +181,12 @@ def _heavy_root(case: Case) -> bool:
 
 def _answers(after: str, case: Case) -> bool:
     return after in case.observed
+
+
+def _bare(case: Case) -> bool:
+    """Whether a link that joints move has no mass."""
+    d = case.description
+    return any(p.body is None or not p.body.mass > 0 for p in d.parts)
 
 
 def _always(case: Case) -> bool:
@@ -328,6 +341,7 @@ _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.of_ax
 _register("geometric Jacobians", jacobians, _terms(matrix=few), only=which.but_symbols, how=RATED_APART)
 _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), rooted=True)
 _register("geometric Jacobians", jacobians, _terms(projected=not_large), how=PROJECTED, rooted=True)
+_register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_large), bare=True)
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):
     _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how, rooted=True)
 _register("bodies", reading, _terms(tensors=untreed))

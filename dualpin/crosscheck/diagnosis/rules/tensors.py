@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -126,6 +127,7 @@ _table("inertia_entry_copied", "an entry of every <inertia> is filled with one o
 _table("inertia_entry", "an entry of every <inertia> is left out, or has the other sign", BY_NAME, {
     **{f"without {name}": _times({name: 0.0}) for name in ENTRIES},
     **{f"-{name}": _times({name: -1.0}) for name in PRODUCTS},
+    **{f"without {a} and {b}": _times({a: 0.0, b: 0.0}) for a, b in itertools.combinations(PRODUCTS, 2)},
 }, cost=1.1)  # fmt: skip
 _table("products_scale", "products of inertia are multiplied by a number", "ixy, ixz, iyz are the matrix's entries",
        {words: _times(dict.fromkeys(PRODUCTS, k)) for words, k in (("1/2", 0.5), ("2", 2.0))})  # fmt: skip

@@ -90,6 +90,11 @@ def of_cross_products(slip: Slip) -> bool:
     return slip.site.startswith(SKEW)
 
 
+def of_weights(slip: Slip) -> bool:
+    """Whether something else stands for the mass of a body, of those without one too."""
+    return slip.site.startswith(("the mass in", "the weight of"))
+
+
 def askew(slip: Slip) -> bool:
     """Whether M may lose its symmetry by a slip."""
     halves = ("dM/dq_k, of one half", "dJ_i . M J_j in dM/dq_k", "J_i . M dJ_j in dM/dq_k")

@@ -77,6 +77,10 @@ def _composites(steps: Steps, tree: Tree, poses: list[Pose], own: list[Lump]) ->
             steps.part(f"the links that hand on their {what}", x, k.number - 1, len(tree.links) - 1)
             for what, x in (("mass", m), ("first moment", h), ("inertia", I))
         )
+        m, h, I = (
+            steps.summed(f"the {what} that children hand on", x, **tree.alone(k, x))
+            for what, x in (("mass", m), ("first moment", h), ("inertia", I))
+        )
         mass = steps.add("the composite mass", **{HAVE: M, "the child's m": m})
         moment = steps.add("the composite first moment", **{HAVE: H, "the child's h": h})
         found[k.parent] = mass, moment, steps.add("the composite inertia", **{HAVE: T, "the child's I": I})

@@ -89,6 +89,8 @@ class Made:
         Whether axes are turned into the world before their own joint turns.
     rooted : bool
         Whether the root link counts as a body, although nothing moves it.
+    bare : bool
+        Whether links without mass count as bodies.
     by_level : bool
         Whether links are listed level by level, not branch by branch.
     factored : bool
@@ -105,6 +107,7 @@ class Made:
     early: bool = False
     by_level: bool = False
     rooted: bool = False
+    bare: bool = False
     factored: bool = False
 
     def tree(self, q: np.ndarray, moving: bool = True) -> Poses:
@@ -149,7 +152,7 @@ class Made:
         return columns.by_jacobians() if self.how in (JACOBIANS, *KINDS) and tree.qd is not None else columns
 
     def sums(self, tree: Poses) -> Equations:
-        sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted)
+        sums = Equations(tree, self.columns(tree), self.rest, self.reading, self.rooted, self.bare)
         sums.spun = (self.how in (SPUN, SPUN_BY_PARENTS), self.how in OF_MOMENTA)
         sums.about = self.view.compute("com")[None] if self.how == ABOUT else None
         if self.how == PROJECTED:
@@ -277,7 +280,9 @@ class Made:
         wrong = {"that of the inverse pose, -R^T p": lambda: -product(transposed(R), p), "of the other sign": -p}
         H = H + np.zeros((self.rest.rows, 1, 1, 1, 1))
         H[..., :3, 3] = self.rest.pick("the position that is written in a pose", p, **wrong)
-        return H
+        low = H.copy()
+        low[..., :3, 3], low[..., 3, :3] = 0.0, H[..., :3, 3]
+        return np.asarray(self.rest.pick("the place of a position in a pose", H, **{"the last row": low}))
 
     def _of_bodies(self, tree: Poses, links: list[int]) -> np.ndarray:
         """dJ/dt v of the bodies that carry frames on fixed joints."""

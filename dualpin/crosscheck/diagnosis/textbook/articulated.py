@@ -113,6 +113,7 @@ def _inward(
             },
         )
     last, count = k.number - 1, len(tree.links) - 1
+    Ia = steps.pick("the articulated inertia that is handed on", Ia, **{"I^A, not reduced": IA + 0 * Ia})
     I_up = to_parent_inertia(steps, "a child's inertia, X^T I^a X,", X, Ia)
     I_up = steps.part("the links that hand on their inertia", I_up, last, count)
     I_up = steps.summed("the inertia that children hand on", I_up, **tree.alone(k, I_up))

@@ -80,7 +80,17 @@ def _copied(to: tuple[int, int], of: tuple[int, int], J: np.ndarray) -> np.ndarr
     return x
 
 
+def _without(at: tuple[int, int], J: np.ndarray) -> np.ndarray:
+    x = J.copy()
+    x[..., at[0], at[1]] = 0.0
+    return x
+
+
 MISREAD: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    **{
+        f"that without its entry in row {i + 1}, column {j + 1} alone": partial(_without, (i, j))
+        for i, j in permutations(range(3), 2)
+    },
     "its upper triangle alone": np.triu, "its lower triangle alone": np.tril,
     **{
         f"that with i{'xyz'[k]}{'xyz'[m]} in row {i + 1}, column {j + 1} alone": partial(_copied, (i, j), (k, m))

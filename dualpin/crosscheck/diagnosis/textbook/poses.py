@@ -159,7 +159,9 @@ class Poses:
         which = "of a moving joint" if part.moves else "of a fixed joint"
         both = ways.then(Ap, Ao)
         further = {"by its own rpy too": lambda: ways.matrix(both)}
-        xyz = steps.turn(f"xyz: {which}", Rp, part.position + 0 * at, **further)
+        from_centre = {"counted from the parent's centre of mass": part.position - self.centre(up) + 0 * at}
+        origin = steps.pick(f"xyz of a joint's origin: {which}", part.position + 0 * at, **from_centre)
+        xyz = steps.turn(f"xyz: {which}", Rp, origin, **further)
         p = steps.add(f"the position of an origin: {which}", **{"that of the parent": at, "xyz": xyz})
         A = self._oriented(f"the orientation of an origin: {which}", Ap, Ao, both, self.ways)
         return A, p, self.placed[0]
@@ -223,6 +225,7 @@ class Poses:
         if raw:
             axis = own.pick("the axis of a joint", axis, **raw)
         always = {f"{x}, whatever it is": e[None, None] for x, e in zip("xyz", ONE, strict=True)}
+        always["turned into the world's axes"] = product(ways.matrix(A), axis + 0 * p)
         about = own.pick("the axis in a joint's rotation", axis, **raw, **always)
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
         z = None

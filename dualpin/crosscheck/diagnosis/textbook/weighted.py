@@ -30,6 +30,9 @@ RIGHT = Steps(Slip("", "", ""))
 """Steps at which nothing can go wrong, and nothing is noted."""
 
 
+MASSLESS = Body(0.0, np.zeros(3), np.zeros(3), ONE, np.zeros((3, 3)))
+
+
 class Piece(NamedTuple):
     """A link's mass, centre and tensor, in the axes of what carries it."""
 
@@ -40,9 +43,11 @@ class Piece(NamedTuple):
 
 def together(pieces: Sequence[Piece]) -> Piece:
     """One body: the arrays of `Piece` have the axes (runs, 1, ...)."""
+    if len(pieces) == 1:
+        return pieces[0]
     m = sum((p.m for p in pieces[1:]), pieces[0].m)
     c = sum((p.m[..., None] * p.c for p in pieces[1:]), pieces[0].m[..., None] * pieces[0].c) / m[..., None]
-    tensors = [p.I + steiners(p.m, p.c - c) for p in pieces] if len(pieces) > 1 else [pieces[0].I]
+    tensors = [p.I + steiners(p.m, p.c - c) for p in pieces]
     return Piece(m, c, sum(tensors[1:], tensors[0]))
 
 
@@ -62,13 +67,15 @@ class Sums:
     """
 
     def __init__(
-        self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None, rooted: bool = False
+        self, poses: Poses, columns: Columns, steps: Steps, reading: Steps | None = None, rooted: bool = False,
+        bare: bool = False,
     ) -> None:  # fmt: skip
-        """`rooted` says that links which nothing moves count as bodies too."""
+        """`rooted` says that links which nothing moves count as bodies too, `bare` that those without mass do."""
         self.poses, self.columns, self.steps, self.reading = poses, columns, steps, reading or RIGHT
         self.about: np.ndarray | None = None
         carries, d = poses.carries(), poses.d
-        every = [(k, b) for k, b in enumerate([d.base, *(p.body for p in d.parts)]) if b is not None and b.mass > 0]
+        bodies = [b or MASSLESS for b in (d.base, *(p.body for p in d.parts))]
+        every = [(k, b) for k, b in enumerate(bodies) if bare or b.mass > 0]
         counted = [(k, b) for k, b in every if rooted or carries[k].any()]
         self.total = sum(b.mass for _, b in counted)
         self.grounded = sum(b.mass for _, b in every) - self.total
@@ -194,20 +201,21 @@ class Sums:
 
     def com_jacobian_by_subtrees(self) -> np.ndarray:
         """Column by column: z x (c - o) m / M, of all bodies that a joint carries together."""
-        steps, t, cols = self.steps, self.poses, self.columns
-        carries = t.carries()[self.links].astype(float)  # (bodies, axes)
-        own = np.array([[float(k == a.link) for a in t.axes] for k in self.links])
-        first = self.m[..., None] * self.c  # moments
-        moment, mine = (np.swapaxes(x, -1, -2) @ first for x in (carries, own))
-        mass, single = ((self.m @ x)[..., None] for x in (carries, own))
-        site, apart = "the first moment of what a joint carries", {
-            "its links' own, and of each child all mass at the child's own centre": lambda: self._at_children(own)
+        steps, cols = self.steps, self.columns
+        whole, alone = self._subtrees(), self._subtrees(children=())
+        carried = {
+            "its links' own, and of each child all mass at the child's own centre": self._subtrees(at_children=True),
+            "its links' own, and those of the last child alone": self._subtrees(children=(-1,)),
+            "its links' own, and those of the first child alone": self._subtrees(children=(0,)),
         }  # fmt: skip
-        moment = steps.pick(site, moment, **apart)
+        moments = {words: x[1] for words, x in carried.items()}
+        moment = steps.pick("the first moment of what a joint carries", whole[1], **moments)
+        masses = {words: x[0] for words, x in list(carried.items())[1:]}
+        mass, single = steps.pick("the mass that hangs on a joint", whole[0], **masses), alone[0]
         c = steps.pick(
             "the centre of what a joint carries", moment / np.where(mass > 0, mass, 1.0),
             **{"the centre of the whole robot": self.com[..., None, :] + 0 * moment, "not divided by its mass": moment,
-               "the centre of its own link": mine / np.where(single > 0, single, 1.0)},
+               "the centre of its own link": alone[1] / np.where(single > 0, single, 1.0)},
         )  # fmt: skip
         m = steps.pick(
             "the mass of what a joint carries", mass,
@@ -224,18 +232,27 @@ class Sums:
         J = (turns * moved + (1 - turns) * m * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
-    def _at_children(self, own: np.ndarray) -> np.ndarray:
-        """(runs, n, axes, 3): m c of the link, and of what each child carries as if all were at the child's centre."""
-        t = self.poses
-        hangs = np.array([[k in self._way(link) for k in range(len(t.p))] for link in self.links], float)
-        children = np.array([[float(t.parent[k] == a.link) for a in t.axes] for k in range(len(t.p))])
-        there = [t.p[k] + product(t.R[k], t.centre(k) + 0 * t.p[k]) for k in range(len(t.p))]
-        at = stacked(there, list(range(len(t.p))), 1) * (self.m @ hangs)[..., None]
-        return np.swapaxes(own, 0, 1) @ (self.m[..., None] * self.c) + np.swapaxes(children, 0, 1) @ at
+    def _subtrees(
+        self, children: tuple[int, ...] | None = None, at_children: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Mass (runs, 1 or n, axes, 1) and first moment (runs, n, axes, 3) of what each joint carries.
 
-    def _way(self, link: int) -> list[int]:
-        """A link and those before it."""
-        return [link, *self._way(self.poses.parent[link])] if link >= 0 else []
+        Of `children`, those at these places of the list count, by default all; `at_children` says that all that a child
+        carries has the child's own centre.
+        """
+        t = self.poses
+        masses, moments = [0 * self.m[..., :1]] * len(t.p), [0 * x for x in t.p]
+        for i, k in enumerate(self.links):
+            masses[k], moments[k] = self.m[..., i, None], self.m[..., i, None] * self.c[..., i, :]
+        below = [[j for j, up in enumerate(t.parent) if up == k] for k in range(len(t.p))]
+        for k in reversed(range(len(t.p))):
+            some = below[k] if children is None else [below[k][i] for i in children if below[k]]
+            for j in some:
+                there = t.p[j] + product(t.R[j], t.centre(j) + 0 * t.p[j])
+                moments[k] = moments[k] + (masses[j] * there if at_children else moments[j])
+                masses[k] = masses[k] + masses[j]
+        links = [a.link for a in t.axes]
+        return stacked(masses, links, 1), stacked(moments, links, 1)
 
     def masses(self, site: str) -> np.ndarray:
         """(runs, 1, bodies), with what else is taken for them."""
