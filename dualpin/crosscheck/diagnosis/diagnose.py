@@ -24,9 +24,7 @@ from .spared import READ, spared
 from .stories import Explanation, together, united
 
 BUDGETS = (8.0, 50.0)
-"""Seconds of processor time for all terms of a subject, on an arm and on a larger robot; a term gets a share.
-
-The aim is 10 and 60: what is being predicted when time is over is finished."""
+"""Seconds of processor time for all terms of a subject, on an arm and on a larger robot: the aim is 10 and 60."""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 PLAINEST = (
     "fk", "com", "potential_energy", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration",
@@ -173,7 +171,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     rare = "rare readings of the file and of inputs"
     lumped, reading = "slips of merging fixed links", "a slip of other terms and a reading"
     adding_up, several = "two causes whose changes add up", "several links or joints"
-    one_more_cause, two_causes = "a cause of other terms and one more", "two causes together"
+    one_more_cause, two_causes, two_slips = (
+        "a cause of other terms and one more", "two causes together", "two slips of one algorithm",
+    )  # fmt: skip
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
@@ -181,7 +181,6 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(adding_up, Search.sums, unknown, [term])
             stage(one_more_cause, one_more, unknown, [term])
             stage(beside, besides_nearer, unknown, [term])
-            # a library's own forces, beside what it makes of the file
             if term in WEIGHED and not any(_sure(s) for s in searches.values()):
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
             stage(rare, Search.readings, unknown, [term])
@@ -192,6 +191,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 before = [t for t in off if not searches[t].open][:FIRST]
                 stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
+            stage(two_slips, Search.two_slips, lambda s: s.slipped and not s.good, [term])
             if term == "fk":  # without a cause of wrong poses hardly any other term has one
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
                 stage(two_causes, Search.pairs, unknown, [term])

@@ -24,7 +24,7 @@ from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .several import bases, growing, mostly
-from .spared import READ, in_poses, instead, shows, spared
+from .spared import POSES, READ, contradicted, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
     Explanation,
@@ -35,7 +35,6 @@ from .stories import (
     joins,
     kept,
     nearness,
-    numbers_in,
     reads,
     to_rounding,
 )  # fmt: skip
@@ -45,6 +44,7 @@ VARIANTS = 24  # of a story of several causes, as other formulations show them
 QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 3  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
+OF_MASSES = ("crba", "centroidal_momentum_matrix", "kinetic_energy", "rnea")
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
 """The cost of two plain causes: where only dearer stories explain a term, two causes are looked for all the same."""
@@ -57,7 +57,6 @@ SAME = ("same_cv", "same_product")
 BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
-POSES = {"fk", "frame_velocity"}
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -205,8 +204,11 @@ class Search:
         self.slipped = True
 
     def merging(self, causes: Sequence[Story]) -> None:
-        """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less."""
-        if self.term in INERTIAL:
+        """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less.
+
+        A file is read once: where another term that they would change is right, they are no cause.
+        """
+        if self.term in INERTIAL and not any(t in self.case.observed and t not in self.case.wrong for t in OF_MASSES):
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]
             self._slips_with(self._nearest(causes), MERGING)
@@ -233,6 +235,11 @@ class Search:
         self._slips_with(
             near + [n for n in mostly(self.near if self.slipped else ()) if identity(n.story) not in known]
         )
+
+    def two_slips(self) -> None:
+        """Slips beside those of the same algorithm that come nearest."""
+        slips = [n for n in sorted(self.near) if len(n.story) == 1 and n.story[0].place == "formula"]
+        self._slips_with(slips[:NEAREST])
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
@@ -333,8 +340,7 @@ class Search:
             more = [h for h in self._whole if reads([h])]
             self.consider([s for story in self._beam if reads(story) for s in self._with(story, more)])
             return
-        slips = [n for n in sorted(self.near) if len(n.story) == 1 and n.story[0].place == "formula"]
-        self._slips_with(slips[:NEAREST])
+        self.two_slips()
         level = pairs_of_forces(self.case, self.term)
         single = self._single if len(self.case.robot) <= LARGE else []
         for story in self._beam:
@@ -381,19 +387,12 @@ class Search:
             self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 right = score.right and (QUESTIONS[self.term].solves or to_rounding(story, score))
-                if right and not self._contradicted(story):
+                if right and not contradicted(self.case, story):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(nearness(story, score))
         self.near += found
         return found
-
-    def _contradicted(self, story: Story) -> bool:
-        """By right terms: numbers, slips in right poses, and two causes against which poses or twists speak."""
-        against = [(h, spared(self.case, h)) for h in story]
-        posed = [(h, set(terms)) for h, terms in against if not POSES.isdisjoint(terms)]
-        one_pass = any(in_poses(h) and "fk" in terms for h, terms in posed)
-        return any(terms and numbers_in(h, story) for h, terms in against) or one_pass or len(posed) > 1
 
     def _part(self) -> float:
         return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)

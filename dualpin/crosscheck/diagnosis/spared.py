@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterable, Sequence
 from .case import Case
 from .hypothesis import Hypothesis, Story, identity, ordered
 from .scores import scaled
+from .stories import numbers_in
 from .textbook.slipped import Slipped
 
+POSES = {"fk", "frame_velocity"}
 READ = ("word", "edit", "state")
 """Places of mistakes that change what every algorithm starts from."""
 
@@ -57,6 +59,18 @@ def in_poses(h: Hypothesis) -> bool:
 def _changes(case: Case, term: str, h: Hypothesis, story: Story) -> bool:
     x, p = case.predict(term, ordered((*story, h))), case.predict(term, story)
     return x is not None and p is not None and x.shape == p.shape and scaled(x, p) > case.tolerance
+
+
+def contradicted(case: Case, story: Story) -> bool:
+    """By right terms: numbers, slips in right poses, and two causes against which poses or twists speak."""
+    against = [(h, set(spared(case, h))) for h in story]
+    apart = {"frame_velocity"} if "jacobian" in case.wrong else set()  # twists are not made by wrong Jacobians
+    posed = [
+        (h, terms) for h, terms in against
+        if terms & (POSES - (apart if h.place == "formula" and not in_poses(h) else set()))
+    ]  # fmt: skip
+    one_pass = any(in_poses(h) and "fk" in terms for h, terms in posed)
+    return any(terms and numbers_in(h, story) for h, terms in against) or one_pass or len(posed) > 1
 
 
 def instead(

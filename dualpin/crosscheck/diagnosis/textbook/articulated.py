@@ -25,6 +25,7 @@ from .products import crf, crm
 from .pushes import Wrenches, wrenches
 from .spatial import OF_FIXED, at_origins, gravity, hand_on, on_links, start, velocities
 from .steps import HAVE, Steps
+from .sums import DAMPED
 from .tree import Link, Tree, tree_of
 
 
@@ -95,7 +96,9 @@ def _inward(
         U = product(IA, S)
         D = (S * U).sum(-1)[..., None] + tree.rotors[k.column]
         alone = (S * product(own_inertia, S)).sum(-1)[..., None]
-        D = steps.pick("D of articulated bodies", D, **{"S^T I S, of the link alone": alone + 0 * D, "1": 0 * D + 1})
+        others = {"S^T I S, of the link alone": alone + 0 * D, "1": 0 * D + 1}
+        others |= {f"with {x:g} added": D + x for x in DAMPED}
+        D = steps.pick("D of articulated bodies", D, **others)
         torque = of_joint(steps, tree, k, tau, "torque")
         u = steps.add("u of articulated bodies", **{"tau": torque, "-S^T p^A": -(S * pA).sum(-1)[..., None]})
         bodies[k.number] = Body(c, U, D, u)
