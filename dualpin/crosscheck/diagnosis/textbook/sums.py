@@ -197,6 +197,7 @@ def _aba_derivatives(view: View, steps: Steps) -> np.ndarray:
         "that without gravity": lambda: D[:, :, 0] - of_tau(a=zero, v=zero)[:, :, 0],
         "that of gravity alone": lambda: of_tau(a=zero, v=zero)[:, :, 0],
         "its transpose": lambda: transposed(D[:, :, 0]),
+        "that at a = 0": lambda: of_tau(a=zero)[:, :, 0], "that at v = 0": lambda: of_tau(a=a, v=zero)[:, :, 0],
     }  # fmt: skip
     by_q = steps.pick(BY_Q, D[:, :, 0], **others)
     by_q = steps.add("the derivative of a by q", **{"-M^-1 d tau / dq": -inverse @ by_q})
