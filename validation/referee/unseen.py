@@ -92,6 +92,10 @@ BY_READING = {
     "homogeneous matrices, 20 at the end": ("e663a6f, another reader", 14, 6, 0, 0, 0),
     "homogeneous matrices, pairs, first question": ("8a24c7f", 0, 0, 10, 2, 2),
     "homogeneous matrices, pairs, 14 at the end": ("e663a6f, another reader", 7, 3, 3, 0, 1),
+    "lab arm, first 40": ("207259d, another reader", 33, 5, 0, 2, 0),
+    "lab arm, second 40": ("781f37e, another reader", 22, 6, 0, 10, 2),
+    "lab arm, 36 more": ("7c17032, another reader", 27, 5, 1, 2, 1),
+    "lab arm, pairs, 20 at the end": ("7c17032, another reader", 6, 4, 7, 1, 2),
 }
 """Version, and how many were read as each of `READINGS`; what was missed was told before the next was asked."""
 
