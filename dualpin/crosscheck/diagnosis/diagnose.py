@@ -31,7 +31,7 @@ PLAINEST = (
     "kinetic_energy",
 )  # fmt: skip
 """Terms that are looked at first: fewest mistakes can be behind them, and most others rest on them."""
-SCALAR = ("kinetic_energy", "potential_energy")
+SCALAR = ("kinetic_energy", "potential_energy")  # one number tells little of two causes apart
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
@@ -198,7 +198,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(lumped, merging, unknown, [term])
             stage(adding_up, Search.sums, unknown, [term])
     stage(one_more_cause, one_more, unknown, off)
-    first = [t for t in off if t not in SCALAR][:1] or off[:1]  # one number tells little of two causes apart
+    first = [t for t in off if t not in SCALAR][:1] or off[:1]
     if not catalogue.settled:
         stage("two causes of the whole robot", Search.plain_pairs, unknown, first)
         stage(one_more_cause, one_more, unknown, [t for t in off if t not in first])

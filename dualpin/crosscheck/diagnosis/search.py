@@ -37,7 +37,7 @@ from .stories import (
     nearness,
     reads,
     to_rounding,
-)  # fmt: skip
+)
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them

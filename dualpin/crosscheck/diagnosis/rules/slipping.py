@@ -41,7 +41,7 @@ class Slipping:
         if dict(self.how).get("how") == PROJECTED and isinstance(other, Dynamics):
             fused = ("fused", True) in self.how
             return Kane(fused) if other.forces is world_axes.forces and other.fused == fused else None
-        if isinstance(other, Seen | Articulated) or (isinstance(other, Dynamics) and type(other) is Dynamics):
+        if isinstance(other, Dynamics | Seen | Articulated):
             moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
             return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
         if not isinstance(other, Slipping):

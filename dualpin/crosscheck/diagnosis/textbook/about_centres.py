@@ -31,7 +31,7 @@ Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     """M (runs, samples, nv, nv)."""
     poses = tree.poses(q)
-    own = [_own(steps, tree, k, q) for k in tree.links]
+    own = [own_lump(steps, tree, k, q) for k in tree.links]
     lumps = _composites(steps, tree, own)
     axes = [
         (k, k.column, product(poses[k.number].R0, k.z), poses[k.number].p0, k.slides) for k in tree.links if k.moves
@@ -57,7 +57,8 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     return filled(entries, tree.nv, q)
 
 
-def _own(steps: Steps, tree: Tree, k: Link, q: np.ndarray) -> Lump:
+def own_lump(steps: Steps, tree: Tree, k: Link, q: np.ndarray) -> Lump:
+    """Of a link alone."""
     pose, lead = tree.poses(q)[k.number], np.zeros(q.shape[:-1], q.dtype)[..., None]
     arm = steps.turn("the centre of mass of a body", pose.R0, k.c + lead)
     ends = {"the link's origin": pose.p0, "R c": arm}

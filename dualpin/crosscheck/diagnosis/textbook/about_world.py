@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product
+from .about_centres import own_lump
 from .products import wedge
 from .steps import HAVE, Steps
 from .tree import Link, Pose, Tree, filled
@@ -25,7 +26,7 @@ Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     """M (runs, samples, nv, nv)."""
     poses = tree.poses(q)
-    own = [_own(steps, tree, k, poses[k.number], q) for k in tree.links]
+    own = [_own(steps, *own_lump(steps, tree, k, q), poses[k.number]) for k in tree.links]
     lumps = _composites(steps, tree, poses, own)
     axes = [(k, _axis(steps, k, poses[k.number]), poses[k.number].p0) for k in tree.links if k.moves]
     entries: dict[tuple[int, int], np.ndarray] = {}
@@ -45,11 +46,8 @@ def _axis(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
     return np.asarray(steps.pick("the direction in a column, of joints,", z, **frame))
 
 
-def _own(steps: Steps, tree: Tree, k: Link, pose: Pose, q: np.ndarray) -> Lump:
-    m = k.mass + np.zeros((*q.shape[:-1], 1), q.dtype)
-    arm = steps.turn("the centre of mass of a body", pose.R0, k.c + 0 * m)
-    c = steps.add("the place of a body's centre", **{"the link's origin": pose.p0, "R c": arm})
-    I = steps.congruent("the inertia of a body", pose.R0, k.tensor(steps))
+def _own(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, pose: Pose) -> Lump:
+    """Of a link alone, from its mass, its centre and its inertia about that."""
     outer = c[..., :, None] * c[..., None, :]
     far = {"m c.c 1": m[..., None] * (c * c).sum(-1)[..., None, None] * ONE, "-m c c^T": -m[..., None] * outer}
     terms = {"that about its centre": I, "m (c.c 1 - c c^T)": steps.add("Steiner's term, to the world's origin", **far)}

@@ -54,10 +54,7 @@ def coriolis(
     moved = which[..., order].astype(float)
     z = cols.z[..., None, order, :]
     own = cols.turns[order, None] * z
-    axes = turning = own if apart else w
-    if apart:
-        turning = steps.pick("the axes that turn columns", own, **{"those of sliding joints too": z})
-    of_axes = partial(by_products, cols, w, u, moved, order, axes, turning)
+    of_axes = partial(by_products, cols, w, u, moved, order, own if apart else w)
     dw, du = _by_rates(sums, order, apart) if by_rates else of_axes()
     last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
     counted = steps.pick(

@@ -126,22 +126,20 @@ class Gradients(Columns):
 
 
 def by_products(
-    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray,
-    turning: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves.
 
-    `axes` are those about which joints turn others: their angular columns, or their own axes; `turning` are those
-    about which whole columns turn, if these are not the same.
+    `axes` are those about which joints turn others: their angular columns, or their own axes.
     """
     steps, count = cols.steps, len(order)
     carries = cols.poses.carries()[[cols.axes[i].link for i in order]][:, order]
     listed = np.tril(np.ones((count, count), bool))[None, None, None]
     before = steps.pick(MOVING, carries[None, None, None], **{ALL: listed, CHAIN: listed})[..., None]  # k carries i
     both = (moved[..., :, None] * moved[..., None, :])[..., None]  # of every body
-    w, u, axes, turning = same(w, u, axes, axes if turning is None else turning)
+    w, u, axes = same(w, u, axes)
     w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
-    a_i, a_k = axes[..., :, None, :], turning[..., None, :, :]
+    a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
     turned = both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)
     right = before * turned
     wrong = {"those of joints behind it": lambda: ~before * turned, "those of all joints": turned}

@@ -129,11 +129,10 @@ def _next(
     if k.moves:
         z = axis_of(steps, k, pose, on, which)
         qd, qdd = own_rates(steps, tree, k, q, v, a)
-        kinds = f"of {'sliding' if k.slides else 'turning'} joints"
-        z_w, z_alpha = (steps.turn(f"the axis z in {of}: {kinds}", pose.R0, k.z) for of in ("z qd", "z qdd"))
-        right = k.z + 0 * z
-        z_qd, z_qdd = (z + (y - product(pose.R0, right)) for y in (z_w, z_alpha))
-        z_qd, z_qdd = z_qd * qd, z_qdd * qdd
+        # z itself may be wrong in all its uses; here it may be turned wrongly in one of them besides
+        kinds, plain = f"of {'sliding' if k.slides else 'turning'} joints", product(pose.R0, k.z + 0 * z)
+        own = (steps.turn(f"the axis z in {of}: {kinds}", pose.R0, k.z) - plain for of in ("z qd", "z qdd"))
+        z_qd, z_qdd = ((z + wrong) * rate for wrong, rate in zip(own, (qd, qdd), strict=True))
         there = rate_in_cross(steps, tree, k, q, v, a)
         turned = steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws)
         about = steps.mistaken(
