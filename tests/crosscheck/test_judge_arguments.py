@@ -88,5 +88,5 @@ def test_a_name_that_a_module_does_not_have_is_told_beside_those_it_has(tmp_path
 def test_what_a_class_is_not_constructed_with_is_told_beside_what_it_is(tmp_path):
     (tmp_path / "mine.py").write_text("class Arm:\n    def __init__(self, urdf_text, floating=False): ...\n")
     (result,) = dp.judge("ur5", f"{tmp_path / 'mine.py'}:Arm", samples=2).robots
-    assert "constructed with urdf_text: a class is given those of urdf, floating, gravity, option" in result.reason
+    assert "'urdf_text'; a class is constructed with those of urdf, floating, gravity, option" in result.reason
     assert result.notes == []  # it is no matter of the robot's file

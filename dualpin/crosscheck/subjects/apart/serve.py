@@ -166,11 +166,12 @@ def load(spec: str, urdf: str, floating: bool, gravity: list[float]) -> Any:
     offered = {"urdf": urdf, "floating": floating, "gravity": gravity, "option": option}
     wants = inspect.signature(found).parameters
     open_ended = inspect.Parameter.VAR_KEYWORD in {p.kind for p in wants.values()}
-    needed = [k for k, p in wants.items() if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
-    if unknown := [k for k in needed if k not in offered]:
-        has = ", ".join(offered)
-        raise ImportError(f"{where}:{name} is constructed with {', '.join(unknown)}: a class is given those of {has}")
-    return found(**{k: x for k, x in offered.items() if open_ended or k in wants})
+    given = {k: x for k, x in offered.items() if open_ended or k in wants}
+    try:
+        inspect.signature(found).bind(**given)
+    except TypeError as e:
+        raise ImportError(f"{where}:{name}: {e}; a class is constructed with those of {', '.join(offered)}") from e
+    return found(**given)
 
 
 def asked_later(
