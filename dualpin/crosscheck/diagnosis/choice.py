@@ -83,7 +83,9 @@ def cheapest(
             best, picked = (spent, told), dict(zip(terms, chosen, strict=True))
             return
         more = [(sum(claims.values()), cost(s), claims, s) for s in likely[terms[k]] for claims in [new(s, claimed)]]
-        for _, _, claims, s in sorted(more, key=lambda x: x[:2]):
+        more.sort(key=lambda x: x[:2])
+        free = [x for x in more[:1] if not x[2]]  # what claims nothing new is no worse than others
+        for _, _, claims, s in free or more:
             branch(k + 1, {**claimed, **claims}, told + cost(s), (*chosen, s))
 
     branch(0, {}, 0.0, ())

@@ -14,6 +14,7 @@ from .case import Case, View
 from .description import Description, Part
 from .hypothesis import Hypothesis, Story, ordered
 from .placements import placements
+from .rules.momentum import about_own_centre
 from .rules.register import DERIVED, FORCED, PUSHED, SIX, WEIGHED
 
 TRAIN = slice(0, None, 2)
@@ -35,7 +36,7 @@ def fits(case: Case, term: str, story: Story) -> list[Hypothesis]:
     if p is None or p.shape != x.shape or not np.isfinite(p).all() or len(x) < 2:  # one state cannot judge as well
         return []
     keys = {h.key for h in story}
-    found: list[Hypothesis] = []
+    found = about_own_centre(case, term, story)
     whole = np.isfinite(x).reshape(len(x), -1).all(axis=1)
     train = np.flatnonzero(whole)[TRAIN]
     if len(train):

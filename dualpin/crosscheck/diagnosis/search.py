@@ -23,7 +23,7 @@ from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, s
 from .rules.composed import PARTS
 from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .several import bases, growing, mostly
+from .several import bases, distinct, growing, mostly
 from .spared import POSES, READ, contradicted, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
@@ -37,12 +37,13 @@ from .stories import (
     nearness,
     reads,
     to_rounding,
+    united,
 )
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 24  # of a story of several causes, as other formulations show them
 QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
-NEAREST = 3  # slips beside which others of the same algorithm are looked for
+NEAREST = 4  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 OF_MASSES = ("crba", "centroidal_momentum_matrix", "kinetic_energy", "rnea")
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
@@ -129,8 +130,9 @@ class Search:
                 continue
             self._heard.add((identity(story), self.catalogue.used))
             shown = [self._shown(h) for h in story]
-            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
-            together = [s for some in several if in_one_run(s := ordered(itertools.chain(*some)))]
+            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS**2)
+            made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
+            together = list(itertools.islice(made, VARIANTS))
             fresh |= {identity(s): s for s in itertools.chain(together, *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=self._strange)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, self.until)}
@@ -206,9 +208,10 @@ class Search:
     def merging(self, causes: Sequence[Story]) -> None:
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less.
 
-        A file is read once: where another term that they would change is right, they are no cause.
+        A file is read once: where another term that they would change is right, or explained, they are no cause.
         """
-        if self.term in INERTIAL and not any(t in self.case.observed and t not in self.case.wrong for t in OF_MASSES):
+        known = {t for t in self.case.observed if t not in self.case.wrong} | self.case.told.keys()
+        if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]
             self._slips_with(self._nearest(causes), MERGING)
@@ -238,8 +241,8 @@ class Search:
 
     def two_slips(self) -> None:
         """Slips beside those of the same algorithm that come nearest."""
-        slips = [n for n in sorted(self.near) if len(n.story) == 1 and n.story[0].place == "formula"]
-        self._slips_with(slips[:NEAREST])
+        slips = [n for n in self.near if len(n.story) == 1 and n.story[0].place == "formula"]
+        self._slips_with(distinct(sorted(slips, key=lambda n: n.score.rms))[:NEAREST])
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
@@ -305,11 +308,14 @@ class Search:
                 self.consider(self._with(story, read))
 
     def _besides(self, found: Sequence[Story]) -> list[Story]:
-        """Causes of other terms to which another one is added: of each its nearest variant first."""
-        first: dict[Any, Story] = {}
+        """Causes of other terms to which another one is added: of each the variant told there, and the nearest."""
+        first, nearest = dict[Any, Story](), dict[Any, Near]()
         for n in self._nearest(found):
-            first.setdefault(as_causes(n.story), n.story)
-        return list(first.values())[:FEW_CAUSES]
+            cause = as_causes(n.story)
+            first.setdefault(cause, n.story)
+            nearest[cause] = min(nearest.get(cause, n), n)
+        causes = list(first)[:FEW_CAUSES]
+        return united([s for c in causes for s in (first[c], nearest[c].story)])
 
     def plain_pairs(self) -> None:
         """Two causes that hold for the whole robot."""

@@ -66,6 +66,11 @@ def mostly(near: Iterable[Near]) -> list[Near]:
     return [n for n in alone if n is not None]
 
 
+def distinct(near: Iterable[Near]) -> list[Near]:
+    """The first of those that come equally near."""
+    return list({float(f"{n.score.rms:.9g}"): n for n in reversed([*near])}.values())[::-1]
+
+
 def in_turns(near: Sequence[Near]) -> list[Near]:
     """The nearest of each algorithm, then the next of each: of links that are merged, and of those that are not."""
     places: Counter[str] = Counter()

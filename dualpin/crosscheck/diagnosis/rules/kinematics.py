@@ -15,6 +15,7 @@ from ..textbook.answers import (
     BY_ORIGINS,
     BY_PARENTS,
     CARRIED,
+    CARRIED_TOGETHER,
     DIFFERENTIATED,
     GRADIENTS,
     IN_LINKS,
@@ -53,11 +54,11 @@ from ..textbook.steps import Slip
 from ..textbook.ways import WAYS
 from . import which
 from .formulation import COST, FUSING, Terms, formulation
-from .slipping import Slipping, both, jacobians, poses, reading, rotations, subtrees, velocities
+from .slipping import Slipping, both, jacobians, poses, reading, rotations, velocities
 
 __all__ = [
     "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "TRANSPOSED",
-    "WAYS", "jacobians", "poses", "rotations", "subtrees", "velocities",
+    "WAYS", "jacobians", "poses", "rotations", "velocities",
 ]  # fmt: skip
 
 
@@ -347,7 +348,7 @@ for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):
 _register("bodies", reading, _terms(tensors=untreed))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
-_register("composite bodies", subtrees, ("com_jacobian", "gravity"))
+_register("composite bodies", jacobians, ("com_jacobian", "gravity"), only=which.every, how=CARRIED_TOGETHER)
 for _name in WAYS:
     _run = rotations(_name)
     _register(_name, _run, _terms(posed=off("fk")))

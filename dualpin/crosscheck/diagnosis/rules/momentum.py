@@ -9,7 +9,7 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ..case import Case, View
 from ..description import Description
-from ..hypothesis import Hypothesis
+from ..hypothesis import Hypothesis, Story
 from .register import proposer, rule
 
 
@@ -48,6 +48,23 @@ def about_point(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
     words = f"({', '.join(f'{c + 0.0:.6g}' for c in P)})"
     return [replace(h, terms=(term,), place="change", act=act, values=words, cost=1.3)]
+
+
+def about_own_centre(case: Case, term: str, story: Story) -> list[Hypothesis]:
+    """h_P = h_G + (G - P) x p, with P the centre of mass that the subject answers itself."""
+    if term != "centroidal_momentum_matrix" or "com" not in case.wrong or any(h.key == "follows" for h in story):
+        return []
+    G, P = case.predict("com", tuple(h for h in story if "com" in h.terms)), case.observed["com"]
+    if G is None or G.shape != P.shape or not np.abs(G - P).max() > case.tolerance:
+        return []
+
+    def act(view: View, term: str, x: np.ndarray) -> np.ndarray:
+        out = x.copy()
+        out[:, :3] += cross_matrix(G - P) @ x[:, 3:]
+        return out
+
+    says = "it is about the centre of mass that is answered, which is another, and differs no further"
+    return [Hypothesis("follows", says, (term,), "change", act, "repair com first", cost=1.2, made_of=("com",))]
 
 
 @rule(

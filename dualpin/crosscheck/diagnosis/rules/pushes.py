@@ -9,8 +9,10 @@ from functools import partial
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from ...subjects.questions import QUESTIONS
 from ..case import Case, View
 from ..description import Body, merged
+from ..evaluation import evaluate
 from ..hypothesis import Hypothesis
 from .register import DERIVED, PUSHED, proposer, rule
 
@@ -115,12 +117,30 @@ def f_ext_written(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return replace(h, terms=PUSHED, place="formula", act=act, values=f"taken in {axes}, about {point}", cost=1.15)
 
-    return [one(axes, point) for axes in AXES for point in ABOUT]
+    def on_parent(view: View, term: str) -> np.ndarray:
+        return _on_parent(view, term)
+
+    words = "taken as acting on the parent of the frame's link, at the parent's origin"
+    on = replace(h, terms=PUSHED, place="formula", act=on_parent, values=words, cost=1.15)
+    return [on, *(one(axes, point) for axes in AXES for point in ABOUT)]
 
 
-def _felt(view: View, term: str, wrench: np.ndarray) -> np.ndarray:
-    """The term under a wrench on each frame, in world axes and about the frame's origin."""
-    torques = product(transposed(view.compute("jacobian")), wrench)
+def _on_parent(view: View, term: str) -> np.ndarray:
+    """The parent is moved by all joints before the link's own."""
+    J, s = view.compute("jacobian").copy(), {"q": view.states["q"][None]}
+    parts, columns = {p.link: p for p in view.description.parts}, {p.joint: v for p, v in view.case.parts()}
+    wrench = np.repeat(view.states["f_ext"][:, None], len(view.frames), axis=1)
+    for i, frame in enumerate(view.frames):
+        J[:, i, :, columns.get(parts[frame].joint, slice(0))] = 0.0
+    parents = [parts[frame].parent for frame in view.frames]
+    up = evaluate(view.robot, QUESTIONS["fk"], s, parents, "local_world_aligned")[0]
+    wrench[..., :3] += np.cross((up - view.compute("fk"))[..., :3, 3], wrench[..., 3:])
+    return _felt(view, term, wrench, J)
+
+
+def _felt(view: View, term: str, wrench: np.ndarray, J: np.ndarray | None = None) -> np.ndarray:
+    """The term under a wrench on each frame, in world axes and about the frame's origin; J as of `View.compute`."""
+    torques = product(transposed(view.compute("jacobian") if J is None else J), wrench)
     if term == "rnea_f_ext":
         return np.asarray(view.compute("rnea")[:, None] - torques)
     pushed = np.linalg.solve(view.compute("crba")[:, None], torques[..., None])[..., 0]

@@ -9,18 +9,22 @@ import numpy as np
 
 from ..case import View
 from ..textbook import world_axes
-from ..textbook.answers import JACOBIANS, OF_SYMBOLS, PROJECTED, Made
+from ..textbook.answers import CARRIED_TOGETHER, JACOBIANS, OF_SYMBOLS, PROJECTED, Made
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen
 from ..textbook.kane import Kane
-from ..textbook.posed import Posed
+from ..textbook.posed import Posed, in_world
 from ..textbook.poses import stacked
 from ..textbook.references import referred
 from ..textbook.slipped import Run
 from ..textbook.steps import Steps
 from ..textbook.ways import WAYS
 
+FUSED = (("fused", True),)
 EARLY, VELOCITIES = ("early", True), ("how", JACOBIANS)
+SUBTREES = ("how", CARRIED_TOGETHER)
+OF_REST = ("by_level", "rooted", "bare", "factored")
+"""What says in which order, and of which bodies, sums are made: whatever poses are."""
 
 
 @dataclass(frozen=True)
@@ -42,8 +46,11 @@ class Slipping:
             fused = ("fused", True) in self.how
             return Kane(fused) if other.forces is world_axes.forces and other.fused == fused else None
         if isinstance(other, Dynamics | Seen | Articulated):
-            moves = not self.parts & {"rest", "reading"} and self.how == (("fused", True),) * other.fused
-            return Posed(other, "".join(self.parts - {"poses"}), both=True) if moves and len(self.parts) == 1 else None
+            early = EARLY in self.how
+            moves = not self.parts & {"rest", "reading"} and {*self.how} - {EARLY} == {*FUSED * other.fused}
+            if not moves or len(self.parts) != 1 or (early and not in_world(other)):
+                return None
+            return Posed(other, "".join(self.parts - {"poses"}), both=True, early=early)
         if not isinstance(other, Slipping):
             return None
         symbols = [s for s in (self, other) if dict(s.how).get("how") in OF_SYMBOLS]
@@ -54,12 +61,13 @@ class Slipping:
             return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
         if self._with(other) != other._with(self):
             return None
-        parts, how = self.parts | other.parts, max(self.how, other.how, key=len)  # axes are kept early in both
+        parts, how = self.parts | other.parts, tuple(sorted({**mine, **theirs}.items()))
         return Slipping(parts, how) if len(parts & WAYS.keys()) < 2 else None
 
     def _with(self, other: Slipping) -> set[tuple[str, Any]]:
         """How it is made beside another: whatever poses are, velocities of links are the same by Jacobians."""
-        return {*self.how, EARLY, *({VELOCITIES} & {*other.how} if "rest" not in self.parts else ())}
+        free = () if "rest" in self.parts else (x for x in other.how if x in (VELOCITIES, SUBTREES) or x[0] in OF_REST)
+        return {*self.how, EARLY, *free}
 
 
 poses = Slipping(frozenset({"poses"}))
@@ -84,14 +92,3 @@ def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
     R, p, w, v = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
     twist = np.concatenate(np.broadcast_arrays(w, v), -1)[..., None]
     return referred(steps, twist, R, p, view.layout.how.reference, "the twist")[..., 0]
-
-
-def subtrees(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """Of what each joint carries together."""
-    made = Made(view, rest=steps, **how)
-    sums = made.sums(made.whole)
-    J = sums.com_jacobian_by_subtrees()
-    if term == "com_jacobian":
-        return J
-    torques = -(J * np.array(view.description.gravity)[:, None]).sum(-2) * sums.total
-    return np.asarray(steps.add("gravity's torques", **{"-M J_G^T g": torques}))

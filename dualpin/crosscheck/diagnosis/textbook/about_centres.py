@@ -33,9 +33,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     poses = tree.poses(q)
     own = [own_lump(steps, tree, k, q) for k in tree.links]
     lumps = _composites(steps, tree, own)
-    axes = [
-        (k, k.column, product(poses[k.number].R0, k.z), poses[k.number].p0, k.slides) for k in tree.links if k.moves
-    ]
+    axes = [(k, k.column, poses[k.number].axis(k), poses[k.number].p0, k.slides) for k in tree.links if k.moves]
     if tree.floating:
         R0, p0 = poses[0].R0, poses[0].p0
         axes += [(tree.links[0], i, R0[..., :, i % 3], p0, i > 2) for i in range(6)]

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product
-from .about_centres import own_lump
+from .about_centres import FELT, own_lump
 from .products import wedge
 from .steps import HAVE, Steps
 from .tree import Link, Pose, Tree, filled
@@ -26,41 +26,56 @@ Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     """M (runs, samples, nv, nv)."""
     poses = tree.poses(q)
-    own = [_own(steps, *own_lump(steps, tree, k, q), poses[k.number]) for k in tree.links]
-    lumps = _composites(steps, tree, poses, own)
+    alone = [own_lump(steps, tree, k, q) for k in tree.links]
+    own = [_own(steps, *lump, poses[k.number]) for k, lump in zip(tree.links, alone, strict=True)]
+    lumps = _composites(steps, tree, poses, own, [I for _, _, I in alone])
     axes = [(k, _axis(steps, k, poses[k.number]), poses[k.number].p0) for k in tree.links if k.moves]
     entries: dict[tuple[int, int], np.ndarray] = {}
     for k, z, o in axes:
         n, f = _unit(steps, k, z, o, lumps[k.number], own[k.number])
         for at, y, p in axes:
             if at is k or at in tree.joints_of(k):
-                x = _felt(steps, at, y, p, n, f)
+                x = _felt(steps, at, y, p, n, f, k.slides)
+                far = at is not k and at is not tree.joints_of(k)[-2]
+                wrong = {"left out, so that only neighbours are coupled": x * (not far)}
+                x = steps.pick("an entry of H beyond the parent", x, **wrong)
                 entries[at.column, k.column] = entries[k.column, at.column] = x
     return filled(entries, tree.nv, q)
 
 
 def _axis(steps: Steps, k: Link, pose: Pose) -> np.ndarray:
     """Of a joint, in the world; named as in a column of a Jacobian."""
-    z = steps.turn(f"the axis of a column: of {'sliding' if k.slides else 'turning'} joints", pose.R0, k.z)
+    z = steps.turn(f"the axis of a column: of {'sliding' if k.slides else 'turning'} joints", pose.turns_axis, k.z)
     frame = {f"that of the link's {x} axis": pose.R0[..., i] for i, x in enumerate("xyz")}
     return np.asarray(steps.pick("the direction in a column, of joints,", z, **frame))
 
 
 def _own(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, pose: Pose) -> Lump:
     """Of a link alone, from its mass, its centre and its inertia about that."""
-    outer = c[..., :, None] * c[..., None, :]
-    far = {"m c.c 1": m[..., None] * (c * c).sum(-1)[..., None, None] * ONE, "-m c c^T": -m[..., None] * outer}
+    at = steps.pick("the place of a body, in Steiner's term,", c, **{"its link's origin": pose.p0 + 0 * c})
+    outer = at[..., :, None] * at[..., None, :]
+    far = {"m c.c 1": m[..., None] * (at * at).sum(-1)[..., None, None] * ONE, "-m c c^T": -m[..., None] * outer}
     terms = {"that about its centre": I, "m (c.c 1 - c c^T)": steps.add("Steiner's term, to the world's origin", **far)}
     places = {"m times the link's origin": lambda: m * pose.p0, "c, without its mass": lambda: c + 0 * m}
     h = steps.pick("the first moment of a body, m c,", m * c, **places)
     return m, h, steps.add("a body's inertia about the world's origin", **terms)
 
 
-def _composites(steps: Steps, tree: Tree, poses: list[Pose], own: list[Lump]) -> list[Lump]:
-    """Of every link, with all that it carries."""
+def _composites(
+    steps: Steps, tree: Tree, poses: list[Pose], own: list[Lump], central: list[np.ndarray]
+) -> list[Lump]:  # fmt: skip
+    """Of every link, with all that it carries; `central` are inertias about links' own centres."""
     found = list(own)
     for k in reversed(tree.links[1:]):
-        (M, H, T), (m, h, I), pose = found[k.parent], found[k.number], poses[k.number]
+        (M, H, T), pose = found[k.parent], poses[k.number]
+        m, h, I = (
+            steps.part(
+                "the links that hand on what they carry",
+                steps.pick("what a child hands on", x, **{"its own alone, not what it carries": alone}),
+                k.number - 1, len(tree.links) - 1,
+            )
+            for x, alone in zip(found[k.number], own[k.number], strict=True)
+        )  # fmt: skip
         others = {
             "the child's own alone": own[k.number][1], "its composite mass at its own centre": (
                 lambda m=m, k=k, pose=pose: m * (pose.p0 + product(pose.R0, k.c + 0 * pose.p0))
@@ -81,7 +96,9 @@ def _composites(steps: Steps, tree: Tree, poses: list[Pose], own: list[Lump]) ->
         )
         mass = steps.add("the composite mass", **{HAVE: M, "the child's m": m})
         moment = steps.add("the composite first moment", **{HAVE: H, "the child's h": h})
-        found[k.parent] = mass, moment, steps.add("the composite inertia", **{HAVE: T, "the child's I": I})
+        whole = steps.add("the composite inertia", **{HAVE: T, "the child's I": I})
+        lost = {"that about its own centre, and the last child's": central[k.parent] + I}
+        found[k.parent] = mass, moment, steps.pick("the composite inertia of a parent", whole, **lost)
     return found
 
 
@@ -102,11 +119,13 @@ def _unit(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, lump: Lump, own: 
     return steps.add("the moment of a turning joint's unit acceleration", **terms), f
 
 
-def _felt(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, n: np.ndarray, f: np.ndarray) -> np.ndarray:
-    """What a joint feels of it."""
+def _felt(
+    steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, n: np.ndarray, f: np.ndarray, moved: bool
+) -> np.ndarray:  # fmt: skip
+    """What a joint feels of it; `moved` says whether the joint that moves slides."""
     moment = steps.add("the moment about a joint", **{"n": n, "-o x f": -wedge(steps, o + 0 * f, f + 0 * o)})
     turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
     right, other = (sliding, turning) if k.slides else (turning, sliding)
     kind, another = ("sliding", "turning") if k.slides else ("turning", "sliding")
-    others = {f"that of a {another} one": other}
-    return np.asarray(steps.pick(f"what a {kind} joint feels of a unit acceleration", right, **others))
+    others = {f"that of a {another} one": other, "of the kind of the joint that moves": sliding if moved else turning}
+    return np.asarray(steps.pick(f"{FELT}: of a {kind} one", right, **others))

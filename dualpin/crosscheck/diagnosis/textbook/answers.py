@@ -56,6 +56,7 @@ BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
 OF_MOMENTA = (SPUN, SPUN_BY_PARENTS, SPUN_INSIDE, INSIDE_BY_PARENTS)
 ABOUT = "about the right centre of mass"
+CARRIED_TOGETHER = "by what each joint carries together"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 IN_LINKS = "with a regressor in the links' axes"
 MASS = "M in itself and in forward dynamics"
@@ -171,6 +172,8 @@ class Made:
         if term == "joint_torque_regressor":
             return self._regressor()
         sums = self.sums(self.whole)
+        if self.how == CARRIED_TOGETHER:
+            return sums.com_jacobian_by_subtrees() if term == "com_jacobian" else sums.gravity_by_subtrees(g)
         if term == "coriolis":
             if self.how not in OF_SYMBOLS:
                 return sums.coriolis()

@@ -65,7 +65,10 @@ def _first(
         if k.moves:
             S_qd = m.S[k.number] * v[..., k.column, None]
             v_c = steps.pick("the velocity in v x S qd", vs[k.number], **{"the parent's, in its axes": vs[k.parent]})
-            c_k = crm(steps, "v x S qd", v_c, S_qd)
+            which = "of sliding joints" if k.slides else "of turning joints"
+            c_k = steps.add(
+                f"the velocity product of a joint: {which}", **{"v x S qd": crm(steps, "v x S qd", v_c, S_qd)}
+            )
         c.append(c_k)
     whole = repeated([c[k.number] for k in tree.links if k.moves])
     c = [steps.pick(array("v x S qd"), x, **whole) for x in c]
@@ -123,6 +126,7 @@ def _inward(
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa, of_others(tree, m, k))
     p_up = steps.summed("the bias force that children hand on", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
+    I_up, p_up = (steps.pick("what a link hands on", x, nothing=0 * x) for x in (I_up, p_up))
     up = k.parent
     I_whole = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[up], "X^T I^a X": I_up})
     p_whole = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[up], "X^T p^a": p_up})

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,7 @@ def by_columns(forces: Forces) -> Mass:
     return mass
 
 
+@cache
 def right(algorithm: Callable[..., np.ndarray]) -> Callable[..., np.ndarray]:
     """Forces, or a mass matrix, without a slip."""
     return lambda steps, *given: algorithm(Steps(), *given)
@@ -92,6 +93,12 @@ class Dynamics:
         s = {k: x[None] for k, x in view.states.items()}
         answer = getattr(self, f"_{term}", None)
         return None if answer is None else answer(steps, tree, s, view)
+
+    def beside(self, other: object) -> Dynamics | None:
+        """With slips in wrenches that the same recursion takes."""
+        if not isinstance(other, Dynamics) or (other.pushed, other.fused) != (self.pushed, self.fused):
+            return None
+        return self if self.pushed and other.forces == right(self.forces) else None
 
     def made_of(self, term: str) -> Any:
         """Variants with the same forces answer alike to what is made of forces alone."""

@@ -204,7 +204,7 @@ class Columns:
 
     def _seen(self, links: Sequence[int], group: list[int]) -> np.ndarray:
         """(runs, n, points, axes, 3): the axes of this group, turned by the matrices of other links."""
-        a = np.concatenate([self.axes[i].direction for i in group], -2)
+        a = stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)[:, :, None]
         R = stacked(self.poses.R, list(links), 2)[..., None, :, :]
         return product(R, a + 0 * R[..., 0])
 

@@ -129,7 +129,7 @@ def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray) -> np.ndarray
         w = steps.pick("the angular velocity in w . I w", w, **{"the parent's": moving[max(0, k.parent)][0]}, **ws)
         m = steps.pick("the mass in m v.v / 2", k.mass + 0 * at[..., 0], **tree.masses(k, k.mass + 0 * at[..., 0]))
         I = steps.pick(
-            "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+            "the inertia about the centre of mass", k.tensor(steps), **{"that about the link's origin": k.about_origin}
         )
         vv = (at * at).sum(-1)
         vv = steps.pick("v.v in the kinetic energy", vv, **{"|v|, not squared": lambda vv=vv: np.sqrt(vv)})
@@ -154,7 +154,7 @@ def _velocity(
     w = steps.turn("the parent's angular velocity", back, w_up)
     arms = {
         "in the link's axes": lambda: product(back, pose.p),
-        "that to the centre of mass": lambda: pose.p + product(pose.R, k.c),
+        "that to its centre of mass": lambda: pose.p + product(pose.R, k.c),
     }  # fmt: skip
     if k.slides:
         arms["without the joint's travel"] = lambda: k.p + 0 * pose.p

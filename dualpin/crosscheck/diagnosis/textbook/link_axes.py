@@ -142,7 +142,7 @@ def _next(
     alpha_arm = steps.pick(f"the angular acceleration that carries a link's origin: {which}", up.alpha, **own)
     others = {"in the link's axes, not the parent's": lambda: product(R, p)}
     others |= {
-        "that to the centre of mass": lambda: p + product(pose.R, k.c),
+        "that to its centre of mass": lambda: p + product(pose.R, k.c),
         "that from the parent's centre of mass": lambda: p - tree.links[k.parent].c,
     }
     if k.slides:
@@ -258,7 +258,7 @@ def _bodies(steps: Steps, tree: Tree, moving: list[Motion]) -> tuple[list[np.nda
         N = _about_centre(steps, tree, k, m, moving, a_c)
         f[k.number] = steps.part("the forces of bodies", F + zero, i, len(tree.bodies))
         arms = {
-            "that of the link from its parent": tree.links[k.number].p, "half as long": 0.5 * k.c,
+            "that from the parent's joint to the link's": tree.links[k.number].p, "half as long": 0.5 * k.c,
             "that from the parent's joint": k.p + product(k.R, k.c), "in the parent's axes": product(k.R, k.c),
         }  # fmt: skip
         arm = steps.pick("the arm of a body's own force", k.c, **arms)
@@ -271,10 +271,14 @@ def _of_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Motion
     """The acceleration of a body's centre."""
     up = moving[max(0, k.parent)]
     ws, alphas = tree.near(k, lambda x: moving[x.number].w), tree.near(k, lambda x: moving[x.number].alpha)
-    w = steps.pick("the angular velocity in w x (w x c)", m.w, **{"the parent's": up.w}, **ws)
-    alpha = steps.pick("the angular acceleration in alpha x c", m.alpha, **{"the parent's": up.alpha}, **alphas)
+    w = steps.pick("the angular velocity that carries a centre of mass", m.w, **{"the parent's": up.w}, **ws)
+    alpha = steps.pick(
+        "the angular acceleration that carries a centre of mass", m.alpha, **{"the parent's": up.alpha}, **alphas
+    )
     alpha = steps.mistaken("alpha in alpha x c", alpha, w=m.w)
-    arms = {"that of the link from its parent": k.p, "that from the parent's joint": k.p + product(k.R, k.c)}
+    arms = {
+        "that from the parent's joint to the link's": k.p, "that from the parent's joint": k.p + product(k.R, k.c)
+    }  # fmt: skip
     c = steps.pick("the arm that carries a centre of mass", k.c, **arms)
     terms = {
         "that of the origin": m.a, "alpha x r": wedge(steps, alpha, c),
@@ -299,7 +303,10 @@ def _about_centre(steps: Steps, tree: Tree, k: Link, m: Motion, moving: list[Mot
         "its principal moments": k.moments, "its diagonal alone": k.I * np.eye(3),
         "zero, as of a point": 0 * k.I,
     }  # fmt: skip
-    I = [steps.pick(f"the inertia: in {x}", k.tensor(steps), **tensors) for x in ("I alpha", "w x I w")]
+    I = [
+        steps.pick(f"the inertia about the centre of mass: in {x}", k.tensor(steps), **tensors)
+        for x in ("I alpha", "w x I w")
+    ]
     moments = {"I alpha": product(I[0], alpha), "w x I w": wedge(steps, w[0], product(I[1], w[1]))}
     return np.asarray(steps.add("the moment about the centre of mass", **moments))
 
@@ -334,8 +341,8 @@ def _inward(
             "that of the parent (index i in place of i + 1)": poses[k.parent].p + 0 * pose.p,
             "without the joint's travel": k.p + 0 * pose.p,
         }
-        others["to the child's centre of mass"] = pose.p + product(pose.R, k.c)
-        others["from the parent's centre of mass"] = pose.p - tree.links[k.parent].c
+        others["that to the child's centre of mass"] = pose.p + product(pose.R, k.c)
+        others["that from the parent's centre of mass"] = pose.p - tree.links[k.parent].c
         arm = steps.pick("the arm in r x f", pose.p, **others)
         turned = steps.mistaken("the moment that a link hands on", turned, **{"its force": handed})
         up, last, count = k.parent, k.number - 1, len(tree.links) - 1

@@ -264,7 +264,7 @@ def _in_world(steps: Steps, k: Link, poses: Sequence[Pose]) -> np.ndarray:
     pose, on = poses[k.number], poses[k.parent]
     other = {"by the parent's matrix, without the joint's own placement": lambda: on.R0}
     kind = "of sliding links" if k.slides else "of turning links"
-    z = steps.turn(f"the joint's axis: {kind}", pose.R0, k.z, **other)
+    z = steps.turn(f"the joint's axis: {kind}", pose.turns_axis, k.z, **other)
     turning, sliding = _six(z, wedge(steps, pose.p0, z))
     at_centre = pose.p0 + product(pose.R0, k.c)
     wrong = {
@@ -329,7 +329,7 @@ def at_centre(steps: Steps, k: Link, I: np.ndarray | None = None) -> np.ndarray:
     """The spatial inertia about the centre of mass; I is the tensor there, by default in the link's axes."""
     one = np.eye(3)[None, None]
     if I is None:
-        wrong = {"that about the origin": k.about_origin}
+        wrong = {"that about the link's origin": k.about_origin}
         I = steps.pick("the inertia about the centre of mass", k.tensor(steps), **wrong)
     last = steps.pick("the block m 1 of the inertia", k.mass * one, **_masses(k.mass))
     G = spatial([[I, 0 * I], [0 * I, last]])

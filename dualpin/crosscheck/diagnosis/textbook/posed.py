@@ -14,6 +14,7 @@ import numpy as np
 
 from ...subjects.layout import product
 from ..case import View
+from . import about_centres, about_world, plucker, world_axes
 from .articulated import Articulated
 from .assembly import Dynamics, Seen
 from .attitudes import PLAIN as RIGHT
@@ -39,11 +40,14 @@ class Posed:
         The one of `WAYS` in which slips are made, or `PLAIN`; by default they are made in putting poses together.
     both : bool
         Whether the algorithm makes slips besides.
+    early : bool
+        Whether axes are turned into the world before their own joint turns.
     """
 
     of: Dynamics | Seen | Articulated | Transforms
     way: str = ""
     both: bool = False
+    early: bool = False
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         """The term (runs, samples, ...)."""
@@ -70,8 +74,18 @@ class Posed:
             return out
 
         if self.both:
-            return _with_inertia(tree.posed(partial(_from_world, tree, world)), world(view.states["q"][:1]))
+            return _with_inertia(tree.posed(partial(_from_world, tree, world, self.early)), world(view.states["q"][:1]))
         return tree.posed(made)
+
+
+IN_WORLD = (world_axes.forces, about_world.mass, about_centres.mass, plucker.world, plucker.world_blocks)
+"""What turns axes into the world."""
+
+
+def in_world(of: Dynamics | Seen | Articulated) -> bool:
+    """Whether an algorithm turns axes into the world: it may do so before their own joint turns."""
+    made = [f for x in vars(of).values() for f in (x, getattr(x, "keywords", {}).get("of"))]
+    return any(f in IN_WORLD for f in made if callable(f))
 
 
 def _with_inertia(tree: Tree, poses: Poses) -> Tree:
@@ -88,15 +102,15 @@ def _with_inertia(tree: Tree, poses: Poses) -> Tree:
     return tree
 
 
-def _from_world(tree: Tree, world: Callable[[np.ndarray], Poses], q: np.ndarray) -> list[Pose]:
+def _from_world(tree: Tree, world: Callable[[np.ndarray], Poses], early: bool, q: np.ndarray) -> list[Pose]:
     """A link's pose on its parent is R0(parent)^-1 R0, also where a slip makes R0 no rotation."""
     poses, out = world(q[0]), list[Pose]()
     for k in tree.links:
-        R0, p0 = (x[poses.number[k.name]] for x in (poses.R, poses.p))
+        R0, p0, before = (x[poses.number[k.name]] for x in (poses.R, poses.p, poses.before))
         R, p = R0, p0
         if k.parent >= 0:
             up = out[k.parent]
             back = inverse(up.R0)
             R, p = back @ R0, product(back, p0 - up.p0)
-        out.append(Pose(R, p, R0, p0))
+        out.append(Pose(R, p, R0, p0, before if early else None))
     return out

@@ -52,7 +52,15 @@ def wrenches(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     """Force, and moment about the link's origin, of unit parameters: (runs, samples, links, 3, 10); centres at `c`."""
     of_centre = m.a + cross(m.alpha, c) + cross(m.w, cross(m.w, c))
     a = steps.pick("the acceleration in a regressor", m.a, **{"that of the centre of mass": of_centre})
-    lift = steps.add("the acceleration without gravity, in a regressor", a=a, g=-g + 0 * a)
+    return _made(steps, m, _lift(steps, a, g))
+
+
+def _lift(steps: Steps, a: np.ndarray, g: np.ndarray) -> np.ndarray:
+    return np.asarray(steps.add("the acceleration without gravity, in a regressor", a=a, g=-g + 0 * a))
+
+
+def _made(steps: Steps, m: Moving, lift: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of accelerations without gravity."""
     A, W = skew(steps, m.alpha), skew(steps, m.w)
     turning = steps.add("the force of a first moment, in a regressor", **{"alpha x": A, "w x (w x)": W @ W})
     turned = {"not turned into world axes": np.eye(3) + 0 * m.R, "turned by the transposed matrix": transposed(m.R)}
@@ -92,8 +100,8 @@ def in_links(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     back = transposed(m.R)
     w = steps.turn("the angular velocity in a regressor", back, m.w)
     alpha = steps.turn("the angular acceleration in a regressor", back, m.alpha)
-    a = steps.turn("the acceleration without gravity, in a regressor,", back, m.a - g)
-    made = wrenches(Steps(), Moving(np.eye(3) + 0 * m.R, w, alpha, a), np.zeros(3), 0 * a)
+    lift = steps.turn("the acceleration without gravity, in a regressor,", back, _lift(steps, m.a, g))
+    made = _made(steps, Moving(np.eye(3) + 0 * m.R, w, alpha, 0 * lift), lift)
     return steps.pick("the force of a unit parameter", m.R @ made[0], **{"in the link's axes": made[0]}), steps.pick(
         "the moment of a unit parameter", m.R @ made[1], **{"in the link's axes": made[1]}
     )

@@ -87,6 +87,16 @@ class Pose:
     p: np.ndarray
     R0: np.ndarray
     p0: np.ndarray
+    before: np.ndarray | None = None
+    """R0 without the turn of the link's own joint, where its axis is turned into the world by that."""
+
+    def axis(self, k: Link) -> np.ndarray:
+        """That of a link's joint, in the world."""
+        return product(self.turns_axis, k.z)
+
+    @property
+    def turns_axis(self) -> np.ndarray:
+        return self.R0 if self.before is None else self.before
 
 
 class Tree:

@@ -202,7 +202,11 @@ class Sums:
     def com_jacobian_by_subtrees(self) -> np.ndarray:
         """Column by column: z x (c - o) m / M, of all bodies that a joint carries together."""
         steps, cols = self.steps, self.columns
-        whole, alone = self._subtrees(), self._subtrees(children=())
+        whole, alone, near = self._subtrees(), self._subtrees(children=()), self._subtrees(near=True)
+        whole = tuple(
+            steps.pick("what a child hands on", x, **{"its own alone, not what it carries": y})
+            for x, y in zip(whole, near, strict=True)
+        )
         carried = {
             "its links' own, and of each child all mass at the child's own centre": self._subtrees(at_children=True),
             "its links' own, and those of the last child alone": self._subtrees(children=(-1,)),
@@ -211,6 +215,7 @@ class Sums:
         moments = {words: x[1] for words, x in carried.items()}
         moment = steps.pick("the first moment of what a joint carries", whole[1], **moments)
         masses = {words: x[0] for words, x in list(carried.items())[1:]}
+        masses["its links' own, and that of each child alone"] = near[0]
         mass, single = steps.pick("the mass that hangs on a joint", whole[0], **masses), alone[0]
         c = steps.pick(
             "the centre of what a joint carries", moment / np.where(mass > 0, mass, 1.0),
@@ -232,25 +237,31 @@ class Sums:
         J = (turns * moved + (1 - turns) * m * cols.z) / self.mass[..., None]
         return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
+    def gravity_by_subtrees(self, g: np.ndarray) -> np.ndarray:
+        torques = -(self.com_jacobian_by_subtrees() * g[:, None]).sum(-2) * self.total
+        return np.asarray(self.steps.add("gravity's torques", **{"-M J_G^T g": torques}))
+
     def _subtrees(
-        self, children: tuple[int, ...] | None = None, at_children: bool = False
+        self, children: tuple[int, ...] | None = None, at_children: bool = False, near: bool = False
     ) -> tuple[np.ndarray, np.ndarray]:
         """Mass (runs, 1 or n, axes, 1) and first moment (runs, n, axes, 3) of what each joint carries.
 
         Of `children`, those at these places of the list count, by default all; `at_children` says that all that a child
-        carries has the child's own centre.
+        carries has the child's own centre, `near` that of a child only what is its own counts.
         """
         t = self.poses
         masses, moments = [0 * self.m[..., :1]] * len(t.p), [0 * x for x in t.p]
         for i, k in enumerate(self.links):
             masses[k], moments[k] = self.m[..., i, None], self.m[..., i, None] * self.c[..., i, :]
+        own = list(masses), list(moments)
         below = [[j for j, up in enumerate(t.parent) if up == k] for k in range(len(t.p))]
         for k in reversed(range(len(t.p))):
             some = below[k] if children is None else [below[k][i] for i in children if below[k]]
             for j in some:
                 there = t.p[j] + product(t.R[j], t.centre(j) + 0 * t.p[j])
-                moments[k] = moments[k] + (masses[j] * there if at_children else moments[j])
-                masses[k] = masses[k] + masses[j]
+                mass, moment = (x[j] for x in (own if near else (masses, moments)))
+                moments[k] = moments[k] + (mass * there if at_children else moment)
+                masses[k] = masses[k] + mass
         links = [a.link for a in t.axes]
         return stacked(masses, links, 1), stacked(moments, links, 1)
 
@@ -356,7 +367,10 @@ class Sums:
 
     def potential_energy(self, g: np.ndarray) -> np.ndarray:
         root = self.poses.p[0][..., None, :]
-        wrong = {"counted from the root link": self.c - root, "counted from its link's origin": self.r}
+        wrong = {
+            "counted from the root link": self.c - root, "counted from its link's origin": self.r,
+            "counted from the first body's centre": self.c - self.c[..., :1, :],
+        }  # fmt: skip
         c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
         m = self.masses("the mass in the potential energy") * self.every("the potential energies")
         heights = c @ g

@@ -85,7 +85,10 @@ def needed(
     for i, k in enumerate(tree.bodies):
         m, pose = moving[k.number], poses[k.number]
         local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
+        from_parent = pose.p0 - poses[max(0, k.parent)].p0
         c = steps.turn("the arm to the centre of mass", pose.R0, local)
+        elsewhere = {"from the parent's joint": from_parent + c, "from the world's origin": pose.p0 + c}
+        c = steps.pick("the arm to the centre of mass, in its acceleration and its moment,", c, **elsewhere)
         a_c = _of_centre(steps, tree, k, poses, moving, c)
         down = g + zero
         other = {"added at every link": (1 + depth(tree, k)) * down}
@@ -97,7 +100,7 @@ def needed(
         F = steps.add("the force of a body", **{"m a": mass["in m a"] * a_c, "-m g": -weight})
         F_added = steps.add("the force at a link, of what it carries,", **{"m (a - g)": F})
         given = steps.pick(
-            "the inertia about the centre of mass", k.tensor(steps), **{"that about the origin": k.about_origin}
+            "the inertia about the centre of mass", k.tensor(steps), **{"that about the link's origin": k.about_origin}
         )
         I, spun = (
             steps.congruent(f"the inertia of a body: {where}", pose.R0, given) for where in ("in I alpha", "in w x I w")
@@ -120,7 +123,6 @@ def needed(
         moments = {"I alpha": product(I, alpha), "w x I w": wedge(steps, w[0], product(spun, w[1]))}
         N = steps.add("the moment about the centre of mass", **moments)
         at = steps.pick("the point at which weight acts", c, **{"the link's origin": 0 * c})
-        from_parent = pose.p0 - poses[max(0, k.parent)].p0
         arms = {
             "that from the parent's joint to the link's": from_parent, "that from the parent's joint": from_parent + c,
             "that from the world's origin": pose.p0 + c, "half as long": 0.5 * c,

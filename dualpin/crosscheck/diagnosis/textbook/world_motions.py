@@ -40,8 +40,10 @@ def accelerations(
     """(runs, samples, frames, 6): alpha, and the acceleration of the frame's origin."""
     poses, moving, out = tree.poses(q), motions(steps, tree, q, v, a), []
     for number, offset in (tree.frames[f] for f in frames):
-        m = moving[number]
-        out.append(at_frame(steps, m.w, m.alpha, m.a, product(poses[number].R0, offset)))
+        m, R = moving[number], poses[number].R0
+        x = at_frame(steps, m.w, m.alpha, m.a, product(R, offset))
+        more = x + joined(0 * m.alpha, cross(m.alpha, product(R, tree.links[number].c)))
+        out.append(steps.pick("the whole acceleration of a frame", x, **{"with alpha x c of its link's centre": more}))
     lead = np.broadcast_shapes(*(x.shape for x in out))
     return np.stack([np.broadcast_to(x, lead) for x in out], axis=2)
 
@@ -65,7 +67,7 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
 
     def whole() -> np.ndarray:
         turning = (k for k in tree.links if k.moves and not k.slides)
-        return moving[0].w + sum(product(poses[k.number].R0, k.z) * v[..., k.column, None] for k in turning)
+        return moving[0].w + sum(poses[k.number].axis(k) * v[..., k.column, None] for k in turning)
 
     for k in tree.links[1:]:
         moving.append(_next(steps, tree, k, poses, moving, whole, q, v, a))
@@ -130,8 +132,8 @@ def _next(
         z = axis_of(steps, k, pose, on, which)
         qd, qdd = own_rates(steps, tree, k, q, v, a)
         # z itself may be wrong in all its uses; here it may be turned wrongly in one of them besides
-        kinds, plain = f"of {'sliding' if k.slides else 'turning'} joints", product(pose.R0, k.z + 0 * z)
-        own = (steps.turn(f"the axis z in {of}: {kinds}", pose.R0, k.z) - plain for of in ("z qd", "z qdd"))
+        kinds, plain = f"of {'sliding' if k.slides else 'turning'} joints", pose.axis(k) + 0 * z
+        own = (steps.turn(f"the axis z in {of}: {kinds}", pose.turns_axis, k.z) - plain for of in ("z qd", "z qdd"))
         z_qd, z_qdd = ((z + wrong) * rate for wrong, rate in zip(own, (qd, qdd), strict=True))
         there = rate_in_cross(steps, tree, k, q, v, a)
         turned = steps.pick("the parent's angular velocity: in w x z qd", up.w, **ws)
@@ -206,7 +208,7 @@ def _parent(steps: Steps, tree: Tree, k: Link, moving: list[Motion], up: Motion,
 def axis_of(steps: Steps, k: Link, pose: Pose, on: Pose, which: str) -> np.ndarray:
     """z of a joint, in world axes."""
     other = {"by the parent's matrix, without the joint's own placement": lambda: on.R0}
-    z = steps.turn(f"the joint's axis: {which}", pose.R0, k.z, **other)
+    z = steps.turn(f"the joint's axis: {which}", pose.turns_axis, k.z, **other)
     return np.asarray(
         steps.pick(f"the joint's axis, in its motion: {which}", z, **axes(pose.R0, "of the link's frame"))
     )
