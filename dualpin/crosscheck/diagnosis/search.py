@@ -41,7 +41,7 @@ from .stories import (
 )
 
 STORIES = 64  # scored before the time is looked at, at most
-VARIANTS = 24  # of a story of several causes, as other formulations show them
+VARIANTS = 48  # of a story of several causes, as other formulations show them
 QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 4  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
@@ -126,11 +126,11 @@ class Search:
         # finding what other formulations show takes long: where these explain it, what has a name of its own is told
         fresh: dict[frozenset[object], Story] = {}
         for story in others if not self.exact else [s for s in others if any(h.named for h in s)]:
-            if (identity(story), self.catalogue.used) in self._heard:
+            if (heard := (as_causes(story), self.catalogue.used)) in self._heard:
                 continue
-            self._heard.add((identity(story), self.catalogue.used))
+            self._heard.add(heard)
             shown = [self._shown(h) for h in story]
-            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS**2)
+            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS**2)  # all of two causes
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
             together = list(itertools.islice(made, VARIANTS))
             fresh |= {identity(s): s for s in itertools.chain(together, *shown)}

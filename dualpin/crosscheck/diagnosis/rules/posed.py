@@ -7,7 +7,8 @@ from functools import partial
 from typing import Any
 
 from ..case import Case
-from ..textbook import body_coriolis, link_axes, spatial, transforms
+from ..textbook import body_coriolis, link_axes, plucker, spatial, transforms
+from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns
 from ..textbook.posed import Posed
 from ..textbook.ways import PLAIN, WAYS
@@ -36,10 +37,17 @@ WORLD: Algorithms = {
     "motions brought to frames": (Seen(partial(spatial.seen, by_transforms=True), both=True), FRAMES),
 }
 """Algorithms that take both poses in the world and those from link to link."""
+MOVED = ("aba", "aba_f_ext")
+TWISTS: Algorithms = {
+    "articulated bodies": (Articulated(of=plucker.world), MOVED),
+    "articulated bodies, the wrench in their bias forces": (Articulated(of=plucker.world, inside=True), MOVED[1:]),
+}
+"""Algorithms that take the twists of links, in which slips show whatever poses are."""
 
 
 def _known(terms: tuple[str, ...], case: Case) -> tuple[str, ...]:
-    return terms if "fk" in case.wrong or terms == FK else ()
+    moved = "aba_f_ext" in terms and "frame_velocity" in case.wrong
+    return terms if "fk" in case.wrong or terms == FK or moved else ()
 
 
 def _asked(terms: tuple[str, ...], case: Case) -> bool:
@@ -57,7 +65,7 @@ def _register(name: str, of: Any, terms: tuple[str, ...], variant: str, way: str
 
 
 BY_PRODUCTS = frozenset(way for way in WAYS if "vectors by products" in way)
-for _variant, (_of, _terms) in WORLD.items():
+for _variant, (_of, _terms) in {**WORLD, **TWISTS}.items():
     _register("forward kinematics", _of, _terms, _variant, "")
 for _way in (*PLAIN, *WAYS):
     for _algorithms in (FIRST, LINKS, WORLD)[_way in BY_PRODUCTS :]:  # no transform turns vectors by quaternions

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import Case, View
-from . import gradient, regressors
+from . import gradient, regressors, subtrees
 from .assembly import MOST_STEPS, accelerated, by_coordinates, of_symbols, solved
 from .attitudes import PLAIN, Ways
 from .columns import Columns
@@ -173,7 +173,7 @@ class Made:
             return self._regressor()
         sums = self.sums(self.whole)
         if self.how == CARRIED_TOGETHER:
-            return sums.com_jacobian_by_subtrees() if term == "com_jacobian" else sums.gravity_by_subtrees(g)
+            return subtrees.com_jacobian(sums) if term == "com_jacobian" else subtrees.gravity(sums, g)
         if term == "coriolis":
             if self.how not in OF_SYMBOLS:
                 return sums.coriolis()

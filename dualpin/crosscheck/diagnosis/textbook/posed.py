@@ -22,7 +22,8 @@ from .columns import Columns
 from .poses import Poses
 from .steps import Steps, inverse
 from .transforms import Transforms
-from .tree import Pose, Tree, tree_of
+from .tree import Pose, Tree, Twist, tree_of
+from .velocities import carried
 from .ways import PLAIN, WAYS
 from .weighted import RIGHT as WITHOUT
 from .weighted import Sums
@@ -73,9 +74,15 @@ class Posed:
                 out.append(Pose(ways.matrix(A), p, poses.R[n], poses.p[n]))
             return out
 
+        def moved(q: np.ndarray, v: np.ndarray) -> list[Twist]:
+            poses = carried(Poses(view.robot, view.description, q[0], v[0], own, ways, self.of.fused))
+            at = [poses.number[k.name] for k in tree.links]
+            return [(poses.w[n], poses.v[n]) for n in at]
+
+        twists = moved if "frame_velocity" in view.case.wrong and not self.way else None
         if self.both:
-            return _with_inertia(tree.posed(partial(_from_world, tree, world, self.early)), world(view.states["q"][:1]))
-        return tree.posed(made)
+            return _with_inertia(tree.posed(partial(_from_world, tree, world, self.early), twists), world(view.states["q"][:1]))
+        return tree.posed(made, twists)
 
 
 IN_WORLD = (world_axes.forces, about_world.mass, about_centres.mass, plucker.world, plucker.world_blocks)

@@ -22,7 +22,7 @@ from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to
 from .products import applied, crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps, cross, inverse
-from .tree import Link, Tree, filled, spatial
+from .tree import Link, Tree, Twist, filled, spatial
 
 OF_FIXED = "what a fixed link hands on"
 
@@ -212,12 +212,25 @@ def next_velocity(steps: Steps, tree: Tree, k: Link, m: Model, v_up: np.ndarray,
 
 def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarray) -> list[np.ndarray]:
     """Of all links; `zero` has their shape."""
+    twists = tree.twists(v)
+    if twists is not None:
+        return _in_coordinates(tree, m, twists)
     base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
     vs = [base + zero if tree.floating else zero]
     for k in tree.links[1:]:
         vs.append(next_velocity(steps, tree, k, m, start(steps, tree, k, vs), v))
     whole = {WHOLE: _whole(tree, m, v, vs[0])} if m.common else {}
     return [steps.pick(array("velocity"), x, **whole) for x in vs] if whole else vs
+
+
+def _in_coordinates(tree: Tree, m: Model, twists: list[Twist]) -> list[np.ndarray]:
+    """Given twists, about the world's origin or in the links' axes."""
+    found = []
+    for (w, u), pose in zip(twists, tree.known, strict=True):
+        back = transposed(pose.R0)
+        halves = (w, u + cross(pose.p0, w)) if m.common else (product(back, w), product(back, u))
+        found.append(np.concatenate(np.broadcast_arrays(*halves), -1))
+    return found
 
 
 def at_origins(steps: Steps, tree: Tree, q: np.ndarray, vs: list[np.ndarray]) -> list[np.ndarray]:

@@ -99,6 +99,10 @@ class Pose:
         return self.R0 if self.before is None else self.before
 
 
+Twist = tuple[np.ndarray, np.ndarray]
+"""Angular velocity, and velocity of a link's origin, in world axes."""
+
+
 class Tree:
     """The links of one description, parents first, branch by branch as in the file; a floating base is the root's.
 
@@ -159,6 +163,7 @@ class Tree:
             self._children[k.parent].append(k.number)
         self._poses: tuple[np.ndarray, list[Pose]] | None = None
         self._made: Callable[[np.ndarray], list[Pose]] = self._posed
+        self._moved: Callable[[np.ndarray, np.ndarray], list[Twist]] | None = None
 
     @cached_property
     def _lists(self) -> dict[str, list[int]]:
@@ -225,11 +230,24 @@ class Tree:
             self._poses = q, self._made(q)
         return self._poses[1]
 
-    def posed(self, made: Callable[[np.ndarray], list[Pose]]) -> Tree:
-        """The same, with other poses of its links."""
+    def posed(
+        self, made: Callable[[np.ndarray], list[Pose]],
+        moved: Callable[[np.ndarray, np.ndarray], list[Twist]] | None = None,
+    ) -> Tree:  # fmt: skip
+        """The same, with other poses of its links, of q, and with other twists, of q and v."""
         tree = copy(self)
-        tree._poses, tree._made = None, made
+        tree._poses, tree._made, tree._moved = None, made, moved
         return tree
+
+    @property
+    def known(self) -> list[Pose]:
+        """The last ones."""
+        assert self._poses is not None
+        return self._poses[1]
+
+    def twists(self, v: np.ndarray) -> list[Twist] | None:
+        """Where they are no matter of the recursion: of all links at the last positions."""
+        return self._moved(self._poses[0], v) if self._moved and self._poses else None
 
     def _posed(self, q: np.ndarray) -> list[Pose]:
         zero = np.zeros((*q.shape[:-1], 3), q.dtype)

@@ -22,6 +22,8 @@ SPINS = (
     "the parent's angular velocity", "the rate that turns a link", "the axis z in z qd", array(SPIN),
 )  # fmt: skip
 """Sites of angular velocities."""
+IN_SPIN = "added to its angular velocity, not to its velocity"
+WHOSE_AXIS = "the joint whose axis z is in z qd"
 
 
 def carried(t: Poses) -> Poses:
@@ -67,6 +69,9 @@ def _of_link(t: Poses, link: int, up: int) -> None:
     v = steps.add(f"the velocity of a link: {which}", **terms)
     v = v if slides else v + slid
     if t.of_link[link]:
+        if slides:
+            mistaken = {IN_SPIN: six(own + sliding, v - slid)}
+            own, v = np.split(steps.pick("z qd of a sliding link", six(own, v), **mistaken), 2, -1)
         own, v = _of_other_joints(t, (own, v), (up_w, up_v + cross(up_w, r)), turning + sliding, turns)
     t.w.append(own)
     t.v.append(v)
@@ -90,8 +95,19 @@ def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarra
     for a in (t.axes[i] for i in t.of_link[link]):
         site = f"the axis z in z qd: of {'turning' if a.turns else 'sliding'} joints"
         z = t.steps.turn(site, t.R[link], a.direction + zero) if a.world is None else a.world
+        if a.turns:
+            z = t.steps.pick(WHOSE_AXIS, z, **{"the parent's": _of_parent(t, link, z)})
         rates[not a.turns] = rates[not a.turns] + z * a.ratio * t.qd[..., a.column, None]
     return rates[0], rates[1]
+
+
+def _of_parent(t: Poses, link: int, z: np.ndarray) -> np.ndarray:
+    """The axis of the parent's joint: none of the root, and x where a file names none."""
+    up = t.parent[link]
+    axes = [t.axes[i] for i in t.of_link[up]]
+    if not up or not axes:
+        return 0 * z + (t.R[up][..., 0] if up else 0.0)
+    return product(t.R[up], axes[-1].direction + 0 * z) if axes[-1].world is None else axes[-1].world + 0 * z
 
 
 def _of_frame(t: Poses, link: int, up: int) -> None:
