@@ -14,13 +14,13 @@ from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes, cause_of, cheapest, lonely, prices, rivals, sharing
+from .doubts import contradicted, doubtful
 from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
-from .rules.register import DERIVED, PUSHED, WEIGHED
-from .scores import scaled
+from .rules.register import WEIGHED
 from .search import DOUBTFUL, Search
-from .spared import READ, spared
+from .spared import spared
 from .stories import Explanation, together, united
 
 BUDGETS = (9.6, 58.0)
@@ -143,7 +143,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     def unexplained(search: Search) -> bool:  # also where it follows from terms that have no cause
         return search.open
 
-    def doubtful(search: Search, looked_at: Callable[[Search], bool]) -> bool:
+    def uncertain(search: Search, looked_at: Callable[[Search], bool]) -> bool:
         explained = [t for t, s in searches.items() if not s.open]
         examined = {h.cause for s in searches.values() if looked_at(s) for story in s.stories for h in story}
         return not (looked_at(search) or search.open) and search.doubtful(explained, examined)
@@ -191,7 +191,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             stage(slips, Search.slips, unknown, [term])
             if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes
                 before = [t for t in off if not searches[t].open][:FIRST]
-                stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), before)
+                stage(slips, Search.slips, lambda s: uncertain(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
             stage(two_slips, Search.two_slips, lambda s: s.slipped and not s.good, [term])
             if term == "fk":  # without a cause of wrong poses hardly any other term has one
@@ -219,9 +219,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         stage(slips, Search.slips, lambda s: True, plain)
         stage(beside, besides, unknown, off)
     for term in off:  # what is soon looked at comes first; what explains one of them may explain the next
-        stage(rare, Search.readings, lambda s: doubtful(s, lambda x: x.reread), [term])
-        stage(slips, Search.slips, lambda s: doubtful(s, lambda x: x.slipped), [term])
-        stage(lumped, merging, lambda s: doubtful(s, lambda x: x.remerged), [term])
+        stage(rare, Search.readings, lambda s: uncertain(s, lambda x: x.reread), [term])
+        stage(slips, Search.slips, lambda s: uncertain(s, lambda x: x.slipped), [term])
+        stage(lumped, merging, lambda s: uncertain(s, lambda x: x.remerged), [term])
     stage(two_causes, Search.pairs, unknown, off)
     # then terms that follow from others which have no cause
     stage("single causes", Search.singles, lambda s: s.open and not s.tried, off)
@@ -305,7 +305,7 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
         after = {t: case.score(t, picked[t]).error for t in terms}
         against = contradicted(case, h, told)
         if len(against) > len(terms):
-            found.findings.append(_doubtful(h, terms, against, errors, after))
+            found.findings.append(doubtful(h, terms, against, errors, after))
             found.located |= {t: located(case, t, Explanation(t, told[t].before)) for t in terms}
             continue
         others, apart = _alternatives(case, h, terms, picked, told)
@@ -324,38 +324,6 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
             _add(found.findings, finding)
             if not rounded:
                 found.located[term] = where
-
-
-SHOWN_BY = ("fk", "jacobian", "com")
-"""Terms that are made of nothing but what was read: the first that was answered shows it."""
-NEARER = 0.7
-"""The share of the root mean square that a cause leaves at most where something else is wrong as well."""
-
-
-def contradicted(case: Case, h: Hypothesis, told: Mapping[str, Explanation]) -> list[str]:
-    """Of terms without a cause: those that a mistake in reading would have changed, and that it does not bring nearer.
-
-    None, where what is made of positions and the file alone does not contradict it.
-    """
-    out = []
-    unknown = [t for t, e in told.items() if not e.named and t not in (*PUSHED, *DERIVED)]
-    for term in (t for t in unknown if t in h.terms and h.place in READ):
-        x, p = case.predict(term, (h,)), case.predict(term)
-        changed = x is not None and p is not None and (x.shape != p.shape or scaled(x, p) > case.tolerance)
-        if changed and not case.score(term, (h,)).rms < NEARER * told[term].before.rms:
-            out.append(term)
-    shown = next((t for t in SHOWN_BY if t in case.observed), "")
-    return out if shown in out else []
-
-
-def _doubtful(
-    h: Hypothesis, terms: list[str], against: list[str], errors: Mapping[str, float], after: Mapping[str, float]
-) -> Finding:
-    """A cause that more wrong answers contradict than it explains."""
-    says = f"partly: {h} would explain {', '.join(terms)}, but not {', '.join(against)}"
-    evidence = {t: [errors[t], after[t]] for t in terms}
-    before, left = max(errors[t] for t in terms), max(after.values())
-    return Finding("partly", says, terms, before, left, list(h.items), fix=h.fix, evidence=evidence)
 
 
 def _add(findings: list[Finding], new: Finding | None) -> None:

@@ -21,7 +21,7 @@ from .choice import as_causes
 from .fits import fits, pairs_of_forces
 from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
 from .rules.composed import PARTS
-from .rules.derived import SOURCES, by_derivatives, by_parameters, by_symbols
+from .rules.derived import made_of, of_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
 from .several import bases, distinct, growing, mostly
 from .spared import POSES, READ, contradicted, in_poses, instead, shows, spared
@@ -57,6 +57,7 @@ SAME = ("same_cv", "same_product")
 """Matrices that need only do the same as what an earlier term's story predicts."""
 BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
+PLACED = 0.5  # the same for two mistakes in reading placements
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
@@ -137,7 +138,7 @@ class Search:
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=self._strange)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, self.until)}
         self._others |= {key for key in fresh if key in self.seen}
-        mine |= self._by_symbols(others) | self._derived(others)
+        mine |= {identity(story): story for story in made_of(self.case, self.term, others, self.exact)}
         self._others |= set(mine)
         alike = [h for h in self._whole if h.key in SAME]
         self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
@@ -167,27 +168,6 @@ class Search:
         """Whether it follows from other terms: soon seen, so also where no time is left."""
         if self.open:
             self.consider([(h,) for h in self._whole if h.made_of])
-
-    def _by_symbols(self, others: Sequence[Story]) -> dict[frozenset[object], Story]:
-        """C of the mass matrix that a story explains."""
-        if self.term != "coriolis" or "crba" not in self.case.observed or self.case.score("crba").right:
-            return {}
-        of_mass = [s for s in others if all("crba" in h.terms for h in s) and self.case.score("crba", s).right]
-        found = [h for s in of_mass[:FEW_CAUSES] if (h := by_symbols(self.case, s))]
-        return {identity((h,)): (h,) for h in found}
-
-    def _derived(self, others: Sequence[Story]) -> dict[frozenset[object], Story]:
-        """Derivatives and regressors of what is explained of other terms."""
-        made: list[Hypothesis] = []
-        if self.term == "joint_torque_regressor":
-            made += by_parameters(self.case)
-        elif self.term in SOURCES and not self.exact:
-            of = [t for t in ("aba", "rnea") if t in SOURCES[self.term] and t in self.case.wrong]
-            told = [s for s in others if not any(h.made_of for h in s)]
-            right = [[s for s in told if all(t in h.terms for h in s) and self.case.score(t, s).right] for t in of]
-            explain = [s for some in right for s in some[: FEW_CAUSES // len(of)]]
-            made += by_derivatives(self.case, self.term, explain)
-        return {identity((h,)): (h,) for h in made}
 
     def singles(self) -> None:
         """Single causes."""
@@ -296,7 +276,7 @@ class Search:
                         h for h in more if h.place not in READ or h.cause in told or (edits and shows(self.case, h))
                     ]
                     self._further(self.consider(self._with(story, some)), some)
-        for story in self._by_symbols(found).values():
+        for story in of_symbols(self.case, self.term, found):
             more = [h for h in self._whole if h.place == "answer"]
             self.consider(self._with(story, [*self._fits(story), *more]))
 
@@ -328,6 +308,15 @@ class Search:
             more += [ordered(two) for two in nearest if joins(two[1], two[:1])]
             level = self.consider([*more, *(s for story in beam for s in self._with(story, whole))], self._part())
             self._further(level, whole)
+            if self.term == "fk" and self.open:
+                self._two_readings(whole)
+
+    def _two_readings(self, whole: Sequence[Hypothesis]) -> None:
+        """Two mistakes in reading placements: rotations are a product, so that none alone comes near."""
+        read = [(h,) for h in whole if h.place == "edit"]
+        two = [ordered((g, h)) for (g,), (h,) in itertools.combinations(read, 2) if joins(h, (g,))]
+        begun = time.process_time()
+        self.consider(self.catalogue.nearest(self.term, sorted(two, key=cost), begun + PLACED * (self.until - begun)))
 
     def _further(self, near: Sequence[Near], more: Sequence[Hypothesis]) -> None:
         """One cause more, beside what leaves little."""

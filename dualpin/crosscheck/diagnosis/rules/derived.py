@@ -177,3 +177,29 @@ def _parameters(case: Case) -> np.ndarray:
             values = np.array([m, *(m * c), I[0, 0], I[0, 1], I[1, 1], I[0, 2], I[1, 2], I[2, 2]])
         told |= {f"{link}.{name}": x for name, x in zip(PARAMETERS, values, strict=True)}
     return np.array([told[name] for name in case.how.parameters])
+
+
+# --- what explains the source ----------------------------------------------------------------------
+
+SEVERAL = 4  # stories of a source that are tried
+
+
+def of_symbols(case: Case, term: str, others: Sequence[Story]) -> list[Story]:
+    """C of the mass matrix that a story explains."""
+    if term != "coriolis" or "crba" not in case.observed or case.score("crba").right:
+        return []
+    of_mass = [s for s in others if all("crba" in h.terms for h in s) and case.score("crba", s).right]
+    return [(h,) for s in of_mass[:SEVERAL] if (h := by_symbols(case, s))]
+
+
+def made_of(case: Case, term: str, others: Sequence[Story], exact: bool) -> list[Story]:
+    """Matrices of what is explained of their sources; derivatives only where they are not explained `exact`ly."""
+    made: list[Hypothesis] = []
+    if term == "joint_torque_regressor":
+        made += by_parameters(case)
+    elif term in SOURCES and not exact:
+        of = [t for t in ("aba", "rnea") if t in SOURCES[term] and t in case.wrong]
+        told = [s for s in others if not any(h.made_of for h in s)]
+        right = [[s for s in told if all(t in h.terms for h in s) and case.score(t, s).right] for t in of]
+        made += by_derivatives(case, term, [s for some in right for s in some[: SEVERAL // len(of)]])
+    return [*of_symbols(case, term, others), *((h,) for h in made)]

@@ -349,6 +349,7 @@ _register("bodies", reading, _terms(tensors=untreed))
 _register("velocities from link to link", velocities, ("frame_velocity",))
 _register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
 _register("composite bodies", jacobians, ("com_jacobian", "gravity"), only=which.every, how=CARRIED_TOGETHER)
+_register("composite bodies", jacobians, ("com_jacobian", "gravity"), how=CARRIED_TOGETHER, by_level=True)
 for _name in WAYS:
     _run = rotations(_name)
     _register(_name, _run, _terms(posed=off("fk")))

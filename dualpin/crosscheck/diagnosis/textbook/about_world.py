@@ -15,7 +15,7 @@ import numpy as np
 from ...subjects.layout import product
 from .about_centres import FELT, own_lump
 from .products import wedge
-from .steps import HAVE, Steps
+from .steps import HANDING, HAVE, Steps
 from .tree import Link, Pose, Tree, filled
 from .turns import ONE
 
@@ -70,7 +70,7 @@ def _composites(
         (M, H, T), pose = found[k.parent], poses[k.number]
         m, h, I = (
             steps.part(
-                "the links that hand on what they carry",
+                HANDING,
                 steps.pick("what a child hands on", x, **{"its own alone, not what it carries": alone}),
                 k.number - 1, len(tree.links) - 1,
             )

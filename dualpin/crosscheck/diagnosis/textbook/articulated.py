@@ -24,7 +24,7 @@ from .plucker import Coordinates, Model, brought, links, of_others, to_parent, t
 from .products import crf, crm
 from .pushes import Wrenches, wrenches
 from .spatial import OF_FIXED, at_origins, gravity, hand_on, on_links, start, velocities
-from .steps import HAVE, Steps
+from .steps import HANDING, HAVE, Steps
 from .sums import DAMPED
 from .tree import Link, Tree, tree_of
 
@@ -126,7 +126,9 @@ def _inward(
     p_up = to_parent(steps, "a child's bias force, X^T p^a,", X, pa, of_others(tree, m, k))
     p_up = steps.summed("the bias force that children hand on", p_up, **tree.alone(k, p_up))
     p_up = steps.part("the links that hand on their bias force", p_up, last, count)
-    I_up, p_up = (steps.pick("what a link hands on", x, nothing=0 * x) for x in (I_up, p_up))
+    I_up, p_up = (
+        steps.part(HANDING, steps.pick("what a link hands on", x, nothing=0 * x), last, count) for x in (I_up, p_up)
+    )
     up = k.parent
     I_whole = steps.add("the articulated inertia I^A of a parent", **{HAVE: I[up], "X^T I^a X": I_up})
     p_whole = steps.add("the articulated bias force p^A of a parent", **{HAVE: p[up], "X^T p^a": p_up})

@@ -24,7 +24,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .products import wedge
 from .pushes import Wrenches
-from .steps import HAVE, Steps, cross
+from .steps import HANDING, HAVE, Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
 
 OWN_FORCE = "the force in r x f, r to a link's centre of mass,"
@@ -331,6 +331,7 @@ def _inward(
             continue
         six = np.concatenate(np.broadcast_arrays(f_k, n_k), -1)
         six = steps.pick("what a link hands on", six, nothing=0 * six)
+        six = steps.part(HANDING, six, k.number - 1, len(tree.links) - 1)
         six = steps.summed("the force and moment that children hand on", six, **tree.alone(k, six))
         f_k, n_k = six[..., :3], six[..., 3:]
         handed = steps.turn("the force that is handed on", pose.R, f_k)

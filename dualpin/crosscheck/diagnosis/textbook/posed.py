@@ -81,7 +81,8 @@ class Posed:
 
         twists = moved if "frame_velocity" in view.case.wrong and not self.way else None
         if self.both:
-            return _with_inertia(tree.posed(partial(_from_world, tree, world, self.early), twists), world(view.states["q"][:1]))
+            tree = tree.posed(partial(_from_world, tree, world, self.early), twists)
+            return _with_inertia(tree, world(view.states["q"][:1]))
         return tree.posed(made, twists)
 
 

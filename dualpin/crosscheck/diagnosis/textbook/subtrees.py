@@ -12,6 +12,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from .poses import stacked
 from .products import wedge
+from .steps import HANDING
 from .weighted import Sums
 
 
@@ -72,13 +73,15 @@ def _subtrees(
     for i, k in enumerate(sums.links):
         masses[k], moments[k] = sums.m[..., i, None], sums.m[..., i, None] * sums.c[..., i, :]
     own = list(masses), list(moments)
+    count = len(t.p) - 1
+    shares = [sums.steps.part(HANDING, np.ones((1, 1, 1)), j - 1, count) for j in range(len(t.p))]
     below = [[j for j, up in enumerate(t.parent) if up == k] for k in range(len(t.p))]
     for k in reversed(range(len(t.p))):
         some = below[k] if children is None else [below[k][i] for i in children if below[k]]
         for j in some:
             there = t.p[j] + product(t.R[j], t.centre(j) + 0 * t.p[j])
             mass, moment = (x[j] for x in (own if near else (masses, moments)))
-            moments[k] = moments[k] + (mass * there if at_children else moment)
-            masses[k] = masses[k] + mass
+            moments[k] = moments[k] + shares[j] * (mass * there if at_children else moment)
+            masses[k] = masses[k] + shares[j] * mass
     links = [a.link for a in t.axes]
     return stacked(masses, links, 1), stacked(moments, links, 1)

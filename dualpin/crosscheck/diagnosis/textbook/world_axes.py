@@ -14,7 +14,7 @@ from ...subjects.layout import product, transposed
 from .link_axes import OWN_FORCE, WHOLE_FORCE, axes, centripetal, felt, gathered
 from .products import wedge
 from .pushes import Wrenches
-from .steps import HAVE, Steps, cross
+from .steps import HANDING, HAVE, Steps, cross
 from .tree import Link, Pose, Tree
 from .world_motions import Motion, axis_of, joined, kind, motions
 
@@ -181,6 +181,7 @@ def _hand_on(
     )
     on = joined(f[k.number], n[k.number])
     on = steps.pick("what a link hands on", on, nothing=0 * on)
+    on = steps.part(HANDING, on, last, count)
     on = steps.summed("the force and moment that children hand on", on, **tree.alone(k, on))
     f_k, n_k = on[..., :3], on[..., 3:]
     n_k = steps.mistaken("the moment that a link hands on", n_k, **{"its force": f_k})
