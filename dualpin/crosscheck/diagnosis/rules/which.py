@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..textbook.columns import HERE
 from ..textbook.columns import MOVING as MOVING_AXES
+from ..textbook.gradient import TURNING
 from ..textbook.in_place import GROWING, KEPT
 from ..textbook.lumps import CARRIED as IN_CARRIER
 from ..textbook.lumps import READ, TURNED
@@ -63,7 +64,14 @@ def but_axes(slip: Slip) -> bool:
 
 def of_axes(slip: Slip) -> bool:
     """Whether it is one of the angular part of columns."""
-    axes = ("the axis of a column", "the joint whose axis", "the direction in a column", "the column of a", MOVING_AXES)
+    axes = (
+        TURNING,
+        "the axis of a column",
+        "the joint whose axis",
+        "the direction in a column",
+        "the column of a",
+        MOVING_AXES,
+    )
     return slip.site.startswith(axes)
 
 

@@ -26,6 +26,7 @@ from .products import skew
 from .second import by_products, same
 from .steps import UncoveredError
 
+TURNING = "the axes that turn columns"
 SECOND, EACH = "of the second Jacobian", "of both Jacobians"
 
 
@@ -54,7 +55,9 @@ def coriolis(
     moved = which[..., order].astype(float)
     z = cols.z[..., None, order, :]
     own = cols.turns[order, None] * z
-    of_axes = partial(by_products, cols, w, u, moved, order, own if apart else w)
+    all_turn = {"those of sliding joints too": z}
+    turns = steps.pick(TURNING, own, **all_turn) if apart else w
+    of_axes = partial(by_products, cols, w, u, moved, order, turns)
     dw, du = _by_rates(sums, order, apart) if by_rates else of_axes()
     last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
     counted = steps.pick(
@@ -78,7 +81,7 @@ def coriolis(
     other = np.swapaxes(of_one(transposed(T)) if tensors == EACH else half, 2, 3)
     axes = w
     if apart:
-        axes = steps.pick("the axes that turn tensors", own, **{"those of sliding joints too": z})
+        axes = steps.pick("the axes that turn tensors", own, **all_turn)
     I = steps.pick("the inertia in dI/dq_k", I, **_turned_wrongly(sums))
     W, T = skew(steps, moved[..., None] * axes), I[..., None, :, :]  # of joints that carry the body
     terms = {

@@ -17,13 +17,15 @@ from .references import six
 from .steps import Steps, cross
 from .tree import THAT_SLIDE, THAT_TURN
 
+IN_SPIN = "added to its angular velocity, not to its velocity"
+SIZE = "the rate qd in z qd, of a turning link,"
+WHOSE_AXIS = "the joint whose axis z is in z qd"
 SPINS = (
     "the angular velocity of a link", "the angular velocity that a link starts from", "the motion that a link starts",
-    "the parent's angular velocity", "the rate that turns a link", "the axis z in z qd", array(SPIN),
+    "the parent's angular velocity", "the rate that turns a link", "the axis z in z qd", array(SPIN), SIZE, WHOSE_AXIS,
+    "z qd of a sliding link",
 )  # fmt: skip
 """Sites of angular velocities."""
-IN_SPIN = "added to its angular velocity, not to its velocity"
-WHOSE_AXIS = "the joint whose axis z is in z qd"
 
 
 def carried(t: Poses) -> Poses:
@@ -97,7 +99,10 @@ def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarra
         z = t.steps.turn(site, t.R[link], a.direction + zero) if a.world is None else a.world
         if a.turns:
             z = t.steps.pick(WHOSE_AXIS, z, **{"the parent's": _of_parent(t, link, z)})
-        rates[not a.turns] = rates[not a.turns] + z * a.ratio * t.qd[..., a.column, None]
+        rate = a.ratio * t.qd[..., a.column, None]
+        if a.turns:
+            rate = t.steps.pick(SIZE, rate, **{"without its sign": np.sqrt(rate * rate)})
+        rates[not a.turns] = rates[not a.turns] + z * rate
     return rates[0], rates[1]
 
 

@@ -20,7 +20,7 @@ from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross, unt
 from .products import wedge
 from .steps import Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
-from .velocities import IN_SPIN, WHOSE_AXIS
+from .velocities import IN_SPIN, SIZE, WHOSE_AXIS
 
 RATE, ACCELERATION = "angular acceleration", "linear acceleration"
 
@@ -152,6 +152,7 @@ def _next(
     elif k.moves:
         of_parent = 0 * z if not k.parent else up.z if tree.links[k.parent].moves else on.R0[..., 0]
         z_qd = steps.pick(WHOSE_AXIS, z_qd, **{"the parent's": of_parent * qd})
+        z_qd = steps.pick(SIZE, z_qd, **{"without its sign": z * np.sqrt(qd * qd)})
         w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
         alpha = steps.add("the angular acceleration of a turning link", **rates)
