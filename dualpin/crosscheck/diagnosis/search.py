@@ -190,7 +190,8 @@ class Search:
 
         A file is read once: where another term that they would change is right, or explained, they are no cause.
         """
-        known = {t for t in self.case.observed if t not in self.case.wrong} | self.case.told.keys()
+        sure = {t for t, s in self.case.told.items() if not any(h.key in DOUBTFUL for h in s[0])}
+        known = sure.union(t for t in self.case.observed if t not in self.case.wrong)
         if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
             self._near_slips += [h for n in near for h in n.story]

@@ -27,6 +27,10 @@ SQUARE: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], tuple[str, ...]
     "diagonal": (
         "only the diagonal is filled", lambda x: x * np.eye(x.shape[-1]), ("crba", "minv"), "fill all of the matrix"
     ),
+    "diagonal_twice": (
+        "entries on the diagonal are counted twice", lambda x: x * (1 + np.eye(x.shape[-1])), ("crba", "minv"),
+        "add what is mirrored off the diagonal alone",
+    ),
     "transposed": ("the matrix is transposed", transposed, ("coriolis",), "transpose it"),
     "coriolis_symmetric": (
         "only the symmetric part, dM/dt / 2", lambda x: (x + transposed(x)) / 2, ("coriolis",), "C also has a skew part"

@@ -247,6 +247,8 @@ def _added(steps: Steps, m: np.ndarray, c: np.ndarray, I: np.ndarray, more: list
         I = steps.add("the inertia of what is there and a fixed link", **terms)
         others = {"that of what is there": m, "that of the fixed link": mass, "the sum": m + mass}
         kept = steps.pick("the mass that is kept of what is there and a fixed link", whole, **others)
+        before = {"the one before it was added": c if m else C}
+        C = steps.pick("the centre that is kept of what is there and a fixed link", C, **before)
         both = np.concatenate([[kept], C, I.ravel()])
         last = {"the last link alone, which replaces it": partial(_alone, p, new)}
         both = steps.pick("what is there with a fixed link", both, **last)

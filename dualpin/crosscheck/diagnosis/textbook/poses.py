@@ -179,11 +179,16 @@ class Poses:
             self.steps.pick(site, x[up], **{words: x[k] for words, k in others.items()})
             for x in (self.attitudes, self.R, self.p)
         )
+        A, p = (
+            self.steps.pick(f"{what} of what carries a moving joint", x, **{words: y[k] for words, k in others.items()})
+            for what, x, y in (("the orientation", A, self.attitudes), ("the position", p, self.p))
+        )
         return A, R, p
 
     def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray, ways: Ways) -> np.ndarray:
         others = {
             "multiplied in the other order": lambda: ways.then(Ao, Ap), "that of rpy alone": Ao,
+            "that of the parent times the transposed one of rpy": lambda: ways.then(Ap, ways.inverse(Ao)),
             "that of the parent alone": Ap,
             "that of the parent, transposed, times that of rpy": lambda: ways.then(ways.inverse(Ap), Ao),
         }  # fmt: skip
@@ -213,7 +218,10 @@ class Poses:
     def _axial(
         self, part: Part, joint: Joint, link: int, up: int, A: np.ndarray, p: np.ndarray, Ao: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        steps, ways, Ap, x, start = self.steps, self.ways, self.attitudes[up], self.q[..., joint.q.start], (A, p)
+        steps, ways, Ap, start = self.steps, self.ways, self.attitudes[up], (A, p)
+        which = "sliding" if part.slides else "turning"
+        x = self.q[..., joint.q.start]
+        x = steps.pick(f"the position q: of a {which} joint", x, **self._of_other_joints(link, up, x))
         ratio, offset = (float(c) for c in joint.coupling)
         follows = joint.mimic is not None
         if follows:
@@ -303,6 +311,22 @@ class Poses:
         """Of mass, in the link's axes."""
         body = self.bodies[link]
         return np.zeros(3) if body is None else body.com
+
+    def _of_other_joints(self, link: int, up: int, x: np.ndarray) -> dict[str, np.ndarray]:
+        """Positions of the joints before one, on its way from the root and in the list."""
+        joints = {j.name: j for j in self.robot}
+
+        def of(k: int) -> np.ndarray:
+            joint = joints.get(self.d.parts[k - 1].joint) if k else None
+            return self.q[..., joint.q.start] if joint is not None and joint.model.nq == 1 else 0 * x
+
+        while up and not self.of_link[up]:
+            up = self.parent[up]
+        before = next((k for k in range(link - 1, 0, -1) if self.of_link[k]), 0)
+        return {
+            "that of the joint before it": of(up),
+            f"that of the joint before in the list{self.listing}": of(before),
+        }
 
     def before_in_list(self, link: int) -> int:
         """The link before in the list, of those that move where fixed ones are merged."""

@@ -30,6 +30,7 @@ def com_jacobian(sums: Sums) -> np.ndarray:
         "its links' own, and those of the first child alone": _subtrees(sums, children=(0,)),
     }  # fmt: skip
     moments = {words: x[1] for words, x in carried.items()}
+    moments["its links' own, and that of each child alone"] = near[1]
     moment = steps.pick("the first moment of what a joint carries", whole[1], **moments)
     masses = {words: x[0] for words, x in list(carried.items())[1:]}
     masses["its links' own, and that of each child alone"] = near[0]
@@ -39,11 +40,14 @@ def com_jacobian(sums: Sums) -> np.ndarray:
         **{"the centre of the whole robot": sums.com[..., None, :] + 0 * moment, "not divided by its mass": moment,
            "the centre of its own link": alone[1] / np.where(single > 0, single, 1.0)},
     )  # fmt: skip
-    m = steps.pick(
-        "the mass of what a joint carries", mass,
-        **{"that of the whole robot": 0 * mass + sums.m.sum(-1)[..., None, None], "that of its own link": single,
-           "1": 0 * mass + 1},
-    )  # fmt: skip
+    others = {
+        "that of the whole robot": 0 * mass + sums.m.sum(-1)[..., None, None], "that of its own link": single,
+        "1": 0 * mass + 1,
+    }  # fmt: skip
+    m, along = (
+        steps.pick(f"the mass of what a joint carries: of {kind} joints", mass, **others)
+        for kind in ("turning", "sliding")
+    )
     r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
     lever = steps.add("the linear velocity of what a joint carries", **{"z x r": wedge(steps, cols.z + 0 * r, r)})
     turns = cols.turns[:, None]
@@ -51,7 +55,7 @@ def com_jacobian(sums: Sums) -> np.ndarray:
         lambda: wedge(steps, cols.z + 0 * r, moment - single * cols.o)
     )}  # fmt: skip
     moved = steps.pick(site, m * lever, **least)
-    J = (turns * moved + (1 - turns) * m * cols.z) / sums.mass[..., None]
+    J = (turns * moved + (1 - turns) * along * cols.z) / sums.mass[..., None]
     return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
 

@@ -165,8 +165,16 @@ class Sums:
     def com(self) -> np.ndarray:
         """(runs, n, 3)."""
         m = self.masses("the weight of a body's centre") * self.every("the bodies whose m c is added up")
-        c = (m[..., None] * self.c).sum(-2) / self.mass
+        c = (m[..., None] * self._paired()).sum(-2) / self.mass
         return np.asarray(self.steps.pick("the centre of mass", c, **self._means()))
+
+    def _paired(self) -> np.ndarray:
+        """The centres that masses are paired with."""
+        t = self.poses
+        base = np.zeros(3) if t.d.base is None else t.d.base.com
+        root = (t.p[0] + product(t.R[0], base + 0 * t.p[0]))[..., None, :] + 0 * self.c[..., :1, :]
+        before = {"that of the body before, the root's first": np.concatenate([root, self.c[..., :-1, :]], -2)}
+        return np.asarray(self.steps.pick("the centre that a mass is paired with", self.c, **before))
 
     def _means(self) -> dict[str, np.ndarray]:
         """Of centres without their masses: then links that have none count as well, and the root may."""

@@ -10,7 +10,7 @@ References: Siciliano et al., Robotics (2009), section 7.5; Spong et al., Robot 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,8 +40,18 @@ def accelerations(
 ) -> np.ndarray:
     """(runs, samples, frames, 6): alpha, and the acceleration of the frame's origin."""
     poses, moving, out = tree.poses(q), motions(steps, tree, q, v, a), []
+
+    def still(number: int) -> dict[str, Callable[[], np.ndarray]]:
+        def made() -> np.ndarray:
+            m = motions(Steps(), tree, q, 0 * v, a)[number]
+            return joined(m.alpha, m.a)
+
+        return {"without products of velocities": made}
+
     for number, offset in (tree.frames[f] for f in frames):
         m, R = moving[number], poses[number].R0
+        alpha, acc = np.split(steps.pick("the accelerations of links", joined(m.alpha, m.a), **still(number)), 2, -1)
+        m = replace(m, alpha=alpha, a=acc)
         x = at_frame(steps, m.w, m.alpha, m.a, product(R, offset))
         more = x + joined(0 * m.alpha, cross(m.alpha, product(R, tree.links[number].c)))
         out.append(steps.pick("the whole acceleration of a frame", x, **{"with alpha x c of its link's centre": more}))
