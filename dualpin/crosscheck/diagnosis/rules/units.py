@@ -52,10 +52,11 @@ def axis_order(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
 @proposer("file_digits", "numbers of the file are rounded", "read and keep all digits of the file")
 def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
-    def edit(f: Callable[[np.ndarray], np.ndarray]) -> Edit:
+    def edit(f: Callable[[np.ndarray], np.ndarray], numbers: bool = True) -> Edit:
         def body(b: Body) -> Body:
             rpy = f(b.rpy)
-            return Body(float(f(np.array(b.mass))), f(b.com), rpy, fixed_axes(rpy), f(b.inertia))
+            mass, inertia = (float(f(np.array(b.mass))), f(b.inertia)) if numbers else (b.mass, b.inertia)
+            return Body(mass, f(b.com), rpy, fixed_axes(rpy), inertia)
 
         def part(p: Part, _: Description) -> Part:
             rpy, axis = f(p.rpy), None if p.axis is None else f(p.axis)
@@ -63,13 +64,15 @@ def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return lambda d, items: d.with_bodies(body).with_parts(part)
 
-    kept = {f"{n} decimals": edit(partial(_decimals, n)) for n in (2, 3, 4, 5, 6)}
+    kept = {f"{n} decimals": edit(partial(_decimals, n)) for n in (1, 2, 3, 4, 5, 6)}
+    kept |= {f"{n} decimals, of xyz, rpy and axes alone": edit(partial(_decimals, n), False) for n in (1, 2, 3)}
     kept |= {f"{n} significant digits": edit(partial(_significant, n)) for n in (3, 4, 5, 6)}
     return _variants(h, ALL, kept, case)
 
 
 def _decimals(n: int, x: np.ndarray) -> np.ndarray:
-    return np.asarray(np.round(x, n))
+    exact = [round(float(y), n) for y in np.ravel(x)]  # of the decimal number, as NumPy's is not
+    return np.array(exact).reshape(np.shape(x))
 
 
 def _significant(n: int, x: np.ndarray) -> np.ndarray:

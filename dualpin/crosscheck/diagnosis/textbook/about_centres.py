@@ -24,6 +24,7 @@ from .weighted import steiners
 
 ONE = np.eye(3)
 FELT = "what a joint feels of a unit acceleration"
+ALONG_MOVING = "along the axis of the joint that moves"
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Mass (..., 1), centre (..., 3) and inertia about it (..., 3, 3), in the world."""
 
@@ -50,7 +51,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
             counts = steps.pick(MOVING, found.pop(""), **found)
             # a wrong walk may find either of two joints from the other
             before = entries.get((row, column), 0.0) if 0 < at.number != k.number else 0.0
-            x = before + counts * _felt(steps, y, p, (along, slides), lumps[k.number], n, f)
+            x = before + counts * _felt(steps, y, p, (along, slides), lumps[k.number], n, f, z)
             entries[row, column] = entries[column, row] = x
     return filled(entries, tree.nv, q)
 
@@ -116,6 +117,7 @@ def _joined(steps: Steps, up: Lump, mine: Lump) -> Lump:
         "the child's Steiner term": _steiner(steps, "of the child", m, c - centre, M, c - C),
     }  # fmt: skip
     whole = steps.add("the inertia of a composite", **terms)
+    whole = steps.pick("the inertia of a composite, moved to its centre,", whole, **{"without Steiner's terms": T + I})
     whole = steps.pick("the inertia of a composite, with those of children,", whole, **{"the link's own alone": T})
     kept = steps.pick("the mass of a composite, kept for what carries it,", total, **{"the link's own": M})
     centre = steps.pick("the centre of a composite, kept for what carries it,", centre, **{"the link's own": C})
@@ -168,8 +170,9 @@ def _unit(
 
 
 def _felt(
-    steps: Steps, z: np.ndarray, o: np.ndarray, kinds: tuple[bool, bool], lump: Lump, n: np.ndarray, f: np.ndarray
-) -> np.ndarray:
+    steps: Steps, z: np.ndarray, o: np.ndarray, kinds: tuple[bool, bool], lump: Lump, n: np.ndarray, f: np.ndarray,
+    of_moving: np.ndarray,
+) -> np.ndarray:  # fmt: skip
     """What a joint feels of it; `kinds` say whether it slides, and whether the joint that moves does."""
     arm = steps.pick("the arm of a unit acceleration's force", lump[1] - o, **{"from the world's origin": lump[1]})
     terms = {"N": n, "(c - o) x F": wedge(steps, arm, f)}
@@ -177,6 +180,7 @@ def _felt(
     turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
     slides, other = kinds
     mistaken = {"of the kind of the joint that moves": sliding if other else turning}
+    mistaken[ALONG_MOVING] = (of_moving * (f if slides else moment)).sum(-1)
     if slides:
         others = {"that of a turning one": turning, "that of both": turning + sliding}
         return np.asarray(steps.pick(f"{FELT}: of a sliding one", sliding, **others, **mistaken))

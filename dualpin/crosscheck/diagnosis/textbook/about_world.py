@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product
-from .about_centres import FELT, own_lump
+from .about_centres import ALONG_MOVING, FELT, own_lump
 from .products import wedge
 from .steps import HANDING, HAVE, Steps
 from .tree import Link, Pose, Tree, filled
@@ -35,7 +35,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         n, f = _unit(steps, k, z, o, lumps[k.number], own[k.number])
         for at, y, p in axes:
             if at is k or at in tree.joints_of(k):
-                x = _felt(steps, at, y, p, n, f, k.slides)
+                x = _felt(steps, at, y, p, n, f, k.slides, z)
                 far = at is not k and at is not tree.joints_of(k)[-2]
                 wrong = {"left out, so that only neighbours are coupled": x * (not far)}
                 x = steps.pick("an entry of H beyond the parent", x, **wrong)
@@ -120,12 +120,14 @@ def _unit(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, lump: Lump, own: 
 
 
 def _felt(
-    steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, n: np.ndarray, f: np.ndarray, moved: bool
+    steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, n: np.ndarray, f: np.ndarray, moved: bool,
+    of_moving: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
-    """What a joint feels of it; `moved` says whether the joint that moves slides."""
+    """What a joint feels of it; `moved` says whether the joint that moves slides, whose axis is the last one."""
     moment = steps.add("the moment about a joint", **{"n": n, "-o x f": -wedge(steps, o + 0 * f, f + 0 * o)})
     turning, sliding = (z * moment).sum(-1), (z * f).sum(-1)
     right, other = (sliding, turning) if k.slides else (turning, sliding)
     kind, another = ("sliding", "turning") if k.slides else ("turning", "sliding")
     others = {f"that of a {another} one": other, "of the kind of the joint that moves": sliding if moved else turning}
+    others[ALONG_MOVING] = (of_moving * (f if k.slides else moment)).sum(-1)
     return np.asarray(steps.pick(f"{FELT}: of a {kind} one", right, **others))

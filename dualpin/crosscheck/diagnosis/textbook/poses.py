@@ -323,9 +323,11 @@ class Poses:
         while up and not self.of_link[up]:
             up = self.parent[up]
         before = next((k for k in range(link - 1, 0, -1) if self.of_link[k]), 0)
+        last = max(k for k, part in enumerate(self.d.parts, 1) if part.joint in joints)
         return {
             "that of the joint before it": of(up),
             f"that of the joint before in the list{self.listing}": of(before),
+            f"that of the joint before in the list{self.listing}, of the last one for the first": of(before or last),
         }
 
     def before_in_list(self, link: int) -> int:

@@ -17,6 +17,7 @@ from .references import six
 from .steps import Steps, cross
 from .tree import THAT_SLIDE, THAT_TURN
 
+BETWEEN = "that between both centres of mass"
 IN_SPIN = "added to its angular velocity, not to its velocity"
 SIZE = "the rate qd in z qd, of a turning link,"
 WHOSE_AXIS = "the joint whose axis z is in z qd"
@@ -62,6 +63,7 @@ def _of_link(t: Poses, link: int, up: int) -> None:
         "in the parent's axes": lambda: product(transposed(t.R[up]), r),
         "in the link's axes": lambda: product(transposed(t.R[link]), r),
         "without the travel of a sliding joint": lambda: r - t.travel.get(link, 0 * r), "of the other sign": -r,
+        BETWEEN: lambda: r + _centre(t, link, r) - _centre(t, up, r),
     }  # fmt: skip
     arm = steps.pick(f"the arm to a link's origin: {which.partition(': ')[0]}", r, **others)
     v_up = steps.pick("the parent's velocity", up_v, **_near(t, link, t.v))
@@ -104,6 +106,11 @@ def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarra
             rate = t.steps.pick(SIZE, rate, **{"without its sign": np.sqrt(rate * rate)})
         rates[not a.turns] = rates[not a.turns] + z * rate
     return rates[0], rates[1]
+
+
+def _centre(t: Poses, link: int, r: np.ndarray) -> np.ndarray:
+    """R c of a link."""
+    return product(t.R[link], t.centre(link) + 0 * r)
 
 
 def _of_parent(t: Poses, link: int, z: np.ndarray) -> np.ndarray:

@@ -171,10 +171,14 @@ class Sums:
     def _paired(self) -> np.ndarray:
         """The centres that masses are paired with."""
         t = self.poses
-        base = np.zeros(3) if t.d.base is None else t.d.base.com
-        root = (t.p[0] + product(t.R[0], base + 0 * t.p[0]))[..., None, :] + 0 * self.c[..., :1, :]
-        before = {"that of the body before, the root's first": np.concatenate([root, self.c[..., :-1, :]], -2)}
-        return np.asarray(self.steps.pick("the centre that a mass is paired with", self.c, **before))
+
+        def before() -> np.ndarray:
+            found = [t.before_in_list(k) if k else 0 for k in self.links]
+            centres = [t.p[k] + product(t.R[k], t.centre(k) + 0 * t.p[k]) for k in found]
+            return stacked(centres, list(range(len(found))), 1) + 0 * self.c
+
+        wrong = {f"that of the link before in the list{t.listing}": before}
+        return np.asarray(self.steps.pick("the centre that a mass is paired with", self.c, **wrong))
 
     def _means(self) -> dict[str, np.ndarray]:
         """Of centres without their masses: then links that have none count as well, and the root may."""
@@ -205,7 +209,9 @@ class Sums:
 
     def com_jacobian(self) -> np.ndarray:
         m = self.masses("the weight of a body's Jacobian") * self.every("the bodies whose m Jv is added up")
-        return np.asarray((m[..., None, None] * self.jacobians[..., 3:, :]).sum(-3) / self.mass[..., None])
+        other = {"its angular ones": self.jacobians[..., :3, :]}
+        Jv = self.steps.pick("the rows of a body's Jacobian that are added up", self.jacobians[..., 3:, :], **other)
+        return np.asarray((m[..., None, None] * Jv).sum(-3) / self.mass[..., None])
 
     def masses(self, site: str) -> np.ndarray:
         """(runs, 1, bodies), with what else is taken for them."""
@@ -313,7 +319,7 @@ class Sums:
             "counted from the root link": self.c - root, "counted from its link's origin": self.r,
             "counted from the first body's centre": self.c - self.c[..., :1, :],
         }  # fmt: skip
-        c = self.steps.pick("the place of a body, whose height counts,", self.c, **wrong)
+        c = self.steps.pick("the place of a body, whose height counts,", self._paired(), **wrong)
         m = self.masses("the mass in the potential energy") * self.every("the potential energies")
         heights = c @ g
         distance = {"-|g| |c|, of the distance from the world's origin": lambda: -np.linalg.norm(g) * _length(c)}

@@ -20,7 +20,7 @@ from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross, unt
 from .products import wedge
 from .steps import Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
-from .velocities import IN_SPIN, SIZE, WHOSE_AXIS
+from .velocities import BETWEEN, IN_SPIN, SIZE, WHOSE_AXIS
 
 RATE, ACCELERATION = "angular acceleration", "linear acceleration"
 
@@ -176,6 +176,7 @@ def _next(
         "that to its centre of mass": r + product(pose.R0, k.c), "that from the world's origin": pose.p0 + 0 * r,
         "in the parent's axes": product(transposed(on.R0), r), "in the link's axes": product(transposed(pose.R0), r),
         "that from the parent's centre of mass": r - product(on.R0, tree.links[k.parent].c), "of the other sign": -r,
+        BETWEEN: r + product(pose.R0, k.c) - product(on.R0, tree.links[k.parent].c),
     }  # fmt: skip
     r = steps.pick(f"the arm to a link's origin: {which}", r, **arms)
     up_a = steps.pick("the parent's acceleration", up.a, **others(lambda x: x.a))
