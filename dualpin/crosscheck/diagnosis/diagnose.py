@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, partial
 
@@ -20,6 +20,7 @@ from .locate import in_single, located, no_factor, partly, precision
 from .rules.composed import follows_from
 from .rules.register import WEIGHED
 from .search import DOUBTFUL, Search
+from .several import few_of_each
 from .spared import spared
 from .stories import Explanation, together, united
 
@@ -36,6 +37,7 @@ PLAINEST = (
 SCALAR = ("kinetic_energy", "potential_energy")  # one number tells little of two causes apart
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
+OUTDONE = 3  # terms that others explain, and a story that was found before does not
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 FRESH_SHARE = 0.5  # of the time that the first answers to terms with a history have at least
 
@@ -133,7 +135,8 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if wanted(search):
                 tick(f"{term}: {what}")
                 of(search)
-            found[:] = united([*found, *search.stories[:EARLIER]])
+            told = united([*found, *few_of_each(search.stories)[:EARLIER]])
+            found[:] = [s for s in told if not _outdone(s, searches.values())]
             case.told = {t: s.stories for t, s in searches.items() if not s.open}
             _settle(catalogue.settled, searches)
 
@@ -251,6 +254,13 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         if time.process_time() < until:
             searches[term].shared(_causes(case, searches)[:FIRST])
     return _grounded({t: s.explanation() for t, s in searches.items()})
+
+
+def _outdone(story: Story, searches: Iterable[Search]) -> bool:
+    """Whether it fails on several terms that others explain, and on more than it explains."""
+    key = identity(story)
+    tried = [key in s.good for s in searches if key in s.seen and not s.open]
+    return tried.count(False) >= OUTDONE and tried.count(False) > tried.count(True)
 
 
 def _sure(search: Search) -> bool:

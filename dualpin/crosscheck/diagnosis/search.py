@@ -237,8 +237,13 @@ class Search:
         here = {identity(s): (s, alike) for s, alike in shown if identity(s) not in self.good}
         scores = self.case.scores(self.term, [s for s, _ in here.values()])
         near = [(alike, nearness(s, x)) for (s, alike), x in zip(here.values(), scores, strict=True)]
-        # the variant that explains other terms comes first; of those that come equally near, the plainest
-        near.sort(key=lambda x: (not x[0], float(f"{x[1].score.rms:.9g}"), cost(x[1].story)))
+        # what puts more entries right comes first, then the variant that explains other terms, then the plainest
+
+        def far(x: tuple[bool, Near]) -> tuple[float, bool, float, float]:
+            alike, n = x
+            return -round(n.score.share, 2), not alike, float(f"{n.score.rms:.9g}"), cost(n.story)
+
+        near.sort(key=far)
         return [n for _, n in near if np.isfinite(n.score.error)]
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:

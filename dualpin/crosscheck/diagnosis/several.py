@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from .case import Case
 from .hypothesis import Hypothesis, Story, style
@@ -69,6 +70,20 @@ def mostly(near: Iterable[Near]) -> list[Near]:
 def distinct(near: Iterable[Near]) -> list[Near]:
     """The first of those that come equally near."""
     return list({float(f"{n.score.rms:.9g}"): n for n in reversed([*near])}.values())[::-1]
+
+
+VARIANTS = 4  # of a step that are tried on other terms as they are; others are its kin there
+
+
+def few_of_each(stories: Iterable[Story]) -> list[Story]:
+    """The first variants of the same causes, or of the same steps in whatever way rotations are made."""
+    seen, found = Counter[frozenset[Any]](), list[Story]()
+    for s in stories:
+        steps = frozenset(h.mistake[:3] or h.cause for h in s)
+        seen[steps] += 1
+        if seen[steps] <= VARIANTS:
+            found.append(s)
+    return found
 
 
 def in_turns(near: Sequence[Near]) -> list[Near]:

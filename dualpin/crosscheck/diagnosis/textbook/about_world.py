@@ -15,10 +15,14 @@ import numpy as np
 from ...subjects.layout import product
 from .about_centres import ALONG_MOVING, FELT, own_lump
 from .products import wedge
-from .steps import HANDING, HAVE, Steps
+from .references import joined
+from .steps import HANDING, HAVE, Steps, cross
 from .tree import Link, Pose, Tree, filled
 from .turns import ONE
+from .weighted import steiners
 
+KINDS = ("mass and first moment", "mass and first moment", "inertia")
+"""Of what links hand on: codes often sum the first two once, for several uses."""
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Mass (..., 1), first moment and inertia."""
 
@@ -70,11 +74,11 @@ def _composites(
         (M, H, T), pose = found[k.parent], poses[k.number]
         m, h, I = (
             steps.part(
-                HANDING,
-                steps.pick("what a child hands on", x, **{"its own alone, not what it carries": alone}),
+                f"{HANDING}: {what}",
+                steps.pick(f"what a child hands on: {what}", x, **{"its own alone, not what it carries": alone}),
                 k.number - 1, len(tree.links) - 1,
             )
-            for x, alone in zip(found[k.number], own[k.number], strict=True)
+            for what, x, alone in zip(KINDS, found[k.number], own[k.number], strict=True)
         )  # fmt: skip
         others = {
             "the child's own alone": own[k.number][1], "its composite mass at its own centre": (
@@ -104,13 +108,33 @@ def _composites(
 
 def _unit(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, lump: Lump, own: Lump) -> tuple[np.ndarray, np.ndarray]:
     """Moment about the world's origin, and force, of a unit acceleration of a joint."""
-    m, h, I = (
+    m, _, I = parts = [
         steps.pick(f"the composite {what} that a joint moves", x, **{"the link's own": y})
         for what, x, y in zip(("mass", "first moment", "inertia"), lump, own, strict=True)
-    )
-    if k.slides:
-        n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": wedge(steps, h, z + 0 * h)})
-        return n, steps.add("the force of a sliding joint's unit acceleration", **{"m z": m * z})
+    ]
+    n, f = (_of_sliding if k.slides else _of_turning)(steps, z, o, *parts)
+
+    def of_own() -> np.ndarray:
+        c = own[1] / np.where(own[0] == 0, 1.0, own[0])
+        push = m * (z + 0 * c if k.slides else cross(z + 0 * c, c - o))
+        about = 0 * c if k.slides else product(I - steiners(m[..., 0], c), z)
+        return joined([about + cross(c, push), push], -1)
+
+    wrong = {"the link's own": of_own}
+    both = steps.pick("the centre of a composite that a joint moves", joined([n, f], -1), **wrong)
+    return both[..., :3], both[..., 3:]
+
+
+def _of_sliding(
+    steps: Steps, z: np.ndarray, o: np.ndarray, m: np.ndarray, h: np.ndarray, I: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    n = steps.add("the moment of a sliding joint's unit acceleration", **{"h x z": wedge(steps, h, z + 0 * h)})
+    return n, steps.add("the force of a sliding joint's unit acceleration", **{"m z": m * z})
+
+
+def _of_turning(
+    steps: Steps, z: np.ndarray, o: np.ndarray, m: np.ndarray, h: np.ndarray, I: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     still = {"0": 0 * h}
     u = steps.pick("the velocity of the world's origin, o x z,", wedge(steps, o + 0 * z, z + 0 * o), **still)
     terms = {"m u": m * u, "z x h": wedge(steps, z + 0 * h, h + 0 * z)}

@@ -20,6 +20,7 @@ from .tree import THAT_SLIDE, THAT_TURN
 BETWEEN = "that between both centres of mass"
 IN_SPIN = "added to its angular velocity, not to its velocity"
 SIZE = "the rate qd in z qd, of a turning link,"
+OF_BEFORE = "that of the joint before it"
 WHOSE_AXIS = "the joint whose axis z is in z qd"
 SPINS = (
     "the angular velocity of a link", "the angular velocity that a link starts from", "the motion that a link starts",
@@ -103,9 +104,23 @@ def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarra
             z = t.steps.pick(WHOSE_AXIS, z, **{"the parent's": _of_parent(t, link, z)})
         rate = a.ratio * t.qd[..., a.column, None]
         if a.turns:
-            rate = t.steps.pick(SIZE, rate, **{"without its sign": np.sqrt(rate * rate)})
+            rate = t.steps.pick(SIZE, rate, **{"without its sign": np.sqrt(rate * rate), **_of_others(t, link)})
         rates[not a.turns] = rates[not a.turns] + z * rate
     return rates[0], rates[1]
+
+
+def _of_others(t: Poses, link: int) -> dict[str, np.ndarray]:
+    """The rate of the joint before one, on its way from the root."""
+    assert t.qd is not None
+    up, last = t.parent[link], t.axes[-1].column
+    while up and not t.of_link[up]:
+        up = t.parent[up]
+    column = t.axes[t.of_link[up][-1]].column if t.of_link[up] else -1
+    none = 0 * t.qd[..., :1]
+    return {
+        OF_BEFORE: t.qd[..., column, None] if column >= 0 else none,
+        f"{OF_BEFORE}, of the last one for the first": t.qd[..., column if column >= 0 else last, None],
+    }
 
 
 def _centre(t: Poses, link: int, r: np.ndarray) -> np.ndarray:

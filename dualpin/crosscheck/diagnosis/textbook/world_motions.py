@@ -20,7 +20,7 @@ from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross, unt
 from .products import wedge
 from .steps import Steps, cross
 from .tree import THAT_TURN, Link, Pose, Tree
-from .velocities import BETWEEN, IN_SPIN, SIZE, WHOSE_AXIS
+from .velocities import BETWEEN, IN_SPIN, OF_BEFORE, SIZE, WHOSE_AXIS
 
 RATE, ACCELERATION = "angular acceleration", "linear acceleration"
 
@@ -78,7 +78,7 @@ def motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarra
 
     def whole() -> np.ndarray:
         turning = (k for k in tree.links if k.moves and not k.slides)
-        return moving[0].w + sum(poses[k.number].axis(k) * v[..., k.column, None] for k in turning)
+        return np.asarray(sum((poses[k.number].axis(k) * v[..., k.column, None] for k in turning), moving[0].w))
 
     for k in tree.links[1:]:
         moving.append(_next(steps, tree, k, poses, moving, whole, q, v, a))
@@ -162,7 +162,13 @@ def _next(
     elif k.moves:
         of_parent = 0 * z if not k.parent else up.z if tree.links[k.parent].moves else on.R0[..., 0]
         z_qd = steps.pick(WHOSE_AXIS, z_qd, **{"the parent's": of_parent * qd})
-        z_qd = steps.pick(SIZE, z_qd, **{"without its sign": z * np.sqrt(qd * qd)})
+        before = tree.joints_of(tree.links[k.parent])
+        column = (before or [x for x in tree.links if x.moves])[-1].column
+        of_before = {
+            OF_BEFORE: z * v[..., column, None] * bool(before),
+            f"{OF_BEFORE}, of the last one for the first": z * v[..., column, None],
+        }
+        z_qd = steps.pick(SIZE, z_qd, **{"without its sign": z * np.sqrt(qd * qd), **of_before})
         w = steps.add(f"the angular velocity of a link: {THAT_TURN}", **{"that of the parent": w, "z qd": z_qd})
         rates = {"the parent's": alpha, "w x z qd": turning, "z qdd": z_qdd}
         alpha = steps.add("the angular acceleration of a turning link", **rates)
