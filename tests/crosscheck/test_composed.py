@@ -15,7 +15,7 @@ ROBOT = "double_pendulum"
 def judged(subject: dict) -> dict[str, list[str]]:
     """What is named, soon: the cause of a part is unknown, and would be looked for long."""
     ask = asking(ROBOT, 4, 0, tuple(subject))
-    return {f.key: f.terms for f in diagnose(Case(ask_here(subject, ask, lambda what: None)), budget=0.6).findings}
+    return {f.key: f.terms for f in diagnose(Case(ask_here(subject, ask, lambda what: None)), budget=0.3).findings}
 
 
 def test_a_coriolis_matrix_of_a_wrong_mass_matrix_by_differences():

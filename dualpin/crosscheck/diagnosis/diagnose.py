@@ -237,14 +237,15 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     stage("three causes together", Search.triples, unexplained, off)
     causes = _causes(case, searches)
     for term, search in sorted(searches.items(), key=lambda x: not x[1].open):  # what was found last may explain these
-        if time.process_time() > until:
-            break
         tick(f"{term}: what explains other terms")
-        search.known([*causes, *together(causes), *found])
+        in_time = time.process_time() < until
+        if in_time:
+            search.known([*causes, *together(causes), *found])
         search.composed()
-        if search.open:
+        if in_time and search.open:
             search.sums()
-        search.exchanged(searches.values())
+        if in_time:
+            search.exchanged(searches.values())
     for _ in range(2):  # the first round may find what the second one needs
         known = {t: list(s.good.values()) for t, s in searches.items() if not s.open}
         for term, others in sharing(_picked(case, searches), known):
