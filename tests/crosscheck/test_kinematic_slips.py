@@ -10,7 +10,7 @@ import pytest
 
 from dualpin.crosscheck.diagnosis import RULES, Case, diagnose
 from dualpin.crosscheck.diagnosis.rules import kinematics, rates
-from dualpin.crosscheck.diagnosis.textbook.answers import CARRIED_TOGETHER
+from dualpin.crosscheck.diagnosis.textbook.answers import CARRIED_TOGETHER, FROM_LINKS
 from dualpin.crosscheck.diagnosis.textbook.steps import Steps
 from dualpin.crosscheck.subjects import QUESTIONS, Answers, Asking, Convention, asking
 from dualpin.crosscheck.subjects.layout import Layout, rotations
@@ -67,8 +67,9 @@ def test_without_a_slip_every_reference_is_right(trees, reference):
     for ask in trees:
         view = Case(silent(ask, reference=reference)).view(())
         made = {how: partial(kinematics.jacobians, how=how) for how in HOW}
-        for term, run in [("jacobian", made[""]), *(("jacobian_dot", run) for run in made.values()),
-                          ("frame_velocity", made[""]), ("frame_velocity", kinematics.velocities)]:  # fmt: skip
+        twists = (made[""], partial(kinematics.both, how=FROM_LINKS))
+        rates = [("jacobian_dot", run) for run in made.values()]
+        for term, run in [("jacobian", made[""]), *rates, *(("frame_velocity", run) for run in twists)]:
             assert apart(run(view, term, Steps())[0], view.compute(term, reference)) < 1e-11, (ask.name, term)
 
 

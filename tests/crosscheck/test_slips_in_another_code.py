@@ -22,6 +22,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     world_axes,
     world_motions,
 )
+from dualpin.crosscheck.diagnosis.textbook.answers import FROM_LINKS
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, InOrder, Seen, by_columns
 from dualpin.crosscheck.diagnosis.textbook.columns import MOVING as MOVING_AXES
@@ -38,7 +39,7 @@ BLOCKS = {"aba": Articulated(of=plucker.world_blocks)}
 WORLD = {"aba": Articulated(of=plucker.world)}
 COMPOSITES = {t: Dynamics(spatial.forces, about_centres.mass) for t in ("crba", "minv")}
 MOVING = {
-    "frame_velocity": kinematics.velocities, "jacobian_dot": kinematics.poses,
+    "frame_velocity": partial(kinematics.both, how=FROM_LINKS), "jacobian_dot": kinematics.poses,
     "kinetic_energy": partial(kinematics.poses, rooted=True),
 }  # fmt: skip
 NEWTON = {

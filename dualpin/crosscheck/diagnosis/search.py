@@ -190,7 +190,7 @@ class Search:
 
         A file is read once: where another term that they would change is right, or explained, they are no cause.
         """
-        sure = {t for t, s in self.case.told.items() if not any(h.key in DOUBTFUL for h in s[0])}
+        sure = {t for t, s in self.case.told.items() if not any(h.key in DOUBTFUL or h.made_of for h in s[0])}
         known = sure.union(t for t in self.case.observed if t not in self.case.wrong)
         if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
             near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))

@@ -17,6 +17,7 @@ from ..textbook.answers import (
     CARRIED,
     CARRIED_TOGETHER,
     DIFFERENTIATED,
+    FROM_LINKS,
     GRADIENTS,
     IN_LINKS,
     INSIDE_BY_PARENTS,
@@ -54,11 +55,11 @@ from ..textbook.steps import Slip
 from ..textbook.ways import WAYS
 from . import which
 from .formulation import COST, FUSING, Terms, formulation
-from .slipping import Slipping, both, jacobians, poses, reading, rotations, velocities
+from .slipping import Slipping, both, jacobians, poses, reading, rotations
 
 __all__ = [
     "DIFFERENTIATED", "JACOBIANS", "LINKS", "MOVING", "PROJECTED", "RATED", "SECOND", "SEEN", "SYMBOLIC", "TRANSPOSED",
-    "WAYS", "jacobians", "poses", "rotations", "velocities",
+    "WAYS", "jacobians", "poses", "rotations",
 ]  # fmt: skip
 
 
@@ -346,8 +347,8 @@ _register("geometric Jacobians", jacobians, _terms(sums=not_large, moved=not_lar
 for _how in (PRODUCTS, SYMBOLIC, RATED, RATED_APART):
     _register("geometric Jacobians", jacobians, _terms(matrix=few), how=_how, rooted=True)
 _register("bodies", reading, _terms(tensors=untreed))
-_register("velocities from link to link", velocities, ("frame_velocity",))
-_register("velocities from link to link", velocities, ("frame_velocity",), by_level=True)
+_register("velocities from link to link", both, ("frame_velocity",), only=which.every, how=FROM_LINKS)
+_register("velocities from link to link", both, ("frame_velocity",), how=FROM_LINKS, by_level=True)
 _register("composite bodies", jacobians, ("com_jacobian", "gravity"), only=which.every, how=CARRIED_TOGETHER)
 _register("composite bodies", jacobians, ("com_jacobian", "gravity"), how=CARRIED_TOGETHER, by_level=True)
 for _name in WAYS:

@@ -9,20 +9,18 @@ import numpy as np
 
 from ..case import View
 from ..textbook import world_axes
-from ..textbook.answers import CARRIED_TOGETHER, JACOBIANS, OF_SYMBOLS, PROJECTED, Made
+from ..textbook.answers import CARRIED_TOGETHER, FROM_LINKS, JACOBIANS, OF_SYMBOLS, PROJECTED, Made
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen
 from ..textbook.kane import Kane
 from ..textbook.posed import Posed, in_world
-from ..textbook.poses import stacked
-from ..textbook.references import referred
 from ..textbook.slipped import Run
 from ..textbook.steps import Steps
 from ..textbook.ways import WAYS
 
 FUSED = (("fused", True),)
 EARLY, VELOCITIES = ("early", True), ("how", JACOBIANS)
-SUBTREES = ("how", CARRIED_TOGETHER)
+SUBTREES, TWISTS = ("how", CARRIED_TOGETHER), ("how", FROM_LINKS)
 OF_REST = ("by_level", "rooted", "bare", "factored")
 """What says in which order, and of which bodies, sums are made: whatever poses are."""
 
@@ -66,8 +64,8 @@ class Slipping:
 
     def _with(self, other: Slipping) -> set[tuple[str, Any]]:
         """How it is made beside another: whatever poses are, velocities of links are the same by Jacobians."""
-        free = () if "rest" in self.parts else (x for x in other.how if x in (VELOCITIES, SUBTREES) or x[0] in OF_REST)
-        return {*self.how, EARLY, *free}
+        free = [x for x in other.how if x in (VELOCITIES, SUBTREES, TWISTS) or x[0] in OF_REST]
+        return {*self.how, EARLY, *(free if "rest" not in self.parts else ())}
 
 
 poses = Slipping(frozenset({"poses"}))
@@ -83,12 +81,3 @@ reading = Slipping(frozenset({"reading"}))
 def rotations(way: str) -> Slipping:
     """With slips in one of these ways."""
     return Slipping(frozenset({way}))
-
-
-def velocities(view: View, term: str, steps: Steps, **how: Any) -> np.ndarray:
-    """Twists of frames, from link to link."""
-    tree = Made(view, poses=steps, **how).whole
-    links = [tree.number[f] for f in view.frames]
-    R, p, w, v = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
-    twist = np.concatenate(np.broadcast_arrays(w, v), -1)[..., None]
-    return referred(steps, twist, R, p, view.layout.how.reference, "the twist")[..., 0]

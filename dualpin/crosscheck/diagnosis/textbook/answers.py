@@ -56,6 +56,7 @@ BY_PARENTS = "with axes that turn by the parent's angular velocity"
 SPUN_BY_PARENTS = f"{SPUN}, {BY_PARENTS}"
 OF_MOMENTA = (SPUN, SPUN_BY_PARENTS, SPUN_INSIDE, INSIDE_BY_PARENTS)
 ABOUT = "about the right centre of mass"
+FROM_LINKS = "twists of frames from link to link"
 CARRIED_TOGETHER = "by what each joint carries together"
 LAGRANGE = "Lagrange's equations, with Christoffel's symbols of M"
 IN_LINKS = "with a regressor in the links' axes"
@@ -259,6 +260,10 @@ class Made:
         if term == "fk":
             H = stacked([tree.pose(k, self.rigid) for k in links], list(range(len(links))), 2)
             return self._returned(self._on_bodies(tree, links, H) if self.fused else H)
+        if term == "frame_velocity" and self.how == FROM_LINKS:
+            R, p, w, u = (stacked(x, links, k) for x, k in ((tree.R, 2), (tree.p, 1), (tree.w, 1), (tree.v, 1)))
+            twist = np.concatenate(np.broadcast_arrays(w, u), -1)[..., None]
+            return referred(self.rest, twist, R, p, self.view.layout.how.reference, "the twist")[..., 0]
         J = self._jacobian(tree, links)
         if term == "jacobian":
             return J

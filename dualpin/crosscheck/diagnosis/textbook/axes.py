@@ -80,3 +80,14 @@ def exchanged(
             angular[name], linear[name] = x, u
     site = "the base's turning columns"
     return steps.pick(site, z, **angular), steps.pick(site, lever, **linear)
+
+
+def moved(group: list[int], x: np.ndarray, to: np.ndarray, z: float | None = 1.0) -> np.ndarray:
+    """Of every axis, what another axis has; where there is none, the world's z or origin, or its own."""
+    out = x.copy()
+    if z is not None:
+        out[:] = (0.0, 0.0, z)
+    for k, i in enumerate(group):
+        if to[i] in group:
+            out[..., k, :] = x[..., group.index(to[i]), :]
+    return out

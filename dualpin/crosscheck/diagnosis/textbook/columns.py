@@ -19,7 +19,7 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
-from .axes import exchanged, of_kind
+from .axes import exchanged, moved, of_kind
 from .lists import beside
 from .poses import Poses, stacked
 from .products import wedge
@@ -123,26 +123,16 @@ class Columns:
                 z[..., k, :] = x
         o = self.o[..., group, :]
         wrong = {
-            "the joint before": lambda: self._moved(group, z, self.before),
-            "the next joint": lambda: self._moved(group, z, self.after, None),
+            "the joint before": lambda: moved(group, z, self.before),
+            "the next joint": lambda: moved(group, z, self.after, None),
             "the first joint": lambda: z[..., :1, :] + 0 * z,
-            **{words: partial(self._moved, group, z, to, 0.0) for words, to in self.listed.items()},
-            **{words: partial(self._moved, group, z, to, None) for words, to in self.follow.items()},
+            **{words: partial(moved, group, z, to, 0.0) for words, to in self.listed.items()},
+            **{words: partial(moved, group, z, to, None) for words, to in self.follow.items()},
         }
         z = np.asarray(self.steps.pick("the joint whose axis is in a column", z, **wrong))
         point = {"a point, with the position of its origin added": lambda: z + o}
         point |= {f"that of the link's {'xyz'[k]} axis": R[..., k] + 0 * z for k in range(3)}
         return np.asarray(self.steps.pick("the direction in a column, of joints,", z, **point))
-
-    def _moved(self, group: list[int], x: np.ndarray, to: np.ndarray, z: float | None = 1.0) -> np.ndarray:
-        """Of every axis, what another axis has; where there is none, the world's z or origin, or its own."""
-        out = x.copy()
-        if z is not None:
-            out[:] = (0.0, 0.0, z)
-        for k, i in enumerate(group):
-            if to[i] in group:
-                out[..., k, :] = x[..., group.index(to[i]), :]
-        return out
 
     def _before(self, i: int) -> int:
         """The axis of the nearest joint below, or -1."""
@@ -196,15 +186,20 @@ class Columns:
         lever = steps.add(f"the linear part of a turning column: {which}", **{ACROSS: wedge(steps, z, r)})
         lever = steps.pick(f"the product z x r in a column: {which}", lever, **{"taken entry by entry": z * r})
         z = z + np.zeros_like(lever)
-        angular = z
+        own = {"in its link's axes": lambda: self._own(group) + 0 * z}
+        angular = steps.pick(f"the axis in the angular part of a column: {which}", z, **own)
         if self.axes[group[0]].base:
             angular, lever = exchanged(steps, z, r, lever, self.world[0])
         J = of_kind(steps, which, self.turns[group, None], (angular, lever, z, r, o))
         return np.swapaxes(J, -1, -2)
 
+    def _own(self, group: list[int]) -> np.ndarray:
+        """(runs, n, 1, axes, 3): the axes of this group, in their links' axes."""
+        return stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)[:, :, None]
+
     def _seen(self, links: Sequence[int], group: list[int]) -> np.ndarray:
         """(runs, n, points, axes, 3): the axes of this group, turned by the matrices of other links."""
-        a = stacked([self.axes[i].direction for i in group], list(range(len(group))), 1)[:, :, None]
+        a = self._own(group)
         R = stacked(self.poses.R, list(links), 2)[..., None, :, :]
         return product(R, a + 0 * R[..., 0])
 
@@ -226,7 +221,7 @@ class Columns:
             def counted(to: np.ndarray) -> np.ndarray:
                 root = few(t.p[0])[..., None, :]
                 from_root = few(o)[..., 0, :, :] - root  # a joint without another one has the root before it
-                return few(p) - (root + self._moved(group, from_root, to, 0.0))[..., None, :, :]
+                return few(p) - (root + moved(group, from_root, to, 0.0))[..., None, :, :]
 
             def counted_from(x: Callable[[], np.ndarray]) -> Callable[[], np.ndarray]:
                 return lambda: few(p) - few(x()) + 0 * few(o)
@@ -282,7 +277,8 @@ class Columns:
         Of a base whose columns are in world axes without the turning of these columns, J T as in `turning`.
         """
         D = self._whole([self._rates(points, velocities, links, g, which, whose) for g, which in self.groups], -1)
-        return D * self.moving(links)
+        walks = {name: x[None, None, :, None] for name, x in self._walks(list(links)).items() if name in ENDS}
+        return D * self.steps.pick(f"{MOVING}: in its rate alone", self.moving(links), **walks)
 
     @cached_property
     def turning(self) -> np.ndarray:

@@ -64,6 +64,8 @@ def _of_link(t: Poses, link: int, up: int) -> None:
         "in the parent's axes": lambda: product(transposed(t.R[up]), r),
         "in the link's axes": lambda: product(transposed(t.R[link]), r),
         "without the travel of a sliding joint": lambda: r - t.travel.get(link, 0 * r), "of the other sign": -r,
+        "that to its centre of mass": lambda: r + _centre(t, link, r),
+        "that from the parent's centre of mass": lambda: r - _centre(t, up, r),
         BETWEEN: lambda: r + _centre(t, link, r) - _centre(t, up, r),
     }  # fmt: skip
     arm = steps.pick(f"the arm to a link's origin: {which.partition(': ')[0]}", r, **others)

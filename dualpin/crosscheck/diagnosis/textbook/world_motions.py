@@ -52,6 +52,8 @@ def accelerations(
         m, R = moving[number], poses[number].R0
         alpha, acc = np.split(steps.pick("the accelerations of links", joined(m.alpha, m.a), **still(number)), 2, -1)
         m = replace(m, alpha=alpha, a=acc)
+        up = {"that of the parent": moving[max(0, tree.links[number].parent)].alpha + 0 * m.alpha}
+        m = replace(m, alpha=steps.pick("the angular acceleration of a frame", m.alpha, **up))
         x = at_frame(steps, m.w, m.alpha, m.a, product(R, offset))
         more = x + joined(0 * m.alpha, cross(m.alpha, product(R, tree.links[number].c)))
         out.append(steps.pick("the whole acceleration of a frame", x, **{"with alpha x c of its link's centre": more}))
