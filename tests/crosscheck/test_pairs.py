@@ -101,7 +101,7 @@ def test_axes_kept_before_a_wrong_turn_and_a_slip_of_the_recursion():
     right_so = {}
     for how in ((("fused", True),), (("early", True), ("fused", True))):
         both = Slipped(replace(poses, how=how), (turned,), True).joined(lost)
-        h = Hypothesis("both", "both", ("rnea",), "formula", both)
+        h = Hypothesis("both", str(how), ("rnea",), "formula", both)
         right_so[len(how)] = case.score("rnea", (h,)).right
     assert right_so == {1: False, 2: True}
 
@@ -132,7 +132,7 @@ def test_two_ways_of_misreading_placements():
     search.consider([(h,) for h in whole])
     assert not search.held
     search._two_readings(whole)
-    assert {frozenset(h.key for h in s) for s in search.held} == {frozenset(("rpy_part", "rpy_transposed"))}
+    assert {frozenset(h.key for h in s) for s in search.held} == {frozenset(keys)}
 
 
 class Misread:
