@@ -126,9 +126,8 @@ def test_two_ways_of_misreading_placements():
     ask = asking(PROBE, 3, 0, ("fk",))
     case = case_of(Misread(ask.text), ask)
     search = Search(case, "fk", Catalogue(case), time.process_time() + LONG)
-    whole = [
-        h for h in search.catalogue.of("fk", False, search.before.error) if h.key in ("rpy_part", "rpy_transposed")
-    ]
+    keys = ("rpy_part", "rpy_transposed")
+    whole = [h for h in search.catalogue.of("fk", False, search.before.error) if h.key in keys]
     search.consider([(h,) for h in whole])
     assert not search.held
     search._two_readings(whole)

@@ -14,7 +14,7 @@ from ..case import Case, View
 from ..hypothesis import Hypothesis
 from ..textbook import sums
 from ..textbook.words import rows
-from .dynamics import SUMS
+from .dynamics import FACTORS, SUMS
 from .register import RULES, proposer
 
 PARTS = {
@@ -73,6 +73,12 @@ def parts_of(term: str, case: Case) -> tuple[str, ...]:
     return () if _right(term, case) else tuple(wrong)
 
 
+def used(term: str, case: Case) -> tuple[str, ...]:
+    """The same, and the wrong answers of which these parts may be made themselves."""
+    mine = parts_of(term, case)
+    return tuple(dict.fromkeys([*mine, *(p for part in mine for p in parts_of(part, case) if p != term)]))
+
+
 def _right(term: str, case: Case) -> bool:
     x = case.observed.get(term)
     return x is None or not np.isfinite(x).all() or case.score(term).right
@@ -105,7 +111,7 @@ def _owned(h: Hypothesis, case: Case) -> list[Hypothesis]:
         made = replace(h, place="answer", act=act, terms=(term,), variant=OWN, made_of=parts)
         return replace(made, cost=h.cost + 0.1)
 
-    return [of(term, parts) for term in h.terms if h.place == "formula" and (parts := parts_of(term, case))]
+    return [of(term, used(term, case)) for term in h.terms if h.place == "formula" and parts_of(term, case)]
 
 
 @proposer(OWN, OWN, "compare the step with the equation of the book", rows(), late=True)
@@ -113,7 +119,8 @@ def summed(h: Hypothesis, case: Case) -> list[Hypothesis]:
     """Slips in sums of the subject's own parts."""
     if not any(parts_of(t, case) for t in sums.TERMS):
         return []
-    return [own for rule in RULES if rule.key == SUMS for g in rule.propose(case) for own in _owned(g, case)]
+    some = [g for rule in RULES if rule.key in (SUMS, FACTORS) for g in rule.propose(case)]
+    return [own for g in some for own in _owned(g, case)]
 
 
 def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.ndarray], np.ndarray]:

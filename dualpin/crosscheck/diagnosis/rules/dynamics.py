@@ -103,7 +103,7 @@ KNOWN = {
     ("the inertia of a body", "", "step_unturned"): "inertia_frame",
     ("the inertia of a body", "", "step_turned_back"): "inertia_frame_transposed",
     ("the inertia of a body", "", "step_from_left"): "inertia_frame_half",
-    ("the arm to the centre of mass", "", "step_unturned"): "com_frame",
+    ("the centre of mass of a body", "", "step_unturned"): "com_frame",
     ("the joint's axis", "", "step_unturned"): "axis_frame",
     ("the joint's axis: of sliding links", "", "step_unturned"): "slide_axis_frame",
     ("the arm to a sliding link", "without its travel", "step_other"): "slide_radius",
@@ -118,6 +118,7 @@ FORWARD = ("aba", "aba_f_ext", "aba_derivatives")
 ALL = (*FORCES, "rnea_derivatives", *MASSES, *FORWARD)
 FUSED = "of bodies merged from fixed links"
 WORLD, SPATIAL, SUMS = "Newton-Euler in world axes", "spatial vectors", "sums of parts"
+FACTORS = "the factors of M"
 REGRESSOR = "joint_torque_regressor"
 COLUMNS, SYMBOLS = "M by columns", "C from Christoffel's symbols"
 
@@ -226,7 +227,7 @@ register("kinetic energy of bodies", composite.Energy(), ("kinetic_energy",), on
 formulation(SUMS, sums.TERMS, KNOWN, batched=True)(sums.run)
 for _from_base in (False, True):
     _order = "from the base" if _from_base else ""
-    formulation("the factors of M", factors.TERMS, KNOWN, _order, batched=True)(factors.Factors(_from_base))
+    formulation(FACTORS, factors.TERMS, KNOWN, _order, batched=True)(factors.Factors(_from_base))
 
 
 def _small(fused: bool, case: Case) -> bool:

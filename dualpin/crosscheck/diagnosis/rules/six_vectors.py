@@ -12,7 +12,7 @@ from ..textbook import body_coriolis, composite, link_axes, plucker, products, s
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right
 from ..textbook.link_axes import FIRST
-from ..textbook.steps import Slip
+from ..textbook.steps import STANDING, Slip
 from .dynamics import ALL, FORWARD, FUSED, KNOWN, PUSHED, SPATIAL, but_tensors, later, merges, register
 from .formulation import formulation
 
@@ -37,7 +37,7 @@ MERGING = (
 """Sites where it matters that bodies are merged in six-vectors."""
 BLOCKS = (
     "the block", "the inertia about the world's origin", "m (c.c 1 - c c^T)", "the inertia of a body",
-    "the place of a body's centre", "the arm to the centre of mass",
+    "the place of a body's centre", "the centre of mass of a body", STANDING,
 )  # fmt: skip
 """Sites of an inertia that is put together in the world."""
 

@@ -72,6 +72,7 @@ EVERYWHERE = "every equation where it belongs"
 """The site of a slip that is made wherever a term of that name is added."""
 HAVE = "the sum so far (its own and of earlier children)"
 """What a child's share is added to."""
+STANDING = "the frame in which a body stands: in turning its tensor"
 HANDING = "the links that hand on what they carry"
 """A loop from the tips to the base."""
 Words = Mapping[tuple[str, str], Sequence[tuple[str, str]]]
