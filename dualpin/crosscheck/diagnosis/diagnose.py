@@ -297,7 +297,7 @@ def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
 
 
 def _picked(case: Case, searches: Mapping[str, Search]) -> dict[str, Story]:
-    options = {t: s.stories for t, s in searches.items() if not s.open}
+    options = {t: few_of_each(s.stories) for t, s in searches.items() if not s.open}
     return cheapest(options, prices(case, options))
 
 

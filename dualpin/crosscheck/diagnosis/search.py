@@ -42,6 +42,7 @@ from .stories import (
 
 STORIES = 64  # scored before the time is looked at, at most
 VARIANTS = 48  # of a story of several causes, as other formulations show them
+KIN = 0.6  # seconds for what explains other terms as other formulations show it, the likeliest of them first
 QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 4  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
@@ -136,7 +137,8 @@ class Search:
             together = list(itertools.islice(made, VARIANTS))
             fresh |= {identity(s): s for s in itertools.chain(together, *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=self._strange)
-        mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, self.until)}
+        soon = min(self.until, time.process_time() + KIN)
+        mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}
         self._others |= {key for key in fresh if key in self.seen}
         mine |= {identity(story): story for story in made_of(self.case, self.term, others, self.exact)}
         self._others |= set(mine)
@@ -215,10 +217,8 @@ class Search:
         `nearer` says that only causes count that bring what is predicted nearer.
         """
         near = [n for n in self._nearest(causes) if not nearer or n.score.rms < self.before.rms]
-        known = {identity(n.story) for n in near}
-        self._slips_with(
-            near + [n for n in mostly(self.near if self.slipped else ()) if identity(n.story) not in known]
-        )
+        known, more = {identity(n.story) for n in near}, mostly(self.near if self.slipped else ())
+        self._slips_with([*near, *(n for n in more if identity(n.story) not in known)])
 
     def two_slips(self) -> None:
         """Slips beside those of the same algorithm that come nearest."""
