@@ -319,8 +319,8 @@ class Search:
 
     def _two_readings(self, whole: Sequence[Hypothesis]) -> None:
         """Two mistakes in reading placements: rotations are a product, so that none alone comes near."""
-        read = [(h,) for h in whole if h.place == "edit"]
-        two = [ordered((g, h)) for (g,), (h,) in itertools.combinations(read, 2) if joins(h, (g,))]
+        read = [h for h in whole if h.place == "edit"]
+        two = [ordered(pair) for pair in itertools.combinations(read, 2) if joins(pair[1], pair[:1])]
         begun = time.process_time()
         self.consider(self.catalogue.nearest(self.term, sorted(two, key=cost), begun + PLACED * (self.until - begun)))
 
