@@ -174,16 +174,15 @@ class Poses:
             f"the one before in the list{self.listing}": self.before_in_list(link), "the root": 0,
             "the parent's parent": max(0, self.parent[up]),
         }  # fmt: skip
-        site = "the link on which a moving joint is placed"
-        A, R, p = (
-            self.steps.pick(site, x[up], **{words: x[k] for words, k in others.items()})
-            for x in (self.attitudes, self.R, self.p)
-        )
-        A, p = (
-            self.steps.pick(f"{what} of what carries a moving joint", x, **{words: y[k] for words, k in others.items()})
-            for what, x, y in (("the orientation", A, self.attitudes), ("the position", p, self.p))
-        )
-        return A, R, p
+
+        def built(site: str, x: np.ndarray, of: list[np.ndarray]) -> np.ndarray:
+            return np.asarray(self.steps.pick(site, x, **{words: of[k] for words, k in others.items()}))
+
+        site, frame = "the link on which a moving joint is placed", "the frame in which a moving joint has its place"
+        A, R, p = (built(site, of[up], of) for of in (self.attitudes, self.R, self.p))
+        R, p = built(frame, R, self.R), built(frame, p, self.p)
+        A = built("the orientation of what carries a moving joint", A, self.attitudes)
+        return A, R, built("the position of what carries a moving joint", p, self.p)
 
     def _oriented(self, site: str, Ap: np.ndarray, Ao: np.ndarray, both: np.ndarray, ways: Ways) -> np.ndarray:
         others = {
