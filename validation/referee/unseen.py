@@ -105,6 +105,8 @@ BY_READING = {
     "walks to the root, second 40": ("f384c82, another reader", 31, 5, 2, 1, 1),
     "walks to the root, pairs, second 20": ("f384c82, another reader", 13, 4, 3, 0, 0),
     "lumped arm, third 40": ("f384c82, another reader", 33, 6, 0, 1, 0),
+    "walks to the root, 40 at the end": ("95b1b3c, another reader", 29, 8, 1, 2, 0),
+    "lumped arm, 40 at the end": ("95b1b3c, another reader", 33, 6, 1, 0, 0),
     "both, pairs of all their mistakes, 40": ("f44941e, another reader", 19, 3, 15, 1, 2),
     "both, pairs of all their mistakes, 30 at the end": ("95b1b3c, another reader", 21, 2, 4, 1, 2),
 }

@@ -54,6 +54,7 @@ def com_jacobian(sums: Sums) -> np.ndarray:
     site, least = "m r of what a joint carries", {"sum m c, less its own link's m times the joint's origin": (
         lambda: wedge(steps, cols.z + 0 * r, moment - single * cols.o)
     )}  # fmt: skip
+    least["sum m c, less the joint's origin without a mass"] = lambda: wedge(steps, cols.z + 0 * r, moment - cols.o)
     moved = steps.pick(site, m * lever, **least)
     J = (turns * moved + (1 - turns) * along * cols.z) / sums.mass[..., None]
     return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
