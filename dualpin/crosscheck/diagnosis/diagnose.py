@@ -163,11 +163,14 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         causes = _causes(case, searches)[:BESIDES]
         return [*causes, *rivals(causes, [s.good.values() for s in searches.values() if not s.open])[:BESIDES]]
 
+    def most() -> bool:
+        return 2 * sum(not s.open for s in searches.values()) >= len(off)
+
     def besides(search: Search) -> None:
-        search.slips_besides(first_causes())
+        search.slips_besides(first_causes(), most())
 
     def besides_nearer(search: Search) -> None:
-        search.slips_besides(first_causes(), nearer=True)
+        search.slips_besides(first_causes(), most(), nearer=True)
 
     def merging(search: Search) -> None:
         search.merging(first_causes())
@@ -189,7 +192,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
             if term in WEIGHED and not any(_sure(s) for s in searches.values()):
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
             stage(rare, Search.readings, unknown, [term])
-            if not searches[term].good:  # poses may be wrong in a way of which a reading is another description
+            if not (searches[term].good or most()):  # poses may be wrong in a way of which a reading tells otherwise
                 stage(slips, Search.slips, lambda s: not (s.slipped or s.open), [t for t in off if t in ("fk",)])
             stage(slips, Search.slips, unknown, [term])
             if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes

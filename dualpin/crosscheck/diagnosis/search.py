@@ -211,14 +211,15 @@ class Search:
         self._near_slips += [h for n in near for h in n.story]
         self.reread = True
 
-    def slips_besides(self, causes: Sequence[Story], nearer: bool = False) -> None:
+    def slips_besides(self, causes: Sequence[Story], most: bool, nearer: bool = False) -> None:
         """Slips, beside a cause of other terms that does not explain all of this one; with both it may look worse.
 
-        `nearer` says that only causes count that bring what is predicted nearer.
+        `most` says that most terms are explained: slips are looked for beside their causes first, and alone if there is
+        time.  `nearer` says that only causes count that bring what is predicted nearer.
         """
         near = [n for n in self._nearest(causes) if not nearer or n.score.rms < self.before.rms]
         known, more = {identity(n.story) for n in near}, mostly(self.near if self.slipped else ())
-        self._slips_with([*near, *(n for n in more if identity(n.story) not in known)])
+        self._slips_with([*near, *(n for n in more if identity(n.story) not in known)], share=1.0 if most else BESIDE)
 
     def two_slips(self) -> None:
         """Slips beside those of the same algorithm that come nearest."""
@@ -246,9 +247,9 @@ class Search:
         near.sort(key=far)
         return [n for _, n in near if np.isfinite(n.score.error)]
 
-    def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS) -> None:
+    def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS, share: float = BESIDE) -> None:
         begun = time.process_time()
-        until = begun + BESIDE * (self.until - begun)
+        until = begun + share * (self.until - begun)
         for k, (cause, soon) in enumerate(bases(nearest)):
             took = time.process_time() - begun
             if (self.open or self._unsure) and (soon or took < QUICK) and not (k and begun + took > until):

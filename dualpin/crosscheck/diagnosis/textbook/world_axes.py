@@ -8,6 +8,8 @@ References: Siciliano et al., Robotics (2009), section 7.5; Spong et al., Robot 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...subjects.layout import product, transposed
@@ -83,14 +85,19 @@ def needed(
     zero = 0 * moving[0].a
     f, n = [zero] * len(tree.links), [zero] * len(tree.links)
     for i, k in enumerate(tree.bodies):
-        m, pose = moving[k.number], poses[k.number]
+        m, pose, carrier = moving[k.number], poses[k.number], moving[max(0, k.parent)]
+        w, alpha = (
+            steps.pick(f"the {what} of a body, in its force and moment,", x, **{"the parent's": y})
+            for what, x, y in (("angular velocity", m.w, carrier.w), ("angular acceleration", m.alpha, carrier.alpha))
+        )
+        m = replace(m, w=w, alpha=alpha)
         local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
         from_parent = pose.p0 - poses[max(0, k.parent)].p0
         on = poses[max(0, k.parent)].R0
         c = steps.turn("the centre of mass of a body", pose.R0, local, **{"by the parent's matrix": lambda on=on: on})
         elsewhere = {"from the parent's joint": from_parent + c, "from the world's origin": pose.p0 + c}
         c = steps.pick("the arm to the centre of mass, in its acceleration and its moment,", c, **elsewhere)
-        a_c = _of_centre(steps, tree, k, poses, moving, c)
+        a_c = _of_centre(steps, tree, k, poses, moving, c, m)
         down = g + zero
         other = {"added at every link": (1 + depth(tree, k)) * down}
         if tree.floating:
@@ -151,9 +158,11 @@ def unturned(tree: Tree, k: Link, poses: list[Pose], c: np.ndarray) -> dict[str,
     }  # fmt: skip
 
 
-def _of_centre(steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], c: np.ndarray) -> np.ndarray:
-    """The acceleration of a body's centre."""
-    m, up = moving[k.number], moving[max(0, k.parent)]
+def _of_centre(
+    steps: Steps, tree: Tree, k: Link, poses: list[Pose], moving: list[Motion], c: np.ndarray, m: Motion
+) -> np.ndarray:  # fmt: skip
+    """The acceleration of a body's centre, whose link has the motion m."""
+    up = moving[max(0, k.parent)]
     ws, alphas = tree.near(k, lambda x: moving[x.number].w), tree.near(k, lambda x: moving[x.number].alpha)
     w = steps.pick("the angular velocity that carries a centre of mass", m.w, **{"the parent's": up.w}, **ws)
     alpha = steps.pick(
