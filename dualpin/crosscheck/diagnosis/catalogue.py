@@ -123,7 +123,8 @@ class Catalogue:
         scores = list[Score]()
         for block in in_time(alike, until, AT_ONCE):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
-            if base and any(x.error <= FEW for x in scores):  # others would be told as alternatives only
+            found = (same[0] for same, x in zip(alike, scores, strict=False) if x.error <= FEW)
+            if base and any(h.named for h in found):  # others would be told as alternatives only
                 break
         told = list(zip(alike, scores, strict=False))
         if not base:

@@ -66,13 +66,28 @@ def file_digits(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
     kept = {f"{n} decimals": edit(partial(_decimals, n)) for n in (1, 2, 3, 4, 5, 6)}
     kept |= {f"{n} decimals, of xyz, rpy and axes alone": edit(partial(_decimals, n), False) for n in (1, 2, 3)}
+    given = _numbers(case.description)
+    halves = [n for n in (1, 2, 3) if any((_decimals(n, x) != np.round(x, n)).any() for x in given)]
+    kept |= {f"{n} decimals, halves as NumPy rounds them": edit(partial(_by_numpy, n)) for n in halves}
     kept |= {f"{n} significant digits": edit(partial(_significant, n)) for n in (3, 4, 5, 6)}
     return _variants(h, ALL, kept, case)
 
 
+def _numbers(d: Description) -> list[np.ndarray]:
+    """Of the file."""
+    bodies = [b for b in (d.base, *(p.body for p in d.parts)) if b is not None]
+    axes = [p.axis for p in d.parts if p.axis is not None]
+    of_bodies = [x for b in bodies for x in (np.array(b.mass), b.com, b.rpy, b.inertia)]
+    return [*(x for p in d.parts for x in (p.position, p.rpy)), *axes, *of_bodies]
+
+
 def _decimals(n: int, x: np.ndarray) -> np.ndarray:
-    exact = [round(float(y), n) for y in np.ravel(x)]  # of the decimal number, as NumPy's is not
+    exact = [round(float(y), n) for y in np.ravel(x)]  # as Python rounds: NumPy takes 0.05 for a half
     return np.array(exact).reshape(np.shape(x))
+
+
+def _by_numpy(n: int, x: np.ndarray) -> np.ndarray:
+    return np.asarray(np.round(x, n))
 
 
 def _significant(n: int, x: np.ndarray) -> np.ndarray:
