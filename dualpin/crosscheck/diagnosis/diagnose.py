@@ -35,6 +35,7 @@ PLAINEST = (
 )  # fmt: skip
 """Terms that are looked at first: fewest mistakes can be behind them, and most others rest on them."""
 SCALAR = ("kinetic_energy", "potential_energy")  # one number tells little of two causes apart
+WIDE = 5  # terms that one cause explains, at least, where it may be behind all others
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 OUTDONE = 3  # terms that others explain, and a story that was found before does not
@@ -163,8 +164,9 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         causes = _causes(case, searches)[:BESIDES]
         return [*causes, *rivals(causes, [s.good.values() for s in searches.values() if not s.open])[:BESIDES]]
 
-    def most() -> bool:
-        return 2 * sum(not s.open for s in searches.values()) >= len(off)
+    def most() -> bool:  # one cause of most terms, such as a wrong pose, is behind the others too
+        explained = max(_counted(case, searches).values(), default=0)
+        return explained >= max(WIDE, len(off) / 2)
 
     def besides(search: Search) -> None:
         search.slips_besides(first_causes(), most())
@@ -294,9 +296,13 @@ def _settle(settled: set[str], searches: Mapping[str, Search]) -> None:
 
 def _causes(case: Case, searches: Mapping[str, Search]) -> list[Story]:
     """The cheapest common causes of the terms that are explained so far, those of most terms first."""
+    return [story for story, _ in _counted(case, searches).most_common()]
+
+
+def _counted(case: Case, searches: Mapping[str, Search]) -> Counter[Story]:
+    """How many terms each of them explains."""
     picked = _picked(case, searches).values()
-    told = Counter((h,) for story in picked for h in story if h.key != "follows")
-    return [story for story, _ in told.most_common()]
+    return Counter((h,) for story in picked for h in story if h.key != "follows")
 
 
 def _picked(case: Case, searches: Mapping[str, Search]) -> dict[str, Story]:
