@@ -72,7 +72,7 @@ def distinct(near: Iterable[Near]) -> list[Near]:
     return list({float(f"{n.score.rms:.9g}"): n for n in reversed([*near])}.values())[::-1]
 
 
-VARIANTS = 4  # of a step that are tried on other terms as they are; others are its kin there
+OF_A_STEP = 4  # of a step that are tried on other terms as they are; others are its kin there
 
 
 def few_of_each(stories: Iterable[Story]) -> list[Story]:
@@ -81,7 +81,7 @@ def few_of_each(stories: Iterable[Story]) -> list[Story]:
     for s in stories:
         steps = frozenset(h.mistake[:3] or h.cause for h in s)
         seen[steps] += 1
-        if seen[steps] <= VARIANTS:
+        if seen[steps] <= OF_A_STEP:
             found.append(s)
     return found
 

@@ -117,11 +117,8 @@ def f_ext_written(h: Hypothesis, case: Case) -> list[Hypothesis]:
 
         return replace(h, terms=PUSHED, place="formula", act=act, values=f"taken in {axes}, about {point}", cost=1.15)
 
-    def on_parent(view: View, term: str) -> np.ndarray:
-        return _on_parent(view, term)
-
     words = "taken as acting on the parent of the frame's link, at the parent's origin"
-    on = replace(h, terms=PUSHED, place="formula", act=on_parent, values=words, cost=1.15)
+    on = replace(h, terms=PUSHED, place="formula", act=_on_parent, values=words, cost=1.15)
     return [on, *(one(axes, point) for axes in AXES for point in ABOUT)]
 
 

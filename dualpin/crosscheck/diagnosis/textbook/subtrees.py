@@ -29,11 +29,10 @@ def com_jacobian(sums: Sums) -> np.ndarray:
         "its links' own, and those of the last child alone": _subtrees(sums, children=(-1,)),
         "its links' own, and those of the first child alone": _subtrees(sums, children=(0,)),
     }  # fmt: skip
-    moments = {words: x[1] for words, x in carried.items()}
-    moments["its links' own, and that of each child alone"] = near[1]
+    each = "its links' own, and that of each child alone"
+    moments = {words: x[1] for words, x in carried.items()} | {each: near[1]}
     moment = steps.pick("the first moment of what a joint carries", whole[1], **moments)
-    masses = {words: x[0] for words, x in list(carried.items())[1:]}
-    masses["its links' own, and that of each child alone"] = near[0]
+    masses = {words: x[0] for words, x in list(carried.items())[1:]} | {each: near[0]}
     mass, single = steps.pick("the mass that hangs on a joint", whole[0], **masses), alone[0]
     c = steps.pick(
         "the centre of what a joint carries", moment / np.where(mass > 0, mass, 1.0),
@@ -51,16 +50,17 @@ def com_jacobian(sums: Sums) -> np.ndarray:
     r = steps.add("the lever arm of what a joint carries", **{"its centre": c, "the joint's origin": -cols.o})
     lever = steps.add("the linear velocity of what a joint carries", **{"z x r": wedge(steps, cols.z + 0 * r, r)})
     turns = cols.turns[:, None]
-    site, least = "m r of what a joint carries", {"sum m c, less its own link's m times the joint's origin": (
-        lambda: wedge(steps, cols.z + 0 * r, moment - single * cols.o)
-    )}  # fmt: skip
-    least["sum m c, less the joint's origin without a mass"] = lambda: wedge(steps, cols.z + 0 * r, moment - cols.o)
-    moved = steps.pick(site, m * lever, **least)
+    moved = steps.pick("m r of what a joint carries", m * lever, **{
+        "sum m c, less its own link's m times the joint's origin":
+            lambda: wedge(steps, cols.z + 0 * r, moment - single * cols.o),
+        "sum m c, less the joint's origin without a mass": lambda: wedge(steps, cols.z + 0 * r, moment - cols.o),
+    })  # fmt: skip
     J = (turns * moved + (1 - turns) * along * cols.z) / sums.mass[..., None]
     return cols.reduced(transposed(J)[..., None, :, :])[..., 0, :, :]
 
 
 def gravity(sums: Sums, g: np.ndarray) -> np.ndarray:
+    """The torques that hold the robot at rest: -M J_G^T g, M the whole mass."""
     torques = -(com_jacobian(sums) * g[:, None]).sum(-2) * sums.total
     return np.asarray(sums.steps.add("gravity's torques", **{"-M J_G^T g": torques}))
 
