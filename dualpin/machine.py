@@ -1,9 +1,11 @@
-"""Versions, processor and date, for all reports and benchmarks."""
+"""Versions, processor, date and sources, for all reports, benchmarks and what is kept between runs."""
 
 from __future__ import annotations
 
+import hashlib
 import platform
 from datetime import datetime, timezone
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -40,3 +42,13 @@ def versions(**more: str) -> dict[str, str]:
         "date": datetime.now(timezone.utc).strftime("%Y-%m-%d"),
         **more,
     }
+
+
+@cache
+def sources() -> str:
+    """A hash of the whole package: a result of other code is another result."""
+    root = Path(__file__).parent
+    total = hashlib.sha256()
+    for path in sorted(root.rglob("*.py")):
+        total.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return total.hexdigest()[:16]

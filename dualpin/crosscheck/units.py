@@ -7,8 +7,6 @@ import json
 import secrets
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +14,7 @@ import numpy as np
 from ..engine.jit.fingerprint import robot_key
 from ..errors import DualpinError
 from ..io.catalogue import find
-from ..machine import versions
+from ..machine import sources, versions
 from ..model.robot import Robot
 from .checks import Case, Check, chosen
 from .results import Refusal, RobotResult
@@ -115,16 +113,6 @@ def _content(name: str) -> bytes:
         return find(name).read_bytes()
     except (DualpinError, OSError):
         return name.encode(errors="replace")  # refused later, with the reason
-
-
-@cache
-def sources() -> str:
-    """A hash of the whole package: a result of other code is another result."""
-    root = Path(__file__).parents[1]
-    total = hashlib.sha256()
-    for path in sorted(root.rglob("*.py")):
-        total.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return total.hexdigest()[:16]
 
 
 def packed(result: Result) -> dict[str, Any]:

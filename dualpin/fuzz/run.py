@@ -17,9 +17,9 @@ from ..crosscheck.campaign.store import Store
 from ..crosscheck.checks import Case
 from ..crosscheck.results import AGREES, DIFFERS, DUALPIN, NEITHER, NOT_COMPARED, ORACLE, RobotResult, TermResult
 from ..crosscheck.run import provenance
-from ..crosscheck.units import Result, Unit, sources
+from ..crosscheck.units import Result, Unit
 from ..errors import ArgumentError, DualpinWarning
-from ..machine import versions
+from ..machine import sources, versions
 from .examine import SAMPLES, examine
 from .generate import is_large, random_spec
 from .small import ERROR, SmallCase, small_case

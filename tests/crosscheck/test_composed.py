@@ -57,3 +57,19 @@ def test_accelerations_of_a_wrong_inverse():
 
     found = judged({"minv": minv, "aba": aba, "bias": lambda q, v: dp.bias(robot, q, v)})
     assert found.pop("follows") == ["aba"] and set(found) <= {"partly"}
+
+
+def test_accelerations_under_a_wrench_that_differ_as_those_without():
+    """The cause of these is unknown; the code adds the wrench to the same recursion."""
+    robot = dp.load(ROBOT)
+    wrong = lambda q: np.sin(3 * q)  # noqa: E731
+
+    def aba(q, v, tau):
+        return dp.aba(robot, q, v, tau) + wrong(q)
+
+    def aba_f_ext(q, v, tau, f_ext, frame):
+        J = dp.jacobian(robot, q, frame, reference="local_world_aligned")
+        return dp.aba(robot, q, v, tau + J.T @ f_ext) + wrong(q)
+
+    found = judged({"aba": aba, "aba_f_ext": aba_f_ext})
+    assert found.pop("follows") == ["aba_f_ext"] and set(found) <= {"partly"}

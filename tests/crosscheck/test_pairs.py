@@ -10,15 +10,16 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from dualpin.crosscheck.diagnosis import Case
+from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.catalogue import Catalogue
-from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
+from dualpin.crosscheck.diagnosis.diagnose import _outdone
+from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis, identity, ordered
 from dualpin.crosscheck.diagnosis.rules import RULES
 from dualpin.crosscheck.diagnosis.rules.momentum import about_own_centre
-from dualpin.crosscheck.diagnosis.rules.slipping import poses
+from dualpin.crosscheck.diagnosis.rules.slipping import jacobians, poses
 from dualpin.crosscheck.diagnosis.search import Search
 from dualpin.crosscheck.diagnosis.stories import nearness
-from dualpin.crosscheck.diagnosis.textbook import about_centres, about_world, plucker, spatial, world_axes
+from dualpin.crosscheck.diagnosis.textbook import about_centres, about_world, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns, right
 from dualpin.crosscheck.diagnosis.textbook.posed import Posed
@@ -199,3 +200,49 @@ def test_a_momentum_about_a_centre_that_is_wrong_itself():
     assert h.key == "follows"
     assert h.made_of == ("com",)
     assert case.score("centroidal_momentum_matrix", (h,)).right
+
+
+# --- each beside others ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("words", ["that of the last one is left", "that of the first one is left"])
+def test_moments_that_children_overwrite_are_the_same_in_both_axes(words):
+    ask, view = silent(3)
+    slip = Slip("the moment that children hand on, with r x f,", words, "step_overwritten")
+    by_axes = [Dynamics(of.forces, by_columns(of.forces)) for of in (world_axes, link_axes)]
+    one, other = (Slipped(of, (slip,), True)(view, "rnea") for of in by_axes)
+    scale = np.abs(one).max()
+    assert np.abs(one - other).max() < 1e-12 * scale
+    assert np.abs(one - view.compute("rnea")).max() > 1e-3 * scale
+    (finding,) = diagnose(case_of(Answers(ask, rnea=one), ask), budget=LONG).findings
+    assert finding.key == "step_overwritten" and "moment that children hand on" in finding.says
+
+
+def test_rows_of_a_jacobian_that_are_exchanged_are_one_mistake():
+    ask = asking(PROBE, 3, 0, ("bias", "kinetic_energy"))
+    view = case_of(Answers(ask), ask).view(())
+    exchanged = Slip(
+        "the rows of a body's Jacobian in J^T f", "linear rows first, taken for angular ones", "step_other"
+    )
+    case = case_of(Answers(ask, bias=Slipped(jacobians, (exchanged,), True)(view, "bias")), ask)
+    (finding,) = diagnose(case, budget=LONG).findings
+    assert exchanged.site in finding.says and finding.terms == ["bias"]
+
+
+def test_what_explains_two_terms_stays_although_a_part_of_it_explains_others():
+    """A slip in one function beside a wrong pose: other functions have the wrong pose alone."""
+    pose, slip, other = (
+        Hypothesis(key, key, TERMS, "formula", lambda *given: None) for key in ("pose", "slip", "other")
+    )
+    both, apart = ordered((pose, slip)), ordered((other, slip))
+
+    class Term:
+        open = False
+        seen = {identity(s) for s in ((pose,), both, apart)}
+
+        def __init__(self, *good):
+            self.good = {identity(s): s for s in good}
+
+    terms = [Term((pose,)), Term((pose,)), Term((pose,)), Term(both, apart)]
+    assert not _outdone(both, terms)
+    assert _outdone(apart, terms)

@@ -100,6 +100,8 @@ class Case:
         """What explains terms, as far as it is found, the likeliest first."""
         self.asked: dict[int, list[str]] = {}
         """Of rules by number: the terms that they predict."""
+        self.slips: dict[int, dict[Any, Hypothesis]] = {}
+        """Of rules by number: the hypotheses of their slips."""
         self.spared: dict[Any, list[str]] = {}
         """What `spared` found out."""
         self._robots: dict[int, tuple[Description, Robot]] = {}
@@ -108,8 +110,9 @@ class Case:
         self.kept: dict[Any, tuple[Description, States, np.ndarray]] = {}
         self.bytes = 0
         a = self.asking
-        self.shared = shared((a.text, a.gravity, a.floating, tuple(j.name for j in self.robot if j.mimic is None)))
-        """What is kept for other subjects on the same robot."""
+        joints = tuple(j.name for j in self.robot if j.mimic is None)
+        self.shared = shared((a.text, a.gravity, a.floating, joints, self.frames, self.how.reference))
+        """What is kept for other subjects that are asked the same of the same robot."""
 
     # what rules look at
 

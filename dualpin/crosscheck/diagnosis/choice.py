@@ -10,6 +10,7 @@ from typing import Any
 from .case import Case
 from .hypothesis import Hypothesis, Story, cost, identity, style
 from .spared import READ, spared
+from .stories import Explanation
 
 VISITS = 50_000  # of the search for the cheapest common story
 AGAIN = 0.1
@@ -135,3 +136,15 @@ def sharing(
                 for t in terms:
                     found.setdefault(t, []).append(picked[theirs[0]])
     return list(found.items())
+
+
+def grounded(told: dict[str, Explanation]) -> dict[str, Explanation]:
+    """Of two terms that would each follow from the other, the first has no cause."""
+
+    def rests_on(term: str, other: str) -> bool:
+        return any(other in h.made_of for s in (told[term].stories[:1] if term in told else []) for h in s)
+
+    for term, e in told.items():
+        loops = {part for s in e.stories for h in s for part in h.made_of if rests_on(part, term)}
+        e.stories = [s for s in e.stories if not any(loops & set(h.made_of) for h in s)]
+    return told

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
 from collections import Counter
@@ -13,14 +14,15 @@ from ..findings import Finding
 from .apart import told_apart
 from .case import Case
 from .catalogue import Catalogue
-from .choice import as_causes, cause_of, cheapest, lonely, prices, rivals, sharing
+from .choice import as_causes, cause_of, cheapest, grounded, lonely, prices, rivals, sharing
 from .doubts import contradicted, doubtful
 from .hypothesis import Hypothesis, Story, cost, identity
 from .locate import in_single, located, no_factor, partly, precision
+from .rules import SHIPPED
 from .rules.composed import follows_from
 from .rules.register import WEIGHED
 from .search import DOUBTFUL, Search
-from .several import few_of_each
+from .several import distinct_causes, few_of_each
 from .spared import spared
 from .stories import Explanation, together, united
 
@@ -73,7 +75,8 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
     found.findings += _history(case)
     errors = {t: case.score(t).error for t in case.observed}
     off = [t for t, e in errors.items() if not e <= case.tolerance and t not in case.answers.history]
-    off.sort(key=lambda t: PLAINEST.index(t) if t in PLAINEST else len(PLAINEST))
+    plainest = PLAINEST[: -1 if "crba" in off else None]  # M tells more than an energy
+    off.sort(key=lambda t: plainest.index(t) if t in plainest else len(plainest))
     for term in [t for t in off if in_single(case, t)]:  # a slip beside it would not be seen
         off.remove(term)
         _add(found.findings, precision(case, term, Explanation(term, case.score(term))))
@@ -88,6 +91,7 @@ def diagnose(case: Case, budget: float | None = None, tick: Callable[[str], None
         if (finding.key, finding.says) not in said:
             finding.says += ", as the first answer shows"
         _add(found.findings, finding)
+    case.shared.slips.save(SHIPPED)
     found.predictions, found.seconds = case.tried, time.process_time() - start
     return found
 
@@ -152,6 +156,10 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         examined = {h.cause for s in searches.values() if looked_at(s) for story in s.stories for h in story}
         return not (looked_at(search) or search.open) and search.doubtful(explained, examined)
 
+    def known_together(search: Search) -> None:
+        likely = [distinct_causes(s.stories)[:BESIDES] for s in searches.values() if not s.open]
+        search.known(together(united([*_causes(case, searches), *itertools.chain(*likely)])))
+
     def one_more(search: Search) -> None:
         together = [s for s in _picked(case, searches).values() if len(s) > 1]
         told = {h.cause for other in searches.values() for s in other.stories if len(s) == 1 for h in s}
@@ -178,7 +186,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
         search.merging(first_causes())
 
     slips, beside = "slips of textbook algorithms", "slips beside a cause of other terms"
-    rare = "rare readings of the file and of inputs"
+    rare, read_besides = "rare readings of the file and of inputs", "readings beside a slip"
     lumped, reading = "slips of merging fixed links", "a slip of other terms and a reading"
     adding_up, several = "two causes whose changes add up", "several links or joints"
     one_more_cause, two_causes, two_slips = (
@@ -186,6 +194,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     )  # fmt: skip
     for term in off:
         stage("single causes", Search.singles, lambda s: not s.exact, [term])
+        stage("causes of other terms together", known_together, unknown, [term])
         if sum(s.tried and not s.good for s in searches.values()) == 1:  # what it has may be behind all others
             stage(several, Search.several, unexplained, [term])
             stage(adding_up, Search.sums, unknown, [term])
@@ -202,6 +211,7 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
                 stage(slips, Search.slips, lambda s: uncertain(s, lambda x: x.slipped), before)
             stage(beside, besides, unknown, [term])
             stage(two_slips, Search.two_slips, lambda s: s.slipped and not s.good, [term])
+            stage(read_besides, Search.readings_near, lambda s: s.slipped and not s.good, [term])
             if term == "fk":  # without a cause of wrong poses hardly any other term has one
                 stage("two causes of the whole robot", Search.plain_pairs, unknown, [term])
                 stage(two_causes, Search.pairs, unknown, [term])
@@ -259,31 +269,22 @@ def _explained(case: Case, off: Sequence[str], until: float, tick: Callable[[str
     for term in lonely(_picked(case, searches)):
         if time.process_time() < until:
             searches[term].shared(_causes(case, searches)[:FIRST])
-    return _grounded({t: s.explanation() for t, s in searches.items()})
+    return grounded({t: s.explanation() for t, s in searches.items()})
 
 
 def _outdone(story: Story, searches: Iterable[Search]) -> bool:
-    """Whether it fails on several terms that others explain, and on more than it explains."""
-    key = identity(story)
-    tried = [key in s.good for s in searches if key in s.seen and not s.open]
+    """Whether it fails on several terms that others explain, and on more than it explains.
+
+    Terms that one of its causes explains alone do not count: the others are mistakes of further functions.
+    """
+    key, parts = identity(story), [identity((h,)) for h in story] if len(story) > 1 else []
+    tried = [key in s.good for s in searches if key in s.seen and not s.open and not any(p in s.good for p in parts)]
     return tried.count(False) >= OUTDONE and tried.count(False) > tried.count(True)
 
 
 def _sure(search: Search) -> bool:
     """Whether a term is explained, not by numbers that are estimated."""
     return any(not any(h.key in DOUBTFUL for h in s) for s in search.held)
-
-
-def _grounded(told: dict[str, Explanation]) -> dict[str, Explanation]:
-    """Of two terms that would each follow from the other, the first has no cause."""
-
-    def rests_on(term: str, other: str) -> bool:
-        return any(other in h.made_of for s in (told[term].stories[:1] if term in told else []) for h in s)
-
-    for term, e in told.items():
-        loops = {part for s in e.stories for h in s for part in h.made_of if rests_on(part, term)}
-        e.stories = [s for s in e.stories if not any(loops & set(h.made_of) for h in s)]
-    return told
 
 
 def _settle(settled: set[str], searches: Mapping[str, Search]) -> None:

@@ -33,7 +33,7 @@ def finish(
         if x is None:
             continue
         form = _form(term, story)
-        if form == "regressor" and view.description is not view.case.description:
+        if form == "regressor" and _placed_elsewhere(view):
             out[k] = tried(_regressor, term, story, view, x)
         elif all(h.place in BEFORE for h in story):
             shapes = form, x.shape, x.dtype, None if other is None else (other.shape, other.dtype)
@@ -55,6 +55,16 @@ def _form(term: str, story: Story) -> str:
     form = QUESTIONS[term].form
     made = form == "regressor" and any(h.place == "formula" and term in h.terms for h in story)
     return "rows" if made else form
+
+
+def _placed_elsewhere(view: View) -> bool:
+    """Whether a story puts links in other places on the bodies that carry them, or on other bodies."""
+    if view.description is view.case.description:
+        return False
+    here, there = view.description.carried(), view.case.description.carried()
+    return here.keys() != there.keys() or any(
+        on != there[link][0] or not np.array_equal(H, there[link][1]) for link, (on, H) in here.items()
+    )
 
 
 def _regressor(term: str, story: Story, view: View, x: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Collection, Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,11 +20,11 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import as_causes
 from .fits import fits, pairs_of_forces
-from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered, style
+from .hypothesis import ESTIMATED, Hypothesis, Story, cost, identity, ordered
 from .rules.composed import PARTS
 from .rules.derived import made_of, of_symbols
 from .rules.register import INERTIAL, MERGING, READINGS, SLIPS
-from .several import bases, distinct, growing, mostly
+from .several import bases, distinct, far, growing, mostly, strange
 from .spared import POSES, READ, contradicted, in_poses, instead, shows, spared
 from .stories import (
     BEAM,
@@ -41,7 +42,7 @@ from .stories import (
 )
 
 STORIES = 64  # scored before the time is looked at, at most
-VARIANTS = 48  # of a story of several causes, as other formulations show them
+VARIANTS = 2304  # of a story of several causes, as other formulations show them: all of two causes
 KIN = 0.6  # seconds for what explains other terms as other formulations show it, the likeliest of them first
 QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 4  # slips beside which others of the same algorithm are looked for
@@ -60,6 +61,8 @@ BESIDE = 0.5  # of the time that is left, for slips beside the causes that are k
 PAIRED = 0.25  # of the time that is left, for two causes of the whole robot or for several links: slips come later
 PLACED = 0.5  # the same for two mistakes in reading placements
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
+NEAR = 0.5  # of it: slips that leave no more are looked at with a reading
+BESIDES = 2  # slips beside which readings are looked for
 LARGE = 40  # joints from which pairs of single links are not tried
 DOUBTFUL = ESTIMATED | {"gravity", "tool_offset", "base_offset", "origin_fit", "saturated"}
 """Keys of numbers that imitate much: slips are looked for all the same."""
@@ -110,11 +113,8 @@ class Search:
 
         Causes that were `examined` are those beside which slips were looked for already.
         """
-        for story in self.good.values():
-            told = [h for h in story if h.key not in SAME and h.cause not in examined]
-            if cost(told) <= PLAIN and not any(self._doubts(h, explained) for h in told):
-                return False
-        return True
+        told = ([h for h in s if h.key not in SAME and h.cause not in examined] for s in self.good.values())
+        return all(cost(some) > PLAIN or any(self._doubts(h, explained) for h in some) for some in told)
 
     def _doubts(self, h: Hypothesis, explained: Collection[str]) -> bool:
         unsure = (h.key in DOUBTFUL and h.cost > KNOWN) or not set(h.made_of) <= set(explained)
@@ -122,8 +122,7 @@ class Search:
 
     def known(self, others: Sequence[Story]) -> None:
         """Try what explains other terms: as it is, as other formulations show it, and with any factorisation."""
-        here = (tuple(h for h in story if self.term in h.terms) for story in others)
-        mine = {identity(s): s for s in here}
+        mine = {identity(s): s for s in (tuple(h for h in story if self.term in h.terms) for story in others)}
         self.consider(mine.values())
         # finding what other formulations show takes long: where these explain it, what has a name of its own is told
         fresh: dict[frozenset[object], Story] = {}
@@ -132,11 +131,10 @@ class Search:
                 continue
             self._heard.add(heard)
             shown = [self._shown(h) for h in story]
-            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS**2)  # all of two causes
+            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
-            together = list(itertools.islice(made, VARIANTS))
-            fresh |= {identity(s): s for s in itertools.chain(together, *shown)}
-        new = sorted((s for key, s in fresh.items() if key not in self.seen), key=self._strange)
+            fresh |= {identity(s): s for s in itertools.chain(made, *shown)}
+        new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
         soon = min(self.until, time.process_time() + KIN)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}
         self._others |= {key for key in fresh if key in self.seen}
@@ -153,13 +151,8 @@ class Search:
         mine = {h.mistake or h.cause for s in self.good.values() for h in s}
         shown = {identity(s): s for cause in causes for h in cause for s in self._shown(h)}
         new = (s for key, s in shown.items() if key not in self.seen and not mine & as_causes(s))
-        self.consider(self.catalogue.nearest(self.term, sorted(new, key=self._strange), self.until))
+        self.consider(self.catalogue.nearest(self.term, sorted(new, key=partial(strange, self.case)), self.until))
         self._others |= shown.keys() & self.good.keys()
-
-    def _strange(self, story: Story) -> int:
-        """In how many formulations it is made in which nothing is told: one code has few."""
-        told = {(style(h), h.variant) for stories in self.case.told.values() for s in stories[:1] for h in s}
-        return len({(style(h), h.variant) for h in story} - told)
 
     def exchanged(self, others: Iterable[Search]) -> None:
         """In stories of several causes: what explains another term as well as a cause that right terms contradict."""
@@ -183,9 +176,12 @@ class Search:
 
     def slips(self) -> None:
         """Slips of textbook algorithms."""
-        near = self.consider(self.catalogue.slips(self.term, self.until))
-        self._near_slips += [h for n in near for h in n.story]
+        self._late_rules(SLIPS)
         self.slipped = True
+
+    def _late_rules(self, late: int) -> None:
+        near = self.consider(self.catalogue.slips(self.term, self.until, late=late))
+        self._near_slips += [h for n in near for h in n.story]
 
     def merging(self, causes: Sequence[Story]) -> None:
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less.
@@ -195,8 +191,7 @@ class Search:
         sure = {t for t, s in self.case.told.items() if not any(h.key in DOUBTFUL or h.made_of for h in s[0])}
         known = sure.union(t for t in self.case.observed if t not in self.case.wrong)
         if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
-            near = self.consider(self.catalogue.slips(self.term, self.until, late=MERGING))
-            self._near_slips += [h for n in near for h in n.story]
+            self._late_rules(MERGING)
             self._slips_with(self._nearest(causes), MERGING)
         self.remerged = True
 
@@ -207,8 +202,7 @@ class Search:
 
     def readings(self) -> None:
         """Rare readings of the file and of inputs: few beside the slips, and one may explain all terms."""
-        near = self.consider(self.catalogue.slips(self.term, self.until, late=READINGS))
-        self._near_slips += [h for n in near for h in n.story]
+        self._late_rules(READINGS)
         self.reread = True
 
     def slips_besides(self, causes: Sequence[Story], most: bool, nearer: bool = False) -> None:
@@ -223,8 +217,19 @@ class Search:
 
     def two_slips(self) -> None:
         """Slips beside those of the same algorithm that come nearest."""
+        self._slips_with(self._best_slips[:NEAREST])
+
+    def readings_near(self) -> None:
+        """Readings of the whole file and of inputs, beside the slips that come nearest."""
+        read = [h for h in self._whole if h.place in READ and shows(self.case, h)]
+        for n in self._best_slips[:BESIDES]:
+            if self.open and n.score.rms < NEAR * self.before.rms:
+                self.consider(self.catalogue.nearest(self.term, self._with(n.story, read), self._part()))
+
+    @property
+    def _best_slips(self) -> list[Near]:
         slips = [n for n in self.near if len(n.story) == 1 and n.story[0].place == "formula"]
-        self._slips_with(distinct(sorted(slips, key=lambda n: n.score.rms))[:NEAREST])
+        return distinct(sorted(slips, key=lambda n: n.score.rms))
 
     def slips_near(self) -> None:
         """Slips, beside the causes of the whole robot that come nearest."""
@@ -237,15 +242,8 @@ class Search:
         shown += [(c, True) for c in causes if len(c) > 1 and all(self.term in h.terms for h in c)]
         here = {identity(s): (s, alike) for s, alike in shown if identity(s) not in self.good}
         scores = self.case.scores(self.term, [s for s, _ in here.values()])
-        near = [(alike, nearness(s, x)) for (s, alike), x in zip(here.values(), scores, strict=True)]
-        # what puts more entries right comes first, then the variant that explains other terms, then the plainest
-
-        def far(x: tuple[bool, Near]) -> tuple[float, bool, float, float]:
-            alike, n = x
-            return -round(n.score.share, 2), not alike, float(f"{n.score.rms:.9g}"), cost(n.story)
-
-        near.sort(key=far)
-        return [n for _, n in near if np.isfinite(n.score.error)]
+        near = [(nearness(s, x), alike) for (s, alike), x in zip(here.values(), scores, strict=True)]
+        return [n for n, _ in sorted(near, key=lambda x: far(*x)) if np.isfinite(n.score.error)]
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS, share: float = BESIDE) -> None:
         begun = time.process_time()

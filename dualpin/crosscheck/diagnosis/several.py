@@ -8,7 +8,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .case import Case
-from .hypothesis import Hypothesis, Story, style
+from .choice import as_causes
+from .hypothesis import Hypothesis, Story, cost, style
 from .rules.dynamics import FUSED
 from .stories import Near, merged
 
@@ -67,6 +68,11 @@ def mostly(near: Iterable[Near]) -> list[Near]:
     return [n for n in alone if n is not None]
 
 
+def far(n: Near, alike: bool) -> tuple[float, bool, float, float]:
+    """What puts more entries right comes first, then the variant that explains other terms, then the plainest."""
+    return -round(n.score.share, 2), not alike, float(f"{n.score.rms:.9g}"), cost(n.story)
+
+
 def distinct(near: Iterable[Near]) -> list[Near]:
     """The first of those that come equally near."""
     return list({float(f"{n.score.rms:.9g}"): n for n in reversed([*near])}.values())[::-1]
@@ -84,6 +90,18 @@ def few_of_each(stories: Iterable[Story]) -> list[Story]:
         if seen[steps] <= OF_A_STEP:
             found.append(s)
     return found
+
+
+def distinct_causes(stories: Sequence[Story]) -> list[Story]:
+    """The first story of each single cause."""
+    first: dict[frozenset[Any], Story] = {as_causes(s): s for s in reversed(stories) if len(s) == 1}
+    return [*first.values()][::-1]
+
+
+def strange(case: Case, story: Story) -> int:
+    """In how many formulations it is made in which nothing is told: one code has few."""
+    told = {(style(h), h.variant) for stories in case.told.values() for s in stories[:1] for h in s}
+    return len({(style(h), h.variant) for h in story} - told)
 
 
 def in_turns(near: Sequence[Near]) -> list[Near]:

@@ -1,7 +1,6 @@
 """What cases of one robot have in common, kept between them: the slips that are possible, and what these predict.
 
-Several subjects are often judged on one robot at the same states, or one subject again after a repair.  Finding the
-slips of all algorithms takes a third of the time of a diagnosis, and predicting them most of the rest.
+Several subjects are often judged on one robot at the same states, or one subject again after a repair.
 """
 
 from __future__ import annotations
@@ -13,6 +12,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from .kept import Kept
+
 T = TypeVar("T")
 ROBOTS = 2
 """How many are kept: those of which a case was made last."""
@@ -23,7 +24,8 @@ BYTES = 2**26
 class Shared:
     """What is kept of one robot."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: Hashable) -> None:
+        self.slips = Kept(robot)
         self._made: dict[Hashable, Any] = {}
         self._predictions: dict[Hashable, np.ndarray | None] = {}
         self._bytes = 0
@@ -59,7 +61,7 @@ _LOCK = threading.Lock()
 def shared(robot: Hashable) -> Shared:
     """What is kept of a robot, by all that its description is made of."""
     with _LOCK:
-        found = _ROBOTS.setdefault(robot, Shared())
+        found = _ROBOTS.setdefault(robot, Shared(robot))
         _ROBOTS.move_to_end(robot)
         while len(_ROBOTS) > ROBOTS:
             _ROBOTS.popitem(last=False)

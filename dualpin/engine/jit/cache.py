@@ -1,4 +1,4 @@
-"""Compiled kernels kept between runs.
+"""Compiled kernels, and other things that take long to make, kept between runs.
 
 There is one file for each kernel.  It holds machine code, so it is used only if no other user could have written it
 and it is undamaged: the folder belongs to the user and is not writable by others, the file names the machine, the
@@ -23,10 +23,12 @@ from ...errors import DualpinWarning
 
 SUFFIX = ".kernel"
 _MAGIC = b"dualpin kernel 1\n"
+OTHERS = ("calls", "slips")
+"""What is kept besides kernels."""
 
 
 def folder(room: str = "kernels") -> Path:
-    """The folder of kernels, or of "calls": in ``DUALPIN_CACHE_DIR``, or in the platform's cache folder."""
+    """The folder of kernels, or of one of `OTHERS`: in ``DUALPIN_CACHE_DIR``, or in the platform's cache folder."""
     chosen = os.environ.get("DUALPIN_CACHE_DIR")
     return (Path(chosen).expanduser() if chosen else _usual_folder()) / room
 
@@ -62,7 +64,7 @@ def info() -> dict[str, Any]:
 
 def clear() -> dict[str, Any]:
     """Remove every kernel; returns {"folder", "removed" (int), "bytes" (int)}."""
-    for f in _files(folder("calls")):
+    for f in (f for room in OTHERS for f in _files(folder(room))):
         with contextlib.suppress(OSError):
             f.unlink()
     place, removed, size = folder(), 0, 0
@@ -103,7 +105,7 @@ def _announce(message: str) -> None:
 
 
 def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None:
-    """The content stored under this key, or None if it has to be compiled."""
+    """The content stored under this key, or None if it has to be made."""
     place = folder(room)
     path = place / _name(key)
     try:
@@ -113,18 +115,22 @@ def load(key: str, room: str = "kernels") -> tuple[dict[str, Any], bytes] | None
     except FileNotFoundError:
         return None
     except OSError as e:
-        _announce(f"kernel cache: {path.name} cannot be read ({e.strerror or e}); compiling instead")
+        _announce(f"{_cache(room)}: {path.name} cannot be read ({e.strerror or e}); made anew")
         return None
     if reason:
-        _announce(f"kernel cache not used: {reason}")
+        _announce(f"{_cache(room)} not used: {reason}")
         return None
     try:
         return unpacked(key, content)
     except ValueError as e:
-        _announce(f"kernel cache: {path.name} is damaged ({e}); compiling again")
+        _announce(f"{_cache(room)}: {path.name} is damaged ({e}); made anew")
         with contextlib.suppress(OSError):
             path.unlink()
         return None
+
+
+def _cache(room: str) -> str:
+    return f"{room.removesuffix('s')} cache"
 
 
 def _opened(path: str, flags: int) -> int:
@@ -147,13 +153,13 @@ def stored(key: str, room: str = "kernels") -> bool:
 
 
 def store(key: str, about: dict[str, Any], code: bytes, room: str = "kernels") -> None:
-    """Store a kernel; if that is impossible, warn once and continue."""
+    """Store a kernel, or what else is made; if that is impossible, warn once and continue."""
     place = folder(room)
     try:
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         reason = refusal(place)
         if reason:
-            _announce(f"kernel cache not used: {reason}")
+            _announce(f"{_cache(room)} not used: {reason}")
             return
         handle, name = tempfile.mkstemp(dir=place, suffix=".new")  # mode 0600
         try:
@@ -165,7 +171,7 @@ def store(key: str, about: dict[str, Any], code: bytes, room: str = "kernels") -
                 Path(name).unlink()
             raise
     except OSError as e:
-        _announce(f"kernel cache not written: {place}: {e.strerror or e}")
+        _announce(f"{_cache(room)} not written: {place}: {e.strerror or e}")
 
 
 def _name(key: str) -> str:

@@ -35,4 +35,6 @@ from . import (  # noqa: F401
 )
 from .register import RULES
 
-__all__ = ["RULES"]
+SHIPPED = len(RULES)
+"""How many there are in the package; others may be added."""
+__all__ = ["RULES", "SHIPPED"]

@@ -22,7 +22,7 @@ PARTS = {
     "rnea": ("crba", "bias", "gravity", "coriolis"),
     "aba": ("crba", "bias", "gravity", "coriolis", "minv"),
     "rnea_f_ext": ("rnea", "jacobian"),
-    "aba_f_ext": ("crba", "bias", "gravity", "coriolis", "jacobian", "minv"),
+    "aba_f_ext": ("aba", "crba", "bias", "gravity", "coriolis", "jacobian", "minv"),
     "minv": ("crba",),
     "kinetic_energy": ("crba",),
     "gravity": ("com_jacobian",),
@@ -33,7 +33,10 @@ PARTS = {
     "frame_acceleration": ("jacobian", "jacobian_dot"),
 }
 """What a code may make a term of: tau = M a + C v + g, V = J v, ..."""
-TWICE = ({"bias", "gravity"}, {"bias", "coriolis"}, {"crba", "minv"})
+TWICE = (
+    {"bias", "gravity"}, {"bias", "coriolis"}, {"crba", "minv"},
+    *({"aba", part} for part in ("bias", "gravity", "coriolis")),
+)  # fmt: skip
 """Of which one is made of the other."""
 OF_PARTS = (
     "velocity_scale", "inertia_scale", "bias_sign", "bias_ignored", "diagonal_inverse", "not_inverted",
@@ -153,10 +156,15 @@ def _composed(case: Case, parts: tuple[str, ...]) -> Callable[[View, str, np.nda
             if M is None:
                 raise ValueError("no mass matrix")
             many = (slice(None), None) if term == "aba_f_ext" else ()
+            given = np.zeros(())  # the accelerations without the wrench, where they are its own
+            if "aba" in parts:
+                given = observed["aba"][many]
+                x = x - (given - apart("aba")[many])
             forces = np.einsum("nij,n...j->n...i", M, x) - (bias[many] if bias.ndim else bias) + pushed()
             if "minv" in parts:
-                return np.asarray(product(observed["minv"][many], forces))
-            return np.linalg.solve((observed["crba"] if "crba" in parts else M)[many], forces[..., None])[..., 0]
+                return np.asarray(given + product(observed["minv"][many], forces))
+            own = (observed["crba"] if "crba" in parts else M)[many]
+            return np.asarray(given + np.linalg.solve(own, forces[..., None])[..., 0])
         if term == "minv":
             return np.linalg.inv(observed["crba"])
         if term == "kinetic_energy":

@@ -103,13 +103,18 @@ def formulation(
         def slips(case: Case, term: str) -> Mapping[tuple[str, ...], Sequence[Slip]]:
             """By the mistakes that they are; found once for a robot."""
 
+            where = like(term)
+
             def found() -> dict[tuple[str, ...], list[Slip]]:
                 out: dict[tuple[str, ...], list[Slip]] = {}
-                for slip in filter(only, _slips(run, case, like(term), alike)):
-                    out.setdefault(_mistake(slip, (known or {}).get(slip), alike), []).append(slip)
+                for slip in case.shared.slips.of(number, where, lambda: _slips(run, case, where, alike)):
+                    if only(slip):
+                        out.setdefault(_mistake(slip, (known or {}).get(slip), alike), []).append(slip)
                 return out
 
-            return case.shared.once(("slips of a rule", number, like(term)), found)
+            if case.view(()) is None:  # what it answers cannot be written: nothing is found out about the robot
+                return {}
+            return case.shared.once(("slips of a rule", number, where), found)
 
         def made(case: Case, slip: Slip, shown: Sequence[str]) -> Hypothesis:
             key = (known or {}).get(slip)
@@ -128,14 +133,19 @@ def formulation(
                     touched.setdefault(slip, set(right)).add(term)
             return [made(case, slip, [t for t in all_asked if t in shown]) for slip, shown in touched.items()]
 
+        def once(case: Case, slip: Slip) -> Hypothesis:
+            """What all terms have in common."""
+            kept = case.slips.setdefault(number, {})
+            if slip not in kept:
+                kept[slip] = made(case, slip, asked(case))
+            return kept[slip]
+
         def of_term(case: Case, term: str) -> list[Hypothesis]:
-            shown = asked(case)
-            every = slips(case, term) if term in shown else {}
-            return [made(case, slip, shown) for slip in itertools.chain(*every.values())]
+            every = slips(case, term) if term in asked(case) else {}
+            return [once(case, slip) for slip in itertools.chain(*every.values())]
 
         def of_mistake(case: Case, term: str, mistake: Any) -> list[Hypothesis]:
-            shown = asked(case)
-            return [made(case, slip, shown) for slip in slips(case, term).get(mistake, ())] if term in shown else []
+            return [once(case, slip) for slip in slips(case, term).get(mistake, ())] if term in asked(case) else []
 
         lines = {**(says or {}), **rows()}
         fix = "compare the step with the equation of the book"
@@ -164,8 +174,7 @@ def _slips(run: Run, case: Case, term: str, alike: str) -> Sequence[Slip]:
 def possible(run: Run, case: Case, term: str) -> Sequence[Slip]:
     """Every slip that a run without one meets, on one sample."""
     view, steps = case.view(()), Steps()
-    if view is None:
-        return []
+    assert view is not None
     states = {k: x[:1] for k, x in view.states.items()}
     try:
         run(View(case, view.description, view.layout, states), term, steps)

@@ -17,12 +17,12 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
-from .assembly import MOST_STEPS, derivatives, solved, torques
+from .assembly import MOST_STEPS, derivatives, solved
 from .in_place import array, repeated
 from .link_axes import gathered, of_joint
 from .plucker import Coordinates, Model, brought, links, of_others, to_parent, to_parent_inertia
 from .products import crf, crm
-from .pushes import Wrenches, wrenches
+from .pushes import Wrenches, torques, wrenches
 from .spatial import OF_FIXED, at_origins, gravity, hand_on, on_links, start, velocities
 from .steps import HANDING, HAVE, Steps
 from .sums import DAMPED
@@ -199,9 +199,9 @@ class Articulated:
             x = solve(steps, tree, q, np.repeat(v, count, axis=1), np.repeat(tau, count, axis=1), g, pushes=pushes)
             return x.reshape(len(x), -1, count, tree.nv)
         if term == "aba_f_ext":
-            pushed = tau[:, :, None] + torques(view)
+            pushed = tau[:, :, None] + torques(tree, view)
             n = pushed.shape[2]
-            moved = pushed.reshape(1, -1, tree.nv)
+            moved = pushed.reshape(len(pushed), -1, tree.nv)
             x = solve(steps, tree, np.repeat(q, n, axis=1), np.repeat(v, n, axis=1), moved, g)
             return x.reshape(len(x), -1, n, tree.nv)
         if term == "aba_derivatives" and not tree.floating and tree.nv <= MOST_STEPS:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
-from .pushes import wrenches
+from .pushes import torques, wrenches
 from .regressors import in_columns
 from .steps import Steps, UncoveredError
 from .tree import Tree, tree_of
@@ -150,7 +150,7 @@ class Dynamics:
     def _torques(self, steps: Steps, tree: Tree, view: View) -> np.ndarray:
         """What the wrench on each frame adds to tau."""
         if self.pushed is None:
-            return torques(view)
+            return torques(tree, view)
         x = self.pushed(steps, tree, *wrenches(steps, tree, view))
         return -x.reshape(len(x), -1, len(view.frames), tree.nv)
 
@@ -267,12 +267,6 @@ class InOrder:
         """Those of the algorithm itself, which is proposed before: they are found once."""
         of = getattr(self.of, "steps_of", None)
         return dict(of(term)) if of else {(self.of, term): term}
-
-
-def torques(view: View) -> np.ndarray:
-    """J^T f of each frame's wrench."""
-    pushed = view.compute("rnea_f_ext", view.layout.how.reference)
-    return np.asarray(view.compute("rnea")[:, None] - pushed)[None]
 
 
 def solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:

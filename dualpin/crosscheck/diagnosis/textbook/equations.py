@@ -15,7 +15,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from .columns import CENTRE
-from .products import skew, wedge
+from .products import rows_of, skew, wedge
 from .weighted import Sums
 
 
@@ -42,8 +42,7 @@ class Equations(Sums):
     def of_bodies(self) -> np.ndarray:
         """The mass matrix without rotors."""
         J, m = self.jacobians, self.masses("the mass in m Jv^T Jv") * self.every("the mass matrices: m Jv^T Jv")
-        exchanged = {"linear rows first, taken for angular ones": lambda: J[..., [3, 4, 5, 0, 1, 2], :]}
-        J = self.steps.pick("the rows of a body's Jacobian in M", J, **exchanged)
+        J = rows_of(self.steps, "M", J)
         Jw, Jv = J[..., :3, :], J[..., 3:, :]
         spin = self.every("the mass matrices: Jw^T I Jw")[..., None, None] * self.inertia
         terms = {
@@ -59,7 +58,8 @@ class Equations(Sums):
             "along y, for z": lambda: g[[0, 2, 1]] + 0 * self.c, "along x, for z": lambda: g[[2, 1, 0]] + 0 * self.c,
         }  # fmt: skip
         weight = m[..., None] * self.steps.pick("gravity, in the weight of a body", g + 0 * self.c, **wrong)
-        torques = -(self.jacobians[..., 3:, :] * weight[..., None]).sum((-3, -2))
+        J = rows_of(self.steps, "J^T f: of weights", self.jacobians)
+        torques = -(J[..., 3:, :] * weight[..., None]).sum((-3, -2))
         return np.asarray(self.steps.add("gravity's torques", **{"-m Jv^T g": torques}))
 
     @cached_property
@@ -116,7 +116,7 @@ class Equations(Sums):
         moving = self.motion or self
         w, inside = moving.spins, moving.spins if moving.spun[0] == moving.spun[1] else moving._spin(moving.spun[1])
         rest = product(moving.rates, qd[..., None, :])
-        I, J = self.inertia, transposed(self.jacobians)
+        I, J = self.inertia, transposed(rows_of(steps, "J^T f: of motions", self.jacobians))
         parts = {"I Jw' v": product(I, rest[..., :3]), "w x I w": wedge(steps, w, product(I, inside))}
         n, f = (
             steps.add("the moment of a body", **parts),

@@ -17,6 +17,7 @@ from ...subjects.layout import product, transposed
 from ..case import View
 from .answers import Made
 from .poses import stacked
+from .products import rows_of
 from .steps import Steps, cross
 from .tree import tree_of
 from .world_axes import needed
@@ -44,6 +45,6 @@ class Kane:
         bodies = [number[name[n]] for n in sums.links]
         F, n = (stacked([x[k] for k in bodies], list(range(len(bodies))), 1) for x in (forces, moments))
         c = stacked([product(poses[k].R0, tree.links[k].c) for k in bodies], list(range(len(bodies))), 1)
-        J = transposed(sums.jacobians)
+        J = transposed(rows_of(steps, "J^T f", sums.jacobians))
         N = n - cross(c + 0 * F, F)
         return np.asarray((product(J[..., :3], N) + product(J[..., 3:], F)).sum(-2))

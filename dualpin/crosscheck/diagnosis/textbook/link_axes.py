@@ -350,13 +350,18 @@ def _inward(
         handed = steps.part("the links that hand on their force", handed, last, count)
         f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
         turned = steps.part("the links that hand on their moment", turned, last, count)
-        before = n[up]
-        n[up] = steps.add(
-            "the moment at a joint", **{HAVE: n[up], "the child's n": turned, "r x f": wedge(steps, arm, pushed)}
-        )
-        n[up] = steps.pick("the moment at a joint, with those of its children,", n[up], **{"its own alone": before})
+        n[up] = moment(steps, tree, k, n[up], {"the child's n": turned, "r x f": wedge(steps, arm, pushed)})
     base = [n[0], f[0]] if tree.floating else []
     return gathered(columns, base, q)
+
+
+def moment(steps: Steps, tree: Tree, k: Link, have: np.ndarray, handed: dict[str, np.ndarray]) -> np.ndarray:
+    """That at a joint, with what a child hands on; in some codes children overwrite each other's."""
+    whole = steps.add("the moment at a joint", **{HAVE: have, **handed})
+    alone = {words: have + x for words, x in tree.alone(k, sum(handed.values(), 0 * have)).items()}
+    whole = steps.summed("the moment that children hand on, with r x f,", whole, **alone)
+    own = {"its own alone": have}
+    return np.asarray(steps.pick("the moment at a joint, with those of its children,", whole, **own))
 
 
 def gathered(columns: dict[int, np.ndarray], base: list[np.ndarray], q: np.ndarray) -> np.ndarray:

@@ -79,7 +79,8 @@ class Posed:
             at = [poses.number[k.name] for k in tree.links]
             return [(poses.w[n], poses.v[n]) for n in at]
 
-        twists = moved if "frame_velocity" in view.case.wrong and not self.way else None
+        apart = steps.finding or "frame_velocity" in view.case.wrong  # slips are found for all subjects at once
+        twists = moved if apart and not self.way else None
         if self.both:
             tree = tree.posed(partial(_from_world, tree, world, self.early), twists)
             return _with_inertia(tree, world(view.states["q"][:1]))

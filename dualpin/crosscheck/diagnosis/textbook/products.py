@@ -143,3 +143,9 @@ _BLOCKS = {
     "of the other sign": ([[-1, 0], [0, -1]], [[0, 0], [-1, 0]]),
 }  # fmt: skip
 """Where w x stands, and u x, with their factors."""
+
+
+def rows_of(steps: Steps, where: str, J: np.ndarray) -> np.ndarray:
+    """A body's Jacobian as it is used: forces belong to linear rows, moments to angular ones."""
+    exchanged = {"linear rows first, taken for angular ones": lambda: J[..., [3, 4, 5, 0, 1, 2], :]}
+    return np.asarray(steps.pick(f"the rows of a body's Jacobian in {where}", J, **exchanged))

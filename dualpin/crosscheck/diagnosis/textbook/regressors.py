@@ -22,7 +22,7 @@ from ...subjects.convention import PARAMETERS, parameter_names
 from ...subjects.layout import carried, product, transposed
 from . import world_motions
 from .poses import stacked
-from .products import skew, wedge
+from .products import rows_of, skew, wedge
 from .references import six
 from .steps import Steps, UncoveredError, cross
 from .tree import Pose, Tree
@@ -114,6 +114,7 @@ def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
 
 def torques(steps: Steps, J: np.ndarray, forces: np.ndarray, moments: np.ndarray) -> np.ndarray:
     """(runs, samples, links, nv, 10), by Jacobians of the links' origins (runs, samples, links, 6, nv)."""
+    J = rows_of(steps, "J^T f", J)
     Jw, Jv = transposed(J[..., :3, :]), transposed(J[..., 3:, :])
     parts = {"Jv^T f": Jv @ forces, "Jw^T n": Jw @ moments}
     return np.asarray(steps.add("the torques of a unit parameter", **parts))

@@ -160,6 +160,11 @@ class Steps:
         return out
 
     @property
+    def finding(self) -> bool:
+        """Whether it makes no slip, and lists them."""
+        return self._right
+
+    @property
     def rows(self) -> int:
         return len(self._rows)
 

@@ -164,6 +164,8 @@ class Tree:
         self._poses: tuple[np.ndarray, list[Pose]] | None = None
         self._made: Callable[[np.ndarray], list[Pose]] = self._posed
         self._moved: Callable[[np.ndarray, np.ndarray], list[Twist]] | None = None
+        self.right = True
+        """Whether poses are those of the description."""
 
     @cached_property
     def _lists(self) -> dict[str, list[int]]:
@@ -236,7 +238,7 @@ class Tree:
     ) -> Tree:  # fmt: skip
         """The same, with other poses of its links, of q, and with other twists, of q and v."""
         tree = copy(self)
-        tree._poses, tree._made, tree._moved = None, made, moved
+        tree._poses, tree._made, tree._moved, tree.right = None, made, moved, False
         return tree
 
     @property

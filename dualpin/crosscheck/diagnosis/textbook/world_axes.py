@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...subjects.layout import product, transposed
-from .link_axes import OWN_FORCE, WHOLE_FORCE, axes, centripetal, felt, gathered
+from .link_axes import OWN_FORCE, WHOLE_FORCE, axes, centripetal, felt, gathered, moment
 from .products import wedge
 from .pushes import Wrenches
 from .steps import HANDING, HAVE, STANDING, Steps, cross
@@ -218,9 +218,8 @@ def _hand_on(
     f[up] = steps.add("the force at a joint", **{HAVE: f[up], "the child's f": handed})
     handed = steps.part("the links that hand on their moment", n_k, last, count)
     moments = {"the child's n": handed, "r x f": wedge(steps, r, f_r)}
-    whole = steps.add("the moment at a joint", **{HAVE: n[up], **moments})
     before, previous = n[up], k.number - 1
-    n[up] = steps.pick("the moment at a joint, with those of its children,", whole, **{"its own alone": before})
+    n[up] = moment(steps, tree, k, n[up], moments)
     if previous != up:
         site, chain = "the link that a link hands its force on to", "the link before in the list, as in a chain"
         arm = poses[k.number].p0 - poses[previous].p0
