@@ -72,7 +72,7 @@ class Pushed:
 def test_a_regressor_follows_from_torques_where_its_product_is_what_they_are(both):
     ask = asking(PROBE, 4, 0, ("rnea", "joint_torque_regressor"))
     case = Case(ask_here(Pushed(ask.robot, both), ask, lambda what: None))
-    (h,) = by_parameters(case)
+    (h,) = by_parameters(case, ())
     assert case.score("joint_torque_regressor", (h,)).right == both
 
 
@@ -80,7 +80,7 @@ def test_parameters_are_those_with_which_the_regressor_gives_the_torques():
     ask = asking(PROBE, 4, 0, ("rnea", "joint_torque_regressor"))
     case = Case(ask_here(Pushed(ask.robot, False), ask, lambda what: None))
     Y, tau = case.predict("joint_torque_regressor"), case.predict("rnea")
-    np.testing.assert_allclose(Y @ _parameters(case), tau, atol=1e-12)
+    np.testing.assert_allclose(Y @ _parameters(case, case.view(())), tau, atol=1e-12)
 
 
 class OfLinks:

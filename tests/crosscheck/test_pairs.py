@@ -12,12 +12,11 @@ import pytest
 
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.catalogue import Catalogue
-from dualpin.crosscheck.diagnosis.diagnose import _outdone
 from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis, identity, ordered
 from dualpin.crosscheck.diagnosis.rules import RULES
 from dualpin.crosscheck.diagnosis.rules.momentum import about_own_centre
 from dualpin.crosscheck.diagnosis.rules.slipping import jacobians, poses
-from dualpin.crosscheck.diagnosis.search import Search
+from dualpin.crosscheck.diagnosis.schedule import outdone
 from dualpin.crosscheck.diagnosis.stories import nearness
 from dualpin.crosscheck.diagnosis.textbook import about_centres, about_world, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
@@ -25,6 +24,7 @@ from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns,
 from dualpin.crosscheck.diagnosis.textbook.posed import Posed
 from dualpin.crosscheck.diagnosis.textbook.slipped import Slipped
 from dualpin.crosscheck.diagnosis.textbook.steps import HAVE, Slip, Steps
+from dualpin.crosscheck.diagnosis.together import Together
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
 from tests.crosscheck.unseen_codes import rewritten
@@ -126,7 +126,7 @@ def test_two_ways_of_misreading_placements():
     """Rotations are a product, so that neither mistake alone comes near."""
     ask = asking(PROBE, 3, 0, ("fk",))
     case = case_of(Misread(ask.text), ask)
-    search = Search(case, "fk", Catalogue(case), time.process_time() + LONG)
+    search = Together(case, "fk", Catalogue(case), time.process_time() + LONG)
     keys = ("rpy_part", "rpy_transposed")
     whole = [h for h in search.catalogue.of("fk", False, search.before.error) if h.key in keys]
     search.consider([(h,) for h in whole])
@@ -176,7 +176,7 @@ def test_two_slips_of_one_recursion_beside_the_one_that_leaves_least():
         Slip("D of articulated bodies", "with 0.01 added", "step_other"),
     )
     case = case_of(Answers(ask, aba=Slipped(Articulated(), slips, True)(view, "aba")), ask)
-    search = Search(case, "aba", Catalogue(case), time.process_time() + LONG)
+    search = Together(case, "aba", Catalogue(case), time.process_time() + LONG)
     search.near = [nearness((h,), case.score("aba", (h,))) for h in single(case, slips[0].site)]
     search.two_slips()
     said = {h.says.partition(": ")[2] for s in search.held for h in s}
@@ -244,5 +244,5 @@ def test_what_explains_two_terms_stays_although_a_part_of_it_explains_others():
             self.good = {identity(s): s for s in good}
 
     terms = [Term((pose,)), Term((pose,)), Term((pose,)), Term(both, apart)]
-    assert not _outdone(both, terms)
-    assert _outdone(apart, terms)
+    assert not outdone(both, terms)
+    assert outdone(apart, terms)

@@ -74,6 +74,22 @@ def pairs(
     return [story for i, j in found for story in _joined(alike[i], alike[j])]
 
 
+def likeliest(case: Case, term: str, story: Story, others: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Causes beside a story, in the order of what they would leave if the changes of both added up."""
+    x, right, beside = case.observed[term], case.predict(term), case.predict(term, story)
+    if right is None or beside is None or not right.shape == beside.shape == x.shape:
+        return list(others)
+    whole = x - beside + right
+
+    def left(p: np.ndarray | None) -> float:
+        away = np.inf if p is None or p.shape != x.shape else float(np.linalg.norm(whole - p))
+        return away if np.isfinite(away) else np.inf
+
+    predicted = case.predictions(term, [(h,) for h in others])
+    order = np.argsort([left(p) for p in predicted], kind="stable")
+    return [others[k] for k in order]
+
+
 def _joined(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> list[Story]:
     """Those of one algorithm first, then the cheapest."""
     likely = [sorted(same, key=lambda h: h.cost)[:LIKELY] for same in (some, others)]

@@ -48,6 +48,12 @@ class View:
     def robot(self) -> Robot:
         return self.case.robot_of(self.description)
 
+    @cached_property
+    def jointed(self) -> Robot:
+        """A robot with the same joints and coordinates, whatever its links are: it need not be made for each edit."""
+        asked = self.case.description
+        return self.case.robot_of(asked) if self.description.joints == asked.joints else self.robot
+
     @property
     def frames(self) -> tuple[str, ...]:
         return self.case.frames

@@ -120,12 +120,17 @@ class Catalogue:
             return not h.made_of, style(h) not in styles, sizes[algorithm(h.act)] // SHORT
 
         alike = sorted(groups.values(), key=later)
+        known = {h.identity: same for same in alike for h, _ in few.known(term, same[:1])} if base else {}
+        if known:  # those that were looked at alone come first, the likeliest first
+            likely = additive.likeliest(few, term, base, [same[0] for same in known.values()])
+            unknown = [same for same in alike if same[0].identity not in known]
+            alike = [*(known[h.identity] for h in likely), *unknown]
         scores = list[Score]()
         for block in in_time(alike, until, AT_ONCE):
             scores += few.scores(term, [ordered((*base, same[0])) for same in block])
-            found = (same[0] for same, x in zip(alike, scores, strict=False) if x.error <= FEW)
-            if base and any(h.named for h in found):  # others would be told as alternatives only
-                break
+            found = [same[0] for same, x in zip(alike, scores, strict=False) if x.error <= FEW]
+            if base and (any(h.named for h in found) or (found and len(scores) <= len(known))):
+                break  # others would be told as alternatives only, or are less likely
         told = list(zip(alike, scores, strict=False))
         if not base:
             self._looked_at.setdefault(term, []).extend(same for same, _ in told)

@@ -190,6 +190,11 @@ class Description:
         """Which links hang on which: descriptions are built together where it is the same."""
         return tuple((p.link, p.parent) for p in self.parts)
 
+    @cached_property
+    def joints(self) -> tuple[tuple[Any, ...], ...]:
+        """What coordinates belong to: robots have the same ones where it is equal."""
+        return tuple((p.joint, p.type, p.parent, p.link, p.mimic) for p in self.parts)
+
 
 def merged(d: Description) -> Description:
     """The same robot with the inertia of fixed links carried over to the links that joints move."""

@@ -8,6 +8,9 @@ rnea by q may put d tau/dv together of its C and take d tau/da from its M.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +20,9 @@ from ...subjects.layout import product
 from ..apart import elsewhere
 from ..case import Case, View
 from ..hypothesis import Hypothesis, Story
+from ..stories import united
+from .dynamics import SUMS
+from .register import RULES
 
 STENCIL = {1: 3 / 4, 2: -3 / 20, 3: 1 / 60}
 """Weights of central differences of sixth order."""
@@ -101,6 +107,44 @@ def by_derivatives(case: Case, term: str, stories: Sequence[Story]) -> Iterator[
         )  # fmt: skip
 
 
+class _Told(View):
+    """What a story predicts, also at other states, in the place of right answers."""
+
+    def __init__(self, view: View, story: Story) -> None:
+        super().__init__(view.case, view.description, view.layout, view.states)
+        self.story, self.made = story, dict[Any, np.ndarray]()
+
+    def compute(self, term: str, reference: str = "", **states: np.ndarray) -> np.ndarray:
+        key = term, *((k, x.tobytes()) for k, x in states.items())
+        if key not in self.made:
+            at = {**self.states, **states}
+            if term == "rnea_derivatives":
+                self.made[key] = _blocks(self.case, "rnea", ("q", "v", "a"), self.story, at)
+            else:
+                found = elsewhere(self.case, at).predict(term, self.story)
+                if found is None:
+                    raise ValueError(f"no {term}")
+                self.made[key] = found
+        return self.made[key]
+
+
+def slipped_derivatives(case: Case, term: str, stories: Sequence[Story]) -> Iterator[Hypothesis]:
+    """A slip in derivatives of a wrong rnea, as the first of these stories predicts it."""
+    if term != "rnea_derivatives" or "rnea" not in case.wrong or not (stories and _differentiable(case)):
+        return
+    made: list[_Told] = []
+
+    def act(slip: Hypothesis, view: View, term: str, x: np.ndarray) -> Any:
+        made.extend([_Told(view, stories[0])] if not made else [])
+        return slip.act(made[0], term)
+
+    for slip in (g for rule in RULES if rule.key == SUMS for g in rule.propose(case) if term in g.terms):
+        yield replace(
+            slip, place="answer", act=partial(act, slip), terms=(term,), made_of=("rnea",),
+            variant=" and ".join(map(str, stories[0])), cost=slip.cost + 0.1,
+        )  # fmt: skip
+
+
 def _nearest(observed: np.ndarray, options: Sequence[np.ndarray]) -> np.ndarray:
     """Of each block, the option that is nearest to what was answered."""
     off = [np.nan_to_num(np.abs(x - observed), nan=np.inf).max(axis=(0, 2, 3)) for x in options]
@@ -144,31 +188,38 @@ def _of_aba(view: View, story: Story) -> Iterator[np.ndarray]:
 # --- regressors -----------------------------------------------------------------------------------
 
 
-def by_parameters(case: Case) -> Iterator[Hypothesis]:
-    """A regressor whose product with the parameters of the file is what the subject's rnea answers."""
-    if "rnea" in case.wrong and case.asking.samples > 1:  # of one state it holds too easily
-        says = "its product with the inertial parameters of the file is what rnea answers, and differs as rnea does"
+def by_parameters(case: Case, others: Sequence[Story]) -> Iterator[Hypothesis]:
+    """A regressor whose product with the parameters of the file is what the subject's rnea answers.
+
+    Other stories say how the file may be read.
+    """
+    if "rnea" not in case.wrong or case.asking.samples < 2:  # of one state it holds too easily
+        return
+    read = united([(), *(tuple(h for h in s if h.place == "edit") for s in others)])
+    for edits in read[:SEVERAL]:
+        words = "".join(f", read so that {h}," for h in edits)
+        says = f"its product with the inertial parameters of the file{words} is what rnea answers"
         yield Hypothesis(
-            "follows", says, ("joint_torque_regressor",), "relation", _same_torques, "repair rnea first", cost=1.3,
-            made_of=("rnea",),
+            "follows", f"{says}, and differs as rnea does", ("joint_torque_regressor",), "relation",
+            partial(_same_torques, edits), "repair rnea first", cost=1.3, made_of=("rnea",),
         )  # fmt: skip
 
 
-def _same_torques(view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
+def _same_torques(edits: Story, view: View, term: str, x: np.ndarray, observed: np.ndarray) -> np.ndarray:
     """The nearest regressor with these torques."""
-    case = view.case
-    p = _parameters(case)
+    case, read = view.case, view.case.view(edits)
+    p = _parameters(case, view if read is None else read)
     lacks = case.observed["rnea"] - product(observed, np.broadcast_to(p, (len(observed), len(p))))
     return np.asarray(observed + lacks[..., None] * p / (p @ p))
 
 
-def _parameters(case: Case) -> np.ndarray:
+def _parameters(case: Case, read: View) -> np.ndarray:
     """Those of the file, in the order of the subject's columns: of links, or of bodies where it names none."""
-    of_bodies = list(map(float, inertial_parameters(case.robot)))
+    of_bodies = list(map(float, inertial_parameters(read.robot)))
     if not case.how.parameters:
         return np.array(of_bodies)
     told = dict(zip(parameter_names(case.robot), of_bodies, strict=True))
-    d = case.description
+    d = read.description
     for link, body in ((d.root, d.base), *((p.link, p.body) for p in d.parts)):
         values = np.zeros(10)
         if body is not None:
@@ -196,10 +247,11 @@ def made_of(case: Case, term: str, others: Sequence[Story], exact: bool) -> list
     """Matrices of what is explained of their sources; derivatives only where they are not explained `exact`ly."""
     made: list[Hypothesis] = []
     if term == "joint_torque_regressor":
-        made += by_parameters(case)
+        made += by_parameters(case, others)
     elif term in SOURCES and not exact:
         of = [t for t in ("aba", "rnea") if t in SOURCES[term] and t in case.wrong]
         told = [s for s in others if not any(h.made_of for h in s)]
         right = [[s for s in told if all(t in h.terms for h in s) and case.score(t, s).right] for t in of]
-        made += by_derivatives(case, term, [s for some in right for s in some[: SEVERAL // len(of)]])
+        sources = [s for some in right for s in some[: SEVERAL // len(of)]]
+        made += [*by_derivatives(case, term, sources), *slipped_derivatives(case, term, sources)]
     return [*of_symbols(case, term, others), *((h,) for h in made)]

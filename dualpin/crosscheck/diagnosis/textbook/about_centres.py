@@ -18,7 +18,7 @@ from ...subjects.layout import product
 from .columns import MOVING
 from .products import wedge
 from .steps import HAVE, STANDING, Steps
-from .tree import Link, Tree, filled
+from .tree import Link, Tree, filled, standing_otherwise, turned_otherwise
 from .walks import of_joints
 from .weighted import steiners
 
@@ -59,11 +59,11 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
 def own_lump(steps: Steps, tree: Tree, k: Link, q: np.ndarray) -> Lump:
     """Of a link alone."""
     pose, lead = tree.poses(q)[k.number], np.zeros(q.shape[:-1], q.dtype)[..., None]
-    up = tree.poses(q)[max(0, k.parent)].R0
-    arm = steps.turn("the centre of mass of a body", pose.R0, k.c + lead, **{"by the parent's matrix": lambda: up})
+    poses = tree.poses(q)
+    arm = steps.turn("the centre of mass of a body", pose.R0, k.c + lead, **turned_otherwise(poses, k))
     ends = {"the link's origin": pose.p0, "R c": arm}
     centre = steps.add("the place of a body's centre", **ends)
-    standing = steps.pick(STANDING, pose.R0, **{"that of its parent": up})
+    standing = steps.pick(STANDING, pose.R0, **standing_otherwise(poses, k))
     I = steps.congruent("the inertia of a body", standing, k.tensor(steps))
     return k.mass + lead, centre, I
 

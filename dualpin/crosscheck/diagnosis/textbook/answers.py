@@ -116,7 +116,7 @@ class Made:
         v = self.view
         qd = v.states.get("v") if moving else None
         ways = replace(self.ways, in_world=self.in_world) if any(self.in_world) else self.ways
-        tree = Poses(v.robot, v.description, q, qd, self.poses, ways, self.fused, self.early, self.by_level)
+        tree = Poses(v.jointed, v.description, q, qd, self.poses, ways, self.fused, self.early, self.by_level)
         return carried(tree) if moving and qd is not None else tree
 
     @cached_property

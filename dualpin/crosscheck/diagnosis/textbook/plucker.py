@@ -26,7 +26,7 @@ from .lumps import Piece, tensor
 from .products import skew, wedge
 from .pushes import Push
 from .steps import STANDING, Steps, cross, inverse
-from .tree import Link, Pose, Tree, spatial
+from .tree import Link, Pose, Tree, spatial, standing_otherwise, turned_otherwise
 
 
 @dataclass
@@ -110,9 +110,7 @@ def world(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
 def world_blocks(steps: Steps, tree: Tree, q: np.ndarray) -> Model:
     """The same, with inertias put together there: of R I R^T, and of the place of the centre in the world."""
     poses = tree.poses(q)
-    return _about_world(
-        steps, tree, poses, [_placed(steps, k, poses[k.number], poses[max(0, k.parent)].R0) for k in tree.links]
-    )
+    return _about_world(steps, tree, poses, [_placed(steps, k, poses) for k in tree.links])
 
 
 def _about_world(steps: Steps, tree: Tree, poses: Sequence[Pose], I: list[np.ndarray]) -> Model:
@@ -291,12 +289,13 @@ def of_body(steps: Steps, mass: float, c: np.ndarray, I: np.ndarray) -> np.ndarr
     return _blocks(steps, mass, c, I, "a link's origin")
 
 
-def _placed(steps: Steps, k: Link, pose: Pose, up: np.ndarray) -> np.ndarray:
-    """The spatial inertia about the world's origin, in its axes; `up` is the parent's rotation."""
+def _placed(steps: Steps, k: Link, poses: list[Pose]) -> np.ndarray:
+    """The spatial inertia about the world's origin, in its axes."""
+    pose = poses[k.number]
     local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
-    arm = steps.turn("the centre of mass of a body", pose.R0, local, **{"by the parent's matrix": lambda: up})
+    arm = steps.turn("the centre of mass of a body", pose.R0, local, **turned_otherwise(poses, k))
     c = steps.add("the place of a body's centre", **{"the link's origin": pose.p0, "R c": arm})
-    standing = steps.pick(STANDING, pose.R0, **{"that of its parent": up})
+    standing = steps.pick(STANDING, pose.R0, **standing_otherwise(poses, k))
     I = steps.congruent("the inertia of a body", standing, k.tensor(steps))
     return _blocks(steps, k.mass, c, I, "the world's origin")
 

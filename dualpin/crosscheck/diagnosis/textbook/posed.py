@@ -64,7 +64,7 @@ class Posed:
         ways, own = ({**PLAIN, **WAYS}[self.way](steps), Steps()) if self.way else (RIGHT, steps)
 
         def world(q: np.ndarray) -> Poses:
-            return Poses(view.robot, view.description, q, None, own, ways, self.of.fused)
+            return Poses(view.jointed, view.description, q, None, own, ways, self.of.fused)
 
         def made(q: np.ndarray) -> list[Pose]:
             poses = world(q[0])
@@ -75,7 +75,7 @@ class Posed:
             return out
 
         def moved(q: np.ndarray, v: np.ndarray) -> list[Twist]:
-            poses = carried(Poses(view.robot, view.description, q[0], v[0], own, ways, self.of.fused))
+            poses = carried(Poses(view.jointed, view.description, q[0], v[0], own, ways, self.of.fused))
             at = [poses.number[k.name] for k in tree.links]
             return [(poses.w[n], poses.v[n]) for n in at]
 

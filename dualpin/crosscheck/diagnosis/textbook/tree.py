@@ -99,6 +99,21 @@ class Pose:
         return self.R0 if self.before is None else self.before
 
 
+BEFORE = "by the matrix of its joint, before it turns"
+
+
+def turned_otherwise(poses: Sequence[Pose], k: Link) -> dict[str, Callable[[], np.ndarray]]:
+    """Matrices by which what is on a link may be turned into the world, in the place of its own."""
+    on = poses[max(0, k.parent)]
+    return {"by the parent's matrix": lambda: on.R0, BEFORE: lambda: on.R0 @ k.R}
+
+
+def standing_otherwise(poses: Sequence[Pose], k: Link) -> dict[str, Callable[[], np.ndarray]]:
+    """Frames in which a body may stand, in the place of its link's."""
+    on = poses[max(0, k.parent)]
+    return {"that of its parent": lambda: on.R0, "that of its joint, before it moves": lambda: on.R0 @ k.R}
+
+
 Twist = tuple[np.ndarray, np.ndarray]
 """Angular velocity, and velocity of a link's origin, in world axes."""
 
@@ -120,7 +135,7 @@ class Tree:
     """
 
     def __init__(self, view: View, fused: bool = False, order: str = "") -> None:
-        robot, d = view.robot, merged(view.description) if fused else view.description
+        robot, d = view.jointed, merged(view.description) if fused else view.description
         self.robot, self.description, self.fused = robot, view.description, fused
         made_of = pieces(view.description, fused)
         self.floating, self.nv = base_of(robot) is not None, robot.nv

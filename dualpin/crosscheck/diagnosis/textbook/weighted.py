@@ -24,6 +24,7 @@ from .lumps import CARRIED, MISREAD, READ, TURNED
 from .poses import Poses, stacked
 from .products import IN_MOMENTUM, wedge
 from .steps import Slip, Steps, UncoveredError
+from .tree import BEFORE
 from .turns import ONE
 
 RIGHT = Steps(Slip("", "", ""))
@@ -93,7 +94,10 @@ class Sums:
         self.tensors = self.counts[..., None, None] * tensors
         self.steiner = steiners(m, com)
         self.parents = parents = [max(0, poses.parent[k]) for k in self.links]
-        others = {"by the parent's matrix": lambda: stacked(poses.R, parents, 2)}
+        others = {
+            "by the parent's matrix": lambda: stacked(poses.R, parents, 2),
+            BEFORE: lambda: stacked(poses.before, self.links, 2),
+        }
         com = steps.components("the centre of mass of a body, in its link's axes,", com)
         self.local = com + 0 * self.p
         there, origin = self._standing("in placing its centre")

@@ -17,7 +17,7 @@ from .link_axes import OWN_FORCE, WHOLE_FORCE, axes, centripetal, felt, gathered
 from .products import wedge
 from .pushes import Wrenches
 from .steps import HANDING, HAVE, STANDING, Steps, cross
-from .tree import Link, Pose, Tree
+from .tree import Link, Pose, Tree, standing_otherwise, turned_otherwise
 from .world_motions import Motion, axis_of, joined, kind, motions
 
 
@@ -93,8 +93,7 @@ def needed(
         m = replace(m, w=w, alpha=alpha)
         local = steps.components("the centre of mass of a body, in its link's axes,", k.c)
         from_parent = pose.p0 - poses[max(0, k.parent)].p0
-        on = poses[max(0, k.parent)].R0
-        c = steps.turn("the centre of mass of a body", pose.R0, local, **{"by the parent's matrix": lambda on=on: on})
+        c = steps.turn("the centre of mass of a body", pose.R0, local, **turned_otherwise(poses, k))
         elsewhere = {"from the parent's joint": from_parent + c, "from the world's origin": pose.p0 + c}
         c = steps.pick("the arm to the centre of mass, in its acceleration and its moment,", c, **elsewhere)
         a_c = _of_centre(steps, tree, k, poses, moving, c, m)
@@ -110,7 +109,7 @@ def needed(
         given = steps.pick(
             "the inertia about the centre of mass", k.tensor(steps), **{"that about the link's origin": k.about_origin}
         )
-        standing = steps.pick(STANDING, pose.R0, **{"that of its parent": on})
+        standing = steps.pick(STANDING, pose.R0, **standing_otherwise(poses, k))
         I, spun = (
             steps.congruent(f"the inertia of a body: {where}", standing, given)
             for where in ("in I alpha", "in w x I w")
