@@ -110,6 +110,8 @@ class Schedule:
         stage(SEVERAL, Together.several, unexplained, one)
         stage(ADDING_UP, Together.sums, unknown, one)
         stage(ONE_MORE, self._one_more, unknown, one)
+        if not searches[term].good:  # a slip of all joints may be what a cause of one of them describes
+            stage(SLIPS, Together.slips, narrow, [t for t in self.off if searches[t].good][:FIRST])
         stage(READ_BESIDE, self._readings_beside, unknown, one)
         stage(BESIDE, self._beside_nearer, unknown, one)
         if term in (*WEIGHED, *OF_MASSES) and not any(sure(s) for s in searches.values()):
@@ -288,6 +290,11 @@ def remerged(search: Together) -> bool:
 
 def toggled(search: Together) -> bool:
     return search.toggled
+
+
+def narrow(search: Together) -> bool:
+    """Explained by nothing but what one link or joint has of its own."""
+    return bool(search.held) and not search.slipped and all(any(h.items for h in s) for s in search.held)
 
 
 def sure(search: Together) -> bool:

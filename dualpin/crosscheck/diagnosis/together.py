@@ -32,7 +32,8 @@ BESIDE = 0.5  # of the time that is left, for slips beside the causes that are k
 PLACED = 0.5  # the same for two mistakes in reading placements
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
 NEAR = 0.5  # of it: slips that leave no more are looked at with a reading
-LIKELY, MORE_LIKELY = 24, 96  # readings that are tried beside a slip of other terms, and beside one that is nearest
+LIKELY = 24  # readings that are tried beside a slip of other terms
+MORE_LIKELY = 96  # and beside another reading
 BESIDES = 2  # slips beside which readings are looked for
 LARGE = 40  # joints from which pairs of single links are not tried
 
@@ -72,7 +73,7 @@ class Together(Search):
         until = self._part()
         for n in _by_rms(self._nearest(causes) if causes else self.near)[:BESIDES]:
             if self.open and n.score.rms < NEAR * self.before.rms:
-                likely = likeliest(self.case, self.term, n.story, read)[: LIKELY if causes else MORE_LIKELY]
+                likely = likeliest(self.case, self.term, n.story, read)[: LIKELY if causes else None]
                 self.consider(self._with(n.story, likely), until)
 
     def slips_near(self) -> None:
@@ -140,10 +141,10 @@ class Together(Search):
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
             nearest = itertools.combinations([h for (h,) in kept(near)], 2)  # what other terms speak against too
             more += [ordered(two) for two in nearest if joins(two[1], two[:1])]
-            likely = ((story, likeliest(self.case, self.term, story, whole)[:MORE_LIKELY]) for story in beam)
-            level = self.consider(
-                [*more, *(s for story, some in likely for s in self._with(story, some))], self._part()
-            )
+            edits, others = ([h for h in whole if (h.place == "edit") == edit] for edit in (True, False))
+            for story in beam:
+                more += self._with(story, [*others, *likeliest(self.case, self.term, story, edits)[:MORE_LIKELY]])
+            level = self.consider(more, self._part())
             self._further(level, whole)
             if self.term == "fk" and self.open:
                 self._two_readings(whole)
@@ -173,10 +174,13 @@ class Together(Search):
             self.consider([s for story in self._beam if reads(story) for s in self._with(story, more)])
             return
         self.two_slips()
-        level = pairs_of_forces(self.case, self.term)
         single = self._single if len(self.case.robot) <= LARGE else []
-        for story in self._beam:
-            level += self._with(story, [*self._fits(story), *self._whole, *self._near_slips, *single])
+        more = [*self._whole, *self._near_slips, *single]
+        likely = [likeliest(self.case, self.term, story, more) for story in self._beam]
+        level = pairs_of_forces(self.case, self.term)
+        level += [s for story in self._beam for s in self._with(story, self._fits(story))]
+        for some in zip(*likely, strict=True):  # the likeliest of each first
+            level += [s for story, h in zip(self._beam, some, strict=True) for s in self._with(story, [h])]
         self._beam = kept(self.consider(level))
 
     def triples(self) -> None:

@@ -136,7 +136,7 @@ def slipped_derivatives(case: Case, term: str, stories: Sequence[Story]) -> Iter
 
     def act(slip: Hypothesis, view: View, term: str, x: np.ndarray) -> Any:
         made.extend([_Told(view, stories[0])] if not made else [])
-        return slip.act(made[0], term)
+        return _nearest(view.case.observed[term], [slip.act(made[0], term), x])
 
     for slip in (g for rule in RULES if rule.key == SUMS for g in rule.propose(case) if term in g.terms):
         yield replace(

@@ -274,7 +274,7 @@ GROUPS = {
     "pushed": ("rnea_f_ext", "aba_f_ext"), "regressor": BY_PARAMETERS,
     "moved": MOVED, "of_velocity": ("bias", "rnea", "aba", "coriolis"), "matrix": ("coriolis",),
     "second": (*RATES, "bias", "rnea", "aba", "coriolis"), "posed": ("fk",),
-    "turned": (*SEEN[1:], *MOVED, *BY_PARAMETERS),
+    "turned": (*SEEN[1:], *MOVED, "rnea_f_ext", "aba_f_ext", *BY_PARAMETERS),
     "rate": ("jacobian_dot",), "rates": RATES, "projected": ("bias", "rnea", "aba"), "tensors": TENSORS,
     "heights": ("gravity",),
     "products": (*RATES, "coriolis"), "sums": ("com_jacobian", "centroidal_momentum_matrix", "kinetic_energy"),
@@ -287,7 +287,8 @@ _register(
     ),
 )  # fmt: skip
 _register("forward kinematics", poses, _terms(posed=off("fk")), only=which.kept_early, early=True)
-_register("forward kinematics", poses, _terms(*SEEN[1:], moved=off("fk"), regressor=off("fk")), after="fk", early=True)
+_everywhere = _terms(*SEEN[1:], moved=off("fk"), pushed=off("fk"), regressor=off("fk"))
+_register("forward kinematics", poses, _everywhere, after="fk", early=True)
 _register("forward kinematics", poses, _terms(rates=off("fk")), how=DIFFERENTIATED)
 _register("forward kinematics", poses, _terms(regressor=off("fk")), how=IN_LINKS)
 IN_PLACE = "arrays changed in place"

@@ -64,7 +64,7 @@ class Posed:
         ways, own = ({**PLAIN, **WAYS}[self.way](steps), Steps()) if self.way else (RIGHT, steps)
 
         def world(q: np.ndarray) -> Poses:
-            return Poses(view.jointed, view.description, q, None, own, ways, self.of.fused)
+            return Poses(view.jointed, view.description, q, None, own, ways, self.of.fused, self.early)
 
         def made(q: np.ndarray) -> list[Pose]:
             poses = world(q[0])
@@ -75,7 +75,7 @@ class Posed:
             return out
 
         def moved(q: np.ndarray, v: np.ndarray) -> list[Twist]:
-            poses = carried(Poses(view.jointed, view.description, q[0], v[0], own, ways, self.of.fused))
+            poses = carried(Poses(view.jointed, view.description, q[0], v[0], own, ways, self.of.fused, self.early))
             at = [poses.number[k.name] for k in tree.links]
             return [(poses.w[n], poses.v[n]) for n in at]
 
@@ -115,7 +115,8 @@ def _from_world(tree: Tree, world: Callable[[np.ndarray], Poses], early: bool, q
     """A link's pose on its parent is R0(parent)^-1 R0, also where a slip makes R0 no rotation."""
     poses, out = world(q[0]), list[Pose]()
     for k in tree.links:
-        R0, p0, before = (x[poses.number[k.name]] for x in (poses.R, poses.p, poses.before))
+        n = poses.number[k.name]
+        R0, p0, before = poses.R[n], poses.p[n], poses.kept.get(n, poses.before[n])
         R, p = R0, p0
         if k.parent >= 0:
             up = out[k.parent]

@@ -41,6 +41,8 @@ class Poses:
         The orientations, in the way in which they are kept.
     before : list of array
         As R, without the turn of the link's own joint.
+    kept : dict of array
+        Of links with axes that are turned into the world `early`: the matrices by which they are.
     placed : list of Placed
         Of each link: on which body it is fixed, and where.
     w, v : list of array
@@ -74,6 +76,7 @@ class Poses:
         self.attitudes: list[np.ndarray] = [ways.start()]
         self.R: list[np.ndarray] = [ONE[None, None]]
         self.before: list[np.ndarray] = [ONE[None, None]]
+        self.kept: dict[int, np.ndarray] = {}
         self.placed = [Placed(0, ways.placing.start(), np.zeros((1, 1, 3)))]
         self.travel: dict[int, np.ndarray] = {}
         self.sides = [self.placed[0]]
@@ -237,9 +240,10 @@ class Poses:
         others = {"by the parent's rotation, without its own rpy": lambda: self.R[up]}
         z = None
         if self.early:
-            z = steps.turn(
-                "the axis of a joint, kept in world axes for all its uses,", ways.matrix(A), axis + 0 * p, **others
-            )
+            site = "the axis of a joint, kept in world axes for all its uses,"
+            columns = [steps.turn(site, ways.matrix(A), e + 0 * p, **others) for e in ONE]
+            self.kept[link] = np.stack(np.broadcast_arrays(*columns), -1)
+            z = product(self.kept[link], axis + 0 * p)
         if part.slides:
             along = z
             if along is None:
