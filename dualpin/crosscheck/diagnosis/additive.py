@@ -90,6 +90,31 @@ def likeliest(case: Case, term: str, story: Story, others: Sequence[Hypothesis])
     return [others[k] for k in order]
 
 
+def likeliest_pairs(case: Case, term: str, hypotheses: Sequence[Hypothesis], most: int) -> list[Story]:
+    """Pairs, in the order of what they would leave if their changes added up; accelerations count by their forces."""
+    x, right = case.observed[term], case.predict(term)
+    if right is None or x.shape != right.shape or not np.isfinite(x).all():
+        return []
+    M = case.predict("crba") if term == "aba" else None
+
+    def change(p: np.ndarray) -> np.ndarray:
+        d = p - right
+        return (d if M is None else np.einsum("nij,nj->ni", M, d)).ravel()
+
+    predicted = case.predictions(term, [(h,) for h in hypotheses])
+    made = [(h, change(p)) for h, p in zip(hypotheses, predicted, strict=True) if p is not None and p.shape == x.shape]
+    made = [(h, d) for h, d in made if np.isfinite(d).all() and np.abs(d).max() > 0]
+    if len(made) < 2:
+        return []
+    changes, whole = np.array([d for _, d in made]), change(x)
+    alone = (changes**2).sum(1) - 2 * changes @ whole
+    left = alone[:, None] + alone + 2 * changes @ changes.T  # |d_i + d_j - whole|^2, less |whole|^2
+    i, j = np.triu_indices(len(made), 1)
+    order = np.argsort(left[i, j], kind="stable")
+    pairs = ((made[i[k]][0], made[j[k]][0]) for k in order[: 4 * most])
+    return list(itertools.islice((ordered(two) for two in pairs if joins(two[1], two[:1])), most))
+
+
 def _joined(some: Sequence[Hypothesis], others: Sequence[Hypothesis]) -> list[Story]:
     """Those of one algorithm first, then the cheapest."""
     likely = [sorted(same, key=lambda h: h.cost)[:LIKELY] for same in (some, others)]

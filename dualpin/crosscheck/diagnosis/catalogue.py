@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
+import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from .textbook.slipped import algorithm, made_of, share
 AT_ONCE, SHORT = 800, 100  # slips that are scored before the time is looked at; by which algorithms count as short
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
 MANY = 24  # stories of which those that come nearest at few states are looked at in all
+PAIRS = 120  # of slips of one algorithm that are tried
 FEW = 1e-7
 """The error of a slip at these states up to which it is looked at in all."""
 
@@ -93,6 +96,16 @@ class Catalogue:
             found += self._kin[late, term, mistake]
         return found
 
+    def _beside(self, term: str, run: Any) -> Mapping[Any, Sequence[Hypothesis]]:
+        """Slips of an algorithm that are only looked for beside others of it, by mistakes."""
+        return next((rule.beside(self.case, term) for rule in RULES if rule.algorithm == run), {})
+
+    def together(self, h: Hypothesis, kin: Iterable[Story], others: Iterable[Story], term: str) -> list[Story]:
+        """How a cause shows beside others: as its kin, and in the algorithms of theirs."""
+        runs = dict.fromkeys(r for s in others for g in s if (r := algorithm(g.act)) is not None)
+        mistake = h.mistake or h.cause
+        return [*kin, *((g,) for run in runs for g in self._beside(term, run).get(mistake, ()))]
+
     def _of_mistake(self, k: int, rule: Rule, term: str, mistake: Any) -> Iterable[Hypothesis]:
         if rule.of_term:
             return rule.of_mistake(self.case, term, mistake)
@@ -107,6 +120,8 @@ class Catalogue:
         groups: dict[Any, list[Hypothesis]] = {}
         formulas = [h.act for h in base if h.place == "formula"]
         for some in self._by_algorithm(term, late):
+            if algorithm(some[0].act) in map(algorithm, formulas):
+                some = [*some, *itertools.chain(*self._beside(term, algorithm(some[0].act)).values())]
             if base and (some[0].place != "formula" or not all(share(some[0].act, act) for act in formulas)):
                 continue  # one term is not made by two algorithms, and each edit of the file is a robot of its own
             for h in some:
@@ -137,6 +152,22 @@ class Catalogue:
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
         near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
         return right or kept(near)
+
+    def two_slips(self, term: str, until: float) -> list[Story]:
+        """Two slips of one algorithm that explain the first states, of those whose changes nearly add up."""
+        few = self._few(term)
+        made = [some for some in self._by_algorithm(term, SLIPS) if some[0].place == "formula"]
+        told = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
+        for some in sorted(made, key=lambda some: (style(some[0]) not in told, some[0].cost)):
+            if time.process_time() > until:
+                break
+            every = [*some, *itertools.chain(*self._beside(term, algorithm(some[0].act)).values())]
+            different = {made_of(h.act, term): h for h in reversed(every)}
+            pairs = additive.likeliest_pairs(few, term, [*different.values()], PAIRS)
+            found = [s for s, x in zip(pairs, few.scores(term, pairs), strict=True) if x.error <= FEW]
+            if found:
+                return found
+        return []
 
     def nearest(self, term: str, stories: Sequence[Story], until: float) -> Sequence[Story]:
         """Of many, those that explain the first states, and those that come nearest."""

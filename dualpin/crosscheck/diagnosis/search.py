@@ -113,6 +113,9 @@ class Search:
                 continue
             self._heard.add(heard)
             shown = [self._shown(h) for h in story]
+            if len(story) > 1:
+                everyone = list(itertools.chain(*shown))
+                shown = [self.catalogue.together(h, s, everyone, self.term) for h, s in zip(story, shown, strict=True)]
             several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
             fresh |= {identity(s): s for s in itertools.chain(made, *shown)}

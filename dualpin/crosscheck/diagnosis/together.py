@@ -64,7 +64,9 @@ class Together(Search):
         self._slips_with([*near, *(n for n in more if identity(n.story) not in known)], share=1.0 if most else BESIDE)
 
     def two_slips(self) -> None:
-        """Slips beside those of the same algorithm that come nearest."""
+        """Two slips of one algorithm: those whose changes nearly add up, and beside the nearest."""
+        now = time.process_time()
+        self.consider(self.catalogue.two_slips(self.term, now + BESIDE * (self.until - now)))
         self._slips_with(_by_rms(self.near)[:NEAREST])
 
     def readings_near(self, causes: Sequence[Story] = ()) -> None:

@@ -100,7 +100,7 @@ def formulation(
                 case.asked[number] = [t for t in found if t in case.observed]
             return case.asked[number]
 
-        def slips(case: Case, term: str) -> Mapping[tuple[str, ...], Sequence[Slip]]:
+        def slips(case: Case, term: str, which: Callable[[Slip], bool] = only) -> Mapping[Any, Sequence[Slip]]:
             """By the mistakes that they are; found once for a robot."""
 
             where = like(term)
@@ -108,13 +108,13 @@ def formulation(
             def found() -> dict[tuple[str, ...], list[Slip]]:
                 out: dict[tuple[str, ...], list[Slip]] = {}
                 for slip in case.shared.slips.of(number, where, lambda: _slips(run, case, where, alike)):
-                    if only(slip):
+                    if which(slip):
                         out.setdefault(_mistake(slip, (known or {}).get(slip), alike), []).append(slip)
                 return out
 
             if case.view(()) is None:  # what it answers cannot be written: nothing is found out about the robot
                 return {}
-            return case.shared.once(("slips of a rule", number, where), found)
+            return case.shared.once(("slips of a rule", number, where, which), found)
 
         def made(case: Case, slip: Slip, shown: Sequence[str]) -> Hypothesis:
             key = (known or {}).get(slip)
@@ -147,9 +147,16 @@ def formulation(
         def of_mistake(case: Case, term: str, mistake: Any) -> list[Hypothesis]:
             return [once(case, slip) for slip in slips(case, term).get(mistake, ())] if term in asked(case) else []
 
+        def but_only(slip: Slip) -> bool:
+            return not only(slip)
+
+        def beside(case: Case, term: str) -> dict[Any, list[Hypothesis]]:
+            every = slips(case, term, but_only) if term in asked(case) else {}
+            return {mistake: [once(case, slip) for slip in some] for mistake, some in every.items()}
+
         lines = {**(says or {}), **rows()}
         fix = "compare the step with the equation of the book"
-        RULES.append(Rule(name, name, fix, propose, lines, late=True, of_term=of_term, of_mistake=of_mistake))
+        RULES.append(Rule(name, name, fix, propose, lines, True, of_term, of_mistake, run, beside))
         return run
 
     return decorate

@@ -53,6 +53,10 @@ class Rule:
     """Where finding them takes long: those that show in one term, each as if it showed in all that it is asked for."""
     of_mistake: Callable[[Case, str, Any], Iterable[Hypothesis]] = lambda case, term, mistake: ()
     """Of these, those that are one mistake."""
+    algorithm: Any = None
+    """The one of which they are slips."""
+    beside: Callable[[Case, str], Mapping[Any, Sequence[Hypothesis]]] = lambda case, term: {}
+    """Slips of it that are none alone, since other rules have them, by mistakes: beside another they may be."""
 
 
 RULES: list[Rule] = []
