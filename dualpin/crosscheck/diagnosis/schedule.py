@@ -21,7 +21,7 @@ from .several import distinct_causes, few_of_each
 from .stories import Explanation, together, united
 from .together import OF_MASSES, Together
 
-SEARCHED = 0.8
+SEARCHED = 0.85
 """The share of the time after which nothing new is looked for: what is known then is tried on all terms."""
 SCALAR = ("kinetic_energy", "potential_energy")  # one number tells little of two causes apart
 WIDE = 5  # terms that one cause explains, at least, where it may be behind all others
@@ -123,13 +123,13 @@ class Schedule:
         if not searches[term].good:  # a slip may be what a doubtful cause of the terms before describes
             before = [t for t in self.off if not searches[t].open][:FIRST]
             stage(SLIPS, Together.slips, self._uncertain(slipped), before)
+        stage(LUMPED, self._merging, unknown, one)
         stage(BESIDE, self._beside, unknown, one)
         stage(TWO_SLIPS, Together.two_slips, lambda s: s.slipped and not s.good, one)
         stage(READ_BESIDE, Together.readings_near, lambda s: s.slipped and not s.good, one)
         if term == "fk":  # without a cause of wrong poses hardly any other term has one
             stage(PLAIN, Together.plain_pairs, unknown, one)
             stage(TWO, Together.pairs, unknown, one)
-        stage(LUMPED, self._merging, unknown, one)
         stage(ADDING_UP, Together.sums, unknown, one)
 
     def _all(self) -> None:

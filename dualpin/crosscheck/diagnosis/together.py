@@ -65,8 +65,7 @@ class Together(Search):
 
     def two_slips(self) -> None:
         """Two slips of one algorithm: those whose changes nearly add up, and beside the nearest."""
-        now = time.process_time()
-        self.consider(self.catalogue.two_slips(self.term, now + BESIDE * (self.until - now)))
+        self.consider(self.catalogue.two_slips(self.term, self._part()))
         self._slips_with(_by_rms(self.near)[:NEAREST])
 
     def readings_near(self, causes: Sequence[Story] = ()) -> None:
