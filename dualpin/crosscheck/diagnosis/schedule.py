@@ -15,11 +15,10 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import cheapest, grounded, lonely, prices, rivals, sharing
 from .hypothesis import Story, identity
-from .rules.register import WEIGHED
 from .search import DOUBTFUL
 from .several import distinct_causes, few_of_each
 from .stories import Explanation, together, united
-from .together import OF_MASSES, Together
+from .together import Together
 
 SEARCHED = 0.85
 """The share of the time after which nothing new is looked for: what is known then is tried on all terms."""
@@ -114,7 +113,7 @@ class Schedule:
             stage(SLIPS, Together.slips, narrow, [t for t in self.off if searches[t].good][:FIRST])
         stage(READ_BESIDE, self._readings_beside, unknown, one)
         stage(BESIDE, self._beside_nearer, unknown, one)
-        if term in (*WEIGHED, *OF_MASSES) and not any(sure(s) for s in searches.values()):
+        if term != "fk" and not any(sure(s) for s in searches.values()):
             stage(PLAIN, Together.plain_pairs, unknown, one)
         stage(RARE, Together.readings, unknown, one)
         if not (searches[term].good or self._most):  # poses may be wrong in a way of which a reading tells otherwise

@@ -26,7 +26,7 @@ FEW_CAUSES = 4  # found for other terms, to which another one is added
 OF_MASSES = ("crba", "centroidal_momentum_matrix", "kinetic_energy", "rnea")
 WHOLE = 1.2
 """The cost up to which a cause holds for the whole robot, and nothing is estimated for it."""
-REFERENCES = ("reference_local", "reference_world")
+REFERENCES = ("reference_local", "reference_world", "rows")
 """Readings of inputs that each function may have for itself."""
 BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PLACED = 0.5  # the same for two mistakes in reading placements
@@ -136,9 +136,9 @@ class Together(Search):
     def plain_pairs(self) -> None:
         """Two causes that hold for the whole robot."""
         if self.before.error >= SMALL:
-            whole = [h for h in self._whole if shows(self.case, h)]
+            whole = [h for h in self._whole if shows(self.case, h) or h.key in REFERENCES]
             near = [n for n in self.near if len(n.story) == 1 and n.story[0].cost <= WHOLE]
-            beam = kept([n for n in near if shows(self.case, n.story[0])])
+            beam = kept([n for n in near if n.story[0] in whole])
             more = pairs_of_forces(self.case, self.term)  # a spring with a rest position, and the like
             nearest = itertools.combinations([h for (h,) in kept(near)], 2)  # what other terms speak against too
             more += [ordered(two) for two in nearest if joins(two[1], two[:1])]
