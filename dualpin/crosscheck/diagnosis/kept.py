@@ -40,8 +40,8 @@ class Kept:
 
     def save(self, shipped: int) -> None:
         """Write the files of the terms of which more is known now; the sources of rules behind `shipped` are not."""
-        while self._new:
-            term = self._new.pop()
+        new, self._new = self._new, set()  # another thread may go on with the same robot
+        for term in new:
             found = {rule: slips for rule, slips in list(self._terms[term].items()) if rule < shipped}
             cache.store(self._key(term), {}, _packed(found), ROOM)
 
