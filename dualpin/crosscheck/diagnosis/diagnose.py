@@ -22,8 +22,11 @@ from .search import DOUBTFUL
 from .spared import spared
 from .stories import Explanation
 
-BUDGETS = (9.0, 57.0)
-"""Seconds of processor time for all terms of a subject, on an arm and on a larger robot: the aim is 10 and 60."""
+BUDGETS = (8.6, 57.0)
+"""Seconds of processor time for all terms of a subject, on an arm and on a larger robot: the aim is 10 and 60.
+
+The last step begins before they are over, and takes up to 1 s; then findings are told.
+"""
 ARM = 12  # degrees of freedom up to which a robot counts as an arm
 PLAINEST = (
     "fk", "com", "potential_energy", "jacobian", "frame_velocity", "jacobian_dot", "frame_acceleration",

@@ -20,7 +20,7 @@ from .several import distinct_causes, few_of_each
 from .stories import Explanation, together, united
 from .together import Together
 
-SEARCHED = 0.85
+SEARCHED = 0.88
 """The share of the time after which nothing new is looked for: what is known then is tried on all terms."""
 SCALAR = ("kinetic_energy", "potential_energy")  # one number tells little of two causes apart
 WIDE = 5  # terms that one cause explains, at least, where it may be behind all others

@@ -27,7 +27,7 @@ OF_MASSES = ("crba", "centroidal_momentum_matrix", "kinetic_energy", "rnea")
 WHOLE = 1.2
 """The cost up to which a cause holds for the whole robot, and nothing is estimated for it."""
 REFERENCES = ("reference_local", "reference_world", "rows")
-"""Readings of inputs that each function may have for itself."""
+"""How frames and six-vectors are written: each function may have it for itself."""
 BESIDE = 0.5  # of the time that is left, for slips beside the causes that are known then
 PLACED = 0.5  # the same for two mistakes in reading placements
 LITTLE = 0.05  # of the root mean square: causes that leave no more are looked at with one more
