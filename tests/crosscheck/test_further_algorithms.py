@@ -11,11 +11,12 @@ import dualpin as dp
 from dualpin.crosscheck.diagnosis import Case, diagnose
 from dualpin.crosscheck.diagnosis.rules import kinematics
 from dualpin.crosscheck.diagnosis.textbook import about_world, answers, plucker, spatial
+from dualpin.crosscheck.diagnosis.textbook.arrays import inverse
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics
 from dualpin.crosscheck.diagnosis.textbook.factors import Factors
 from dualpin.crosscheck.diagnosis.textbook.kane import Kane
-from dualpin.crosscheck.diagnosis.textbook.steps import Steps, inverse
+from dualpin.crosscheck.diagnosis.textbook.steps import Steps
 from dualpin.crosscheck.subjects import asking
 from dualpin.crosscheck.subjects.running import ask_here
 

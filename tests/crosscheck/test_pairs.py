@@ -126,7 +126,7 @@ def test_two_ways_of_misreading_placements():
     """Rotations are a product, so that neither mistake alone comes near."""
     ask = asking(PROBE, 3, 0, ("fk",))
     case = case_of(Misread(ask.text), ask)
-    search = Together(case, "fk", Catalogue(case), time.process_time() + LONG)
+    search = Together(case, "fk", Catalogue(case), time.thread_time() + LONG)
     keys = ("rpy_part", "rpy_transposed")
     whole = [h for h in search.catalogue.of("fk", False, search.before.error) if h.key in keys]
     search.consider([(h,) for h in whole])
@@ -176,7 +176,7 @@ def test_two_slips_of_one_recursion_beside_the_one_that_leaves_least():
         Slip("D of articulated bodies", "with 0.01 added", "step_other"),
     )
     case = case_of(Answers(ask, aba=Slipped(Articulated(), slips, True)(view, "aba")), ask)
-    search = Together(case, "aba", Catalogue(case), time.process_time() + LONG)
+    search = Together(case, "aba", Catalogue(case), time.thread_time() + LONG)
     search.near = [nearness((h,), case.score("aba", (h,))) for h in single(case, slips[0].site)]
     search.two_slips()
     said = {h.says.partition(": ")[2] for s in search.held for h in s}

@@ -159,7 +159,7 @@ class Catalogue:
         made = [some for some in self._by_algorithm(term, SLIPS) if some[0].place == "formula"]
         told = {style(h) for stories in self.case.told.values() for s in stories[:1] for h in s}
         for some in sorted(made, key=lambda some: (style(some[0]) not in told, some[0].cost)):
-            if time.process_time() > until:
+            if time.thread_time() > until:
                 break
             every = [*some, *itertools.chain(*self._beside(term, algorithm(some[0].act)).values())]
             different = {made_of(h.act, term): h for h in reversed(every)}

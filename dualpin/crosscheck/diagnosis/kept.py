@@ -50,11 +50,15 @@ class Kept:
 
 
 def _packed(found: Found) -> bytes:
+    """Each word once, and each slip once: most rules of a term have the same ones."""
     words: dict[str, int] = {}
-    slips = {rule: [[words.setdefault(w, len(words)) for w in s] for s in some] for rule, some in found.items()}
-    return zlib.compress(json.dumps([list(words), slips]).encode(), 1)
+    slips: dict[Slip, int] = {}
+    rules = {rule: [slips.setdefault(s, len(slips)) for s in some] for rule, some in found.items()}
+    three = [[words.setdefault(w, len(words)) for w in s] for s in slips]
+    return zlib.compress(json.dumps([list(words), three, rules]).encode(), 1)
 
 
 def _unpacked(content: bytes) -> Found:
-    words, slips = json.loads(zlib.decompress(content))
-    return {int(rule): [Slip(*(words[k] for k in three)) for three in some] for rule, some in slips.items()}
+    words, three, rules = json.loads(zlib.decompress(content))
+    slips = [Slip(words[a], words[b], words[c]) for a, b, c in three]
+    return {int(rule): [slips[k] for k in some] for rule, some in rules.items()}

@@ -62,12 +62,12 @@ class Schedule:
     off : sequence of str
         The terms that are wrong, in the order in which they are looked at.
     until : float
-        The processor time at which the search ends.
+        The time of the thread at which the search ends.
     """
 
     def __init__(self, case: Case, off: Sequence[str], until: float, tick: Callable[[str], None]) -> None:
         self.case, self.off, self.until, self.tick = case, off, until, tick
-        self.catalogue, begun = Catalogue(case), time.process_time()
+        self.catalogue, begun = Catalogue(case), time.thread_time()
         end = begun + SEARCHED * (until - begun)
         self.searches = {t: Together(case, t, self.catalogue, end) for t in off}
         self.found: list[Story] = []
@@ -225,7 +225,7 @@ class Schedule:
 
     @property
     def _in_time(self) -> bool:
-        return time.process_time() < self.until
+        return time.thread_time() < self.until
 
     @property
     def _picked(self) -> dict[str, Story]:

@@ -56,7 +56,7 @@ class Search:
     Parameters
     ----------
     until : float
-        The processor time at which the last stage ends, whatever was found.
+        The time of the thread at which the last stage ends, whatever was found.
     """
 
     def __init__(self, case: Case, term: str, catalogue: Catalogue, until: float) -> None:
@@ -74,7 +74,7 @@ class Search:
 
     @property
     def late(self) -> bool:
-        return time.process_time() > self.until
+        return time.thread_time() > self.until
 
     @property
     def held(self) -> list[Story]:
@@ -120,7 +120,7 @@ class Search:
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
             fresh |= {identity(s): s for s in itertools.chain(made, *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
-        soon = min(self.until, time.process_time() + KIN)
+        soon = min(self.until, time.thread_time() + KIN)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}
         self._others |= {key for key in fresh if key in self.seen}
         mine |= {identity(story): story for story in made_of(self.case, self.term, others, self.exact)}
@@ -234,4 +234,4 @@ class Search:
         return found
 
     def _part(self) -> float:
-        return PAIRED * self.until + (1 - PAIRED) * min(time.process_time(), self.until)
+        return PAIRED * self.until + (1 - PAIRED) * min(time.thread_time(), self.until)

@@ -22,7 +22,7 @@ def growing(case: Case, term: str, single: Sequence[Hypothesis], until: float) -
     before = case.score(term).rms
     found = [(family, list[Hypothesis](), before) for family in families.values() if len(family) > 1]
     out = list[Story]()
-    while found and time.process_time() < until:  # all families in one run
+    while found and time.thread_time() < until:  # all families in one run
         rest = [[h for h in family if h not in chosen] for family, chosen, _ in found]
         tried = [(merged([*chosen, h]),) for (_, chosen, _), more in zip(found, rest, strict=True) for h in more]
         scores = iter(case.scores(term, tried))

@@ -18,7 +18,7 @@ ROUNDING = 1e-10
 """An error that two exact causes leave at most."""
 BLOCK = 24  # stories that are scored before the time is looked at: at first
 LONG = 0.25
-"""Seconds of processor time after which it is looked at: blocks of what takes longer become smaller."""
+"""Seconds of the thread after which it is looked at: blocks of what takes longer become smaller."""
 
 
 @dataclass(order=True)
@@ -63,11 +63,11 @@ def nearness(story: Story, score: Score) -> Near:
 def in_time(todo: Sequence[T], until: float, most: int) -> Iterator[Sequence[T]]:
     """In blocks, until it is late; the first block in any case."""
     start, size = 0, BLOCK
-    while start < len(todo) and not (start and time.process_time() > until):
-        begun = time.process_time()
+    while start < len(todo) and not (start and time.thread_time() > until):
+        begun = time.thread_time()
         yield todo[start : start + size]
         start += size
-        took = time.process_time() - begun
+        took = time.thread_time() - begun
         size = min(most, max(1, int(size * min(4.0, LONG / max(took, 1e-3)))))
 
 

@@ -20,7 +20,7 @@ from .several import bases, distinct, mostly
 from .spared import POSES, READ, in_poses, shows, spared
 from .stories import BEAM, Near, joins, kept, reads, united
 
-QUICK = 1.0  # seconds of processor time for variants of a cause beside which slips are looked for, but for the first
+QUICK = 1.0  # seconds of the thread for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 4  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
 OF_MASSES = ("crba", "centroidal_momentum_matrix", "kinetic_energy", "rnea")
@@ -83,10 +83,10 @@ class Together(Search):
         self._slips_with([n for n in sorted(near, key=lambda n: n.score.rms) if n.score.rms < self.before.rms])
 
     def _slips_with(self, nearest: Sequence[Near], late: int = SLIPS, share: float = BESIDE) -> None:
-        begun = time.process_time()
+        begun = time.thread_time()
         until = begun + share * (self.until - begun)
         for k, (cause, soon) in enumerate(bases(nearest)):
-            took = time.process_time() - begun
+            took = time.thread_time() - begun
             if (self.open or self._unsure) and (soon or took < QUICK) and not (k and begun + took > until):
                 self.consider(self.catalogue.slips(self.term, until, cause.story, late), until)
 
@@ -154,14 +154,14 @@ class Together(Search):
         """Two mistakes in reading placements: rotations are a product, so that none alone comes near."""
         read = [h for h in whole if h.place == "edit"]
         two = [ordered(pair) for pair in itertools.combinations(read, 2) if joins(pair[1], pair[:1])]
-        begun = time.process_time()
+        begun = time.thread_time()
         self.consider(self.catalogue.nearest(self.term, sorted(two, key=cost), begun + PLACED * (self.until - begun)))
 
     def _further(self, near: Sequence[Near], more: Sequence[Hypothesis]) -> None:
         """One cause more, beside what leaves little."""
         until = self._part()
         for n in sorted(near, key=lambda n: n.score.rms)[:FEW_CAUSES]:
-            if self.open and n.score.rms < LITTLE * self.before.rms and time.process_time() < until:
+            if self.open and n.score.rms < LITTLE * self.before.rms and time.thread_time() < until:
                 self.consider(self._with(n.story, more), until)
 
     def pairs(self) -> None:

@@ -14,9 +14,10 @@ import numpy as np
 
 from ...subjects.layout import product
 from .about_centres import ALONG_MOVING, FELT, own_lump
+from .arrays import cross
 from .products import wedge
 from .references import joined
-from .steps import HANDING, HAVE, Steps, cross
+from .steps import HANDING, HAVE, Steps
 from .tree import Link, Pose, Tree, filled
 from .turns import ONE
 from .weighted import steiners

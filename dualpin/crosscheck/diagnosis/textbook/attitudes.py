@@ -19,7 +19,8 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import quaternions, rotations, transposed
 from ..description import fixed_axes
-from .steps import Steps, cross
+from .arrays import cross
+from .steps import Steps
 from .turns import ONE, Turn, of_quaternion, rodrigues
 
 Rpy = Callable[[Steps, np.ndarray, str], np.ndarray]

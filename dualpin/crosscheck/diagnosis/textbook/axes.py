@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arrays import cross
 from .references import six
-from .steps import Steps, cross
+from .steps import Steps
 
 
 @dataclass

@@ -13,12 +13,13 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .arrays import cross
 from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home
 from .exponentials import IN_BODIES, OF_FRAMES, Exponentials, other_velocities
 from .products import crm
 from .screws import START, adjoint, exponential, inverted, six
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import Link, tree_of
 from .wholes import Pose, itself, multiplied, times
 

@@ -18,9 +18,10 @@ import numpy as np
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
 from ..case import View
+from .arrays import cross, inverse
 from .plucker import inertia, subspace
 from .products import crm
-from .steps import Steps, cross, inverse
+from .steps import Steps
 from .tree import Link, Pose, Tree, spatial, tree_of
 
 TERMS = (

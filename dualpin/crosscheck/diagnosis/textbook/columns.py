@@ -19,12 +19,13 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .axes import exchanged, moved, of_kind
 from .lists import beside
 from .poses import Poses, stacked
 from .products import wedge
 from .references import joined, six
-from .steps import Steps, cross
+from .steps import Steps
 from .velocities import of_origin
 from .walks import ENDS, walks
 

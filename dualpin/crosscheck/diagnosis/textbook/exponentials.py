@@ -21,13 +21,14 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .arrays import cross
 from .assembly import of_symbols
 from .attitudes import PLAIN
 from .body_twists import Frames, frame_at_home, spatial_inertia
 from .plucker import to_parent
 from .products import crm
 from .screws import adjoint, at_home, before, exponentials, inverted, products, screw, standing
-from .steps import Steps, cross
+from .steps import Steps
 from .transforms import stacked
 from .tree import Link, Tree, tree_of
 from .turns import ONE

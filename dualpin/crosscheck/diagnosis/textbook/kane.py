@@ -16,9 +16,10 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import View
 from .answers import Made
+from .arrays import cross
 from .poses import stacked
 from .products import rows_of
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import tree_of
 from .world_axes import needed
 from .world_motions import motions

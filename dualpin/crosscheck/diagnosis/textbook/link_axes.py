@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .products import wedge
 from .pushes import Wrenches
-from .steps import HANDING, HAVE, Steps, cross
+from .steps import HANDING, HAVE, Steps
 from .tree import THAT_TURN, Link, Pose, Tree
 
 OWN_FORCE = "the force in r x f, r to a link's centre of mass,"

@@ -22,10 +22,11 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product, transposed
+from .arrays import cross, inverse
 from .lumps import Piece, tensor
 from .products import skew, wedge
 from .pushes import Push
-from .steps import STANDING, Steps, cross, inverse
+from .steps import STANDING, Steps
 from .tree import Link, Pose, Tree, spatial, standing_otherwise, turned_otherwise
 
 

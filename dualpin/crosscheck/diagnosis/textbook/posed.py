@@ -15,12 +15,13 @@ import numpy as np
 from ...subjects.layout import product
 from ..case import View
 from . import about_centres, about_world, plucker, world_axes
+from .arrays import inverse
 from .articulated import Articulated
 from .assembly import Dynamics, Seen
 from .attitudes import PLAIN as RIGHT
 from .columns import Columns
 from .poses import Poses
-from .steps import Steps, inverse
+from .steps import Steps
 from .transforms import Transforms
 from .tree import Pose, Tree, Twist, tree_of
 from .velocities import carried

@@ -385,5 +385,8 @@ def _lengths(axis: np.ndarray, right: np.ndarray) -> dict[str, np.ndarray]:
 def stacked(arrays: list[np.ndarray], links: list[int], tail: int) -> np.ndarray:
     """(runs, n, links, ...): of these links, arrays whose last `tail` axes are their own."""
     chosen = [arrays[k] for k in links]
-    shape = np.broadcast_shapes(*(x.shape for x in chosen))
-    return np.stack([np.broadcast_to(x, shape) for x in chosen], -1 - tail)
+    shapes = {x.shape for x in chosen}
+    if len(shapes) > 1:
+        shape = np.broadcast_shapes(*shapes)
+        chosen = [np.broadcast_to(x, shape) for x in chosen]
+    return np.stack(chosen, -1 - tail)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....model.robot import Robot
 from ...subjects.layout import product, rotations
-from .steps import cross
+from .arrays import cross
 
 
 def position_rates(robot: Robot, q: np.ndarray, v: np.ndarray) -> np.ndarray:

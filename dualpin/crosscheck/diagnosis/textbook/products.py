@@ -13,7 +13,8 @@ import numpy as np
 
 from ....spatial.adjoint import cross_matrix
 from ...subjects.layout import product
-from .steps import Steps, cross
+from .arrays import cross
+from .steps import Steps
 
 LINEAR = "the product of the linear velocity"
 SKEW = "[r x], the matrix of a cross product,"

@@ -14,8 +14,9 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .arrays import cross
 from .products import wedge
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import Pose, Tree
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .steps import Steps, cross
+from .arrays import cross
+from .steps import Steps
 
 
 def referred(
@@ -52,5 +53,8 @@ def six(w: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def joined(parts: Sequence[np.ndarray], axis: int) -> np.ndarray:
     """Concatenated, where some have fewer runs."""
-    lead = np.broadcast_shapes(*(x.shape[:2] for x in parts))
-    return np.concatenate([np.broadcast_to(x, (*lead, *x.shape[2:])) for x in parts], axis)
+    leads = {x.shape[:2] for x in parts}
+    if len(leads) > 1:
+        lead = np.broadcast_shapes(*leads)
+        parts = [np.broadcast_to(x, (*lead, *x.shape[2:])) for x in parts]
+    return np.concatenate(parts, axis)

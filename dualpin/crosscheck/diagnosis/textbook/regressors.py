@@ -21,10 +21,11 @@ import numpy as np
 from ...subjects.convention import PARAMETERS, parameter_names
 from ...subjects.layout import carried, product, transposed
 from . import world_motions
+from .arrays import cross
 from .poses import stacked
 from .products import rows_of, skew, wedge
 from .references import six
-from .steps import Steps, UncoveredError, cross
+from .steps import Steps, UncoveredError
 from .tree import Pose, Tree
 
 View = Any

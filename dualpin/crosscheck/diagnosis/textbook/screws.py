@@ -20,10 +20,11 @@ from typing import Any
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .attitudes import PLAIN
 from .products import skew
 from .references import joined
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import Link, Tree, spatial
 from .turns import ONE, rodrigues
 from .wholes import Pose, itself, multiplied, times

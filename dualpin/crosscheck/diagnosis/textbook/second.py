@@ -15,9 +15,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import one_joint
+from .arrays import cross
 from .columns import MOVING, Columns
 from .products import wedge
-from .steps import Steps, UncoveredError, cross
+from .steps import Steps, UncoveredError
 from .walks import ALL, CHAIN
 
 ORDER = "the order of joints along a path"

@@ -16,12 +16,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross, inverse
 from .in_place import GROWING, WHOLE, afterwards, array
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to_parent, to_parent_inertia
 from .products import applied, crf, crm
 from .pushes import Wrenches
-from .steps import HAVE, Steps, cross, inverse
+from .steps import HAVE, Steps
 from .tree import Link, Tree, Twist, filled, spatial
 
 OF_FIXED = "what a fixed link hands on"

@@ -24,6 +24,7 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from . import words
+from .arrays import cross
 
 T = TypeVar("T")
 
@@ -382,19 +383,3 @@ def _same(x: Any) -> Any:
 
 class UncoveredError(ValueError):
     """An algorithm does not cover a robot, whatever its slips are."""
-
-
-def inverse(A: np.ndarray) -> np.ndarray:
-    """A^-1 (runs, ..., n, n); not-a-number in the runs in which there is none."""
-    try:
-        return np.linalg.inv(A)
-    except np.linalg.LinAlgError:
-        return np.stack([inverse(x[None])[0] for x in A]) if len(A) > 1 else np.full(A.shape, np.nan)
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b of the last axis; quicker than NumPy's for short arrays."""
-    return a[..., _NEXT] * b[..., _LAST] - a[..., _LAST] * b[..., _NEXT]
-
-
-_NEXT, _LAST = [1, 2, 0], [2, 0, 1]

@@ -18,11 +18,12 @@ import numpy as np
 
 from ...subjects.layout import product, transposed
 from ..case import View
+from .arrays import cross
 from .body_coriolis import rate
 from .plucker import Coordinates, Model, brought, links, to_parent, transform
 from .products import vector
 from .spatial import composites, of_composite, velocities
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import Pose, Tree, tree_of
 
 OF_FRAMES = ("jacobian", "frame_velocity")

@@ -10,11 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .in_place import GROWING, SPEED, SPIN, afterwards, array
 from .poses import Poses
 from .products import wedge
 from .references import six
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import THAT_SLIDE, THAT_TURN
 
 BETWEEN = "that between both centres of mass"

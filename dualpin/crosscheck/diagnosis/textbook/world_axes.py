@@ -13,10 +13,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .link_axes import OWN_FORCE, WHOLE_FORCE, axes, centripetal, felt, gathered, moment
 from .products import wedge
 from .pushes import Wrenches
-from .steps import HANDING, HAVE, STANDING, Steps, cross
+from .steps import HANDING, HAVE, STANDING, Steps
 from .tree import Link, Pose, Tree, standing_otherwise, turned_otherwise
 from .world_motions import Motion, axis_of, joined, kind, motions
 

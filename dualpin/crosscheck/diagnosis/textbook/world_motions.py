@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...subjects.layout import product, transposed
+from .arrays import cross
 from .in_place import SPIN, Whole, afterwards, array, found
 from .link_axes import RESTING, axes, centripetal, own_rates, rate_in_cross, unturning
 from .products import wedge
-from .steps import Steps, cross
+from .steps import Steps
 from .tree import THAT_TURN, Link, Pose, Tree
 from .velocities import BETWEEN, IN_SPIN, OF_BEFORE, SIZE, WHOSE_AXIS
 
