@@ -17,8 +17,8 @@ from .hypothesis import Hypothesis, Story, ordered, style
 from .rules import RULES
 from .rules.register import SLIPS, Rule
 from .scores import Score
-from .stories import in_time, kept, nearness
-from .textbook.slipped import algorithm, made_of, share
+from .stories import in_time, kept, minimal, nearness
+from .textbook.slipped import algorithm, made_of, made_with, share
 
 AT_ONCE, SHORT = 800, 100  # slips that are scored before the time is looked at; by which algorithms count as short
 SQUARE = ("matrix", "inverse", "coriolis", "derivatives")  # one state tells enough to look at slips first
@@ -101,10 +101,11 @@ class Catalogue:
         return next((rule.beside(self.case, term) for rule in RULES if rule.algorithm == run), {})
 
     def together(self, h: Hypothesis, kin: Iterable[Story], others: Iterable[Story], term: str) -> list[Story]:
-        """How a cause shows beside others: as its kin, and in the algorithms of theirs."""
-        runs = dict.fromkeys(r for s in others for g in s if (r := algorithm(g.act)) is not None)
+        """How a cause shows beside others: as its kin, and in the algorithms that are made with theirs."""
+        runs = [r for s in others for g in s if (r := algorithm(g.act)) is not None]
+        rules = [rule for rule in RULES if rule.algorithm and any(made_with(rule.algorithm, r) for r in runs)]
         mistake = h.mistake or h.cause
-        return [*kin, *((g,) for run in runs for g in self._beside(term, run).get(mistake, ()))]
+        return [*kin, *((g,) for rule in rules for g in rule.beside(self.case, term).get(mistake, ()))]
 
     def _of_mistake(self, k: int, rule: Rule, term: str, mistake: Any) -> Iterable[Hypothesis]:
         if rule.of_term:
@@ -177,7 +178,7 @@ class Catalogue:
         for block in in_time(stories, until, AT_ONCE):
             scores += few.scores(term, block)
         stories = stories[: len(scores)]
-        right = [s for s, x in zip(stories, scores, strict=True) if x.error <= FEW]
+        right = minimal([s for s, x in zip(stories, scores, strict=True) if x.error <= FEW])
         return right + kept([nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)])
 
     def sums(self, term: str, others: Sequence[Hypothesis]) -> list[Story]:

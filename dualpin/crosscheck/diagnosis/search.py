@@ -116,8 +116,9 @@ class Search:
             if len(story) > 1:
                 everyone = list(itertools.chain(*shown))
                 shown = [self.catalogue.together(h, s, everyone, self.term) for h, s in zip(story, shown, strict=True)]
-            several = itertools.islice(itertools.product(*(s or [()] for s in shown)), VARIANTS)
+            several = itertools.product(*(s or [()] for s in shown))
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
+            made = itertools.islice(made, VARIANTS)
             fresh |= {identity(s): s for s in itertools.chain(made, *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
         soon = min(self.until, time.thread_time() + KIN)

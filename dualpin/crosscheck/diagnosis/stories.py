@@ -6,7 +6,7 @@ import itertools
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .scores import Score
@@ -132,6 +132,16 @@ def kept(near: Sequence[Near]) -> list[Story]:
     by_rms = sorted(by_share, key=lambda n: n.score.rms)
     chosen = {id(n): n for n in (*by_share[: BEAM // 2], *by_rms[: BEAM // 2])}
     return [n.story for n in chosen.values()]
+
+
+def minimal(stories: Sequence[Story]) -> list[Story]:
+    """Those that have no other of them as a part."""
+    right = set(map(identity, stories))
+
+    def parts(story: Story) -> Iterator[frozenset[Any]]:
+        return (identity(some) for n in range(1, len(story)) for some in itertools.combinations(story, n))
+
+    return [s for s in stories if right.isdisjoint(parts(s))]
 
 
 def cheapest(stories: Iterable[Story]) -> list[Story]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,7 @@ class Slipped:
         """Both at once; None where the other is of an algorithm that is not made with this one."""
         if not isinstance(other, Slipped):
             return None
-        run = self.run if other.run is self.run else _beside(self.run, other.run) or _beside(other.run, self.run)
+        run = made_with(self.run, other.run)
         return None if run is None else replace(self, run=run, slips=(*self.slips, *other.slips))
 
     def many(self, acts: Sequence[Slipped], view: View, term: str) -> Sequence[np.ndarray | None]:
@@ -45,10 +46,16 @@ class Slipped:
         return [None] * len(acts) if x is None else list(np.broadcast_to(x, (len(acts), *x.shape[1:])))
 
 
-def _beside(one: Run, other: Run) -> Run | None:
+@cache
+def made_with(one: Run, other: Run) -> Run | None:
     """An algorithm with the slips of both, if there is one."""
-    beside: Callable[[Run], Run | None] | None = getattr(one, "beside", None)
-    return beside(other) if beside else None
+    if one is other:
+        return one
+    for run, with_run in ((one, other), (other, one)):
+        beside: Callable[[Run], Run | None] | None = getattr(run, "beside", None)
+        if beside and (both := beside(with_run)):
+            return both
+    return None
 
 
 def made_of(act: Formula, term: str) -> Any:
