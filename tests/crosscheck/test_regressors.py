@@ -22,9 +22,9 @@ from dualpin.crosscheck.subjects.running import ask_here
 PROBE, TERM = "urdf/probe/probe.urdf", "joint_torque_regressor"
 recursion = partial(Dynamics, world_axes.forces, by_columns(world_axes.forces))
 RUNS = {
-    "by motions": recursion(regressor=regressors.by_motions),
-    "by motions of merged bodies": recursion(regressor=regressors.by_motions, fused=True),
-    "with steps of its own": recursion(regressor=regressors.slipped),
+    "by motions": recursion(regressor=regressors.Regressor(motions=True)),
+    "by motions of merged bodies": recursion(regressor=regressors.Regressor(motions=True), fused=True),
+    "with steps of its own": recursion(regressor=regressors.Regressor(units=True)),
     "by Jacobians": kinematics.jacobians,
     "by Jacobians of merged bodies": partial(kinematics.jacobians, fused=True),
     "by Jacobians, in the links' axes": partial(kinematics.jacobians, how=answers.IN_LINKS),

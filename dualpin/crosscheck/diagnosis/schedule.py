@@ -27,6 +27,7 @@ WIDE = 5  # terms that one cause explains, at least, where it may be behind all 
 FIRST = 2  # terms of which slips are tried too, where others have no cause
 BESIDES = 3  # causes of other terms beside which slips are looked for
 DEEP = 2  # terms without a cause that are looked at by all means before the others are looked at
+APART = 3  # terms of which each is looked at by itself first
 OUTDONE = 3  # terms that others explain, and a story that was found before does not
 EARLIER = 16  # stories of a term that are tried on the next ones before anything else
 
@@ -73,6 +74,8 @@ class Schedule:
         self.found: list[Story] = []
 
     def run(self) -> dict[str, Explanation]:
+        if 1 < len(self.off) <= APART:
+            self._each_alone()
         for term in self.off:
             self._one(term)
         self._all()
@@ -98,6 +101,13 @@ class Schedule:
             self._settle()
 
     # the order
+
+    def _each_alone(self) -> None:
+        """Few terms: each may have a mistake of its own, which is soon found where another one has two."""
+        self.stage(SINGLE, Together.singles, lambda s: not s.exact, self.off)
+        for term in self.off:
+            self.stage(RARE, Together.readings, unknown, [term])
+            self.stage(SLIPS, Together.slips, unknown, [term])
 
     def _one(self, term: str) -> None:
         """A term by itself; by all means if few before it have no cause: what they have may be behind all others."""
@@ -197,8 +207,9 @@ class Schedule:
     # stages that need what was found of all terms
 
     def _together(self, search: Together) -> None:
-        likely = [distinct_causes(s.stories)[:BESIDES] for s in self.searches.values() if not s.open]
-        search.known(together(united([*self._causes, *itertools.chain(*likely)])))
+        if len(causes := self._causes) > 1:
+            likely = [distinct_causes(s.stories)[:BESIDES] for s in self.searches.values() if not s.open]
+            search.known(together(united([*causes, *itertools.chain(*likely)])))
 
     def _one_more(self, search: Together) -> None:
         several = [s for s in self._picked.values() if len(s) > 1]

@@ -118,8 +118,7 @@ class Search:
                 shown = [self.catalogue.together(h, s, everyone, self.term) for h, s in zip(story, shown, strict=True)]
             several = itertools.product(*(s or [()] for s in shown))
             made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
-            made = itertools.islice(made, VARIANTS)
-            fresh |= {identity(s): s for s in itertools.chain(made, *shown)}
+            fresh |= {identity(s): s for s in itertools.chain(itertools.islice(made, VARIANTS), *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
         soon = min(self.until, time.thread_time() + KIN)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}

@@ -179,9 +179,8 @@ for _name, _forces in {
     WORLD: world_axes.forces, "Newton-Euler in link axes": link_axes.forces,
     SPATIAL: spatial.forces,
 }.items():  # fmt: skip
-    _by_columns = Dynamics(
-        _forces, by_columns(_forces), regressor=regressors.by_motions if _forces is world_axes.forces else None
-    )
+    _regressor = regressors.Regressor(motions=True) if _forces is world_axes.forces else None
+    _by_columns = Dynamics(_forces, by_columns(_forces), regressor=_regressor)
     _terms = {SPATIAL: (*MASSES, *FORWARD), WORLD: (*ALL, REGRESSOR)}
     register(_name, _by_columns, _terms.get(_name, ALL), "" if _name != SPATIAL else COLUMNS)
     register(_name, Dynamics(_forces, right(spatial.mass)), FORWARD, "M is right", tensors=_forces is world_axes.forces)
@@ -194,10 +193,12 @@ for _name, _forces in {
         _name, replace(_by_columns, matrix=symbols(by_columns(_forces))), ("coriolis",), f"{COLUMNS}, {SYMBOLS}",
         after=of_mass,
     )  # fmt: skip
-for _variant, _regressor in {"": regressors.slipped, "in the links' axes": regressors.slipped_in_links}.items():
+for _variant, _made in {"": regressors.wrenches, "in the links' axes": regressors.in_links}.items():
     register(
-        "regressors", Dynamics(right(world_axes.forces), right(spatial.mass), regressor=_regressor), (REGRESSOR,),
-        _variant,
+        "regressors",
+        Dynamics(
+            right(world_axes.forces), right(spatial.mass), regressor=regressors.Regressor(units=True, made=_made)
+        ), (REGRESSOR,), _variant,
     )  # fmt: skip
 register(
     "Newton-Euler with external wrenches",

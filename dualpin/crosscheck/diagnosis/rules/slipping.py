@@ -14,6 +14,7 @@ from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen
 from ..textbook.kane import Kane
 from ..textbook.posed import Posed, in_world
+from ..textbook.regressed import Regressed
 from ..textbook.slipped import Run
 from ..textbook.steps import Steps
 from ..textbook.ways import WAYS
@@ -43,6 +44,8 @@ class Slipping:
         if dict(self.how).get("how") == PROJECTED and isinstance(other, Dynamics):
             fused = ("fused", True) in self.how
             return Kane(fused) if other.forces is world_axes.forces and other.fused == fused else None
+        if self.parts == {"rest"} and isinstance(other, Dynamics) and other.regressor:
+            return Regressed(self.how, other) if (FUSED[0] in self.how) == other.fused else None
         if isinstance(other, Dynamics | Seen | Articulated):
             early = EARLY in self.how
             moves = not self.parts & {"rest", "reading"} and {*self.how} - {EARLY} == {*FUSED * other.fused}

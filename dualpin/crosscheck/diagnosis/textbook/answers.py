@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -200,10 +200,16 @@ class Made:
         g = np.array(self.view.description.gravity)
         made = regressors.in_links if self.how == IN_LINKS else regressors.wrenches
         forces, moments = made(RIGHT, moving, g, 0 * p)
-        columns = self.columns(tree)
-        Y = regressors.torques(RIGHT, columns.reduced(columns.at(p, links)), forces, moments)
         name = {n: link for link, n in tree.number.items()}
-        return regressors.in_columns(self.view, Y, [name[k] for k in links])
+        names = [name[k] for k in links]
+        Y = regressors.torques(RIGHT, self.link_jacobians(names), forces, moments)
+        return regressors.in_columns(self.view, Y, names)
+
+    def link_jacobians(self, names: Sequence[str]) -> np.ndarray:
+        """(runs, n, links, 6, nv), of the links' origins."""
+        tree, columns = self.whole, self.columns(self.whole)
+        links = [tree.number[name] for name in names]
+        return columns.reduced(columns.at(stacked(tree.p, links, 1), links))
 
     def _at(self, q: np.ndarray) -> Equations:
         """Elsewhere, at rest."""

@@ -6,7 +6,7 @@ Both may slip; what is made of them is right.  All arrays have the axes (runs, s
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any
 
@@ -15,7 +15,7 @@ import numpy as np
 from ...subjects.layout import product, transposed
 from ..case import View
 from .pushes import torques, wrenches
-from .regressors import in_columns
+from .regressors import Regressor, in_columns
 from .steps import Steps, UncoveredError
 from .tree import Tree, tree_of
 
@@ -82,7 +82,7 @@ class Dynamics:
     """Makes the potential energy, of positions and gravity."""
     pushed: Callable[..., np.ndarray] | None = None
     """Takes external wrenches among the forces of links; without it J^T f is subtracted at the end."""
-    regressor: Callable[..., np.ndarray] | None = None
+    regressor: Regressor | None = None
     """Makes torques of unit parameters, of positions, velocities and accelerations."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
@@ -95,9 +95,12 @@ class Dynamics:
         return None if answer is None else answer(steps, tree, s, view)
 
     def beside(self, other: object) -> Dynamics | None:
-        """With slips in wrenches that the same recursion takes."""
+        """With slips in wrenches that the same recursion takes, or in a regressor of its motions."""
         if not isinstance(other, Dynamics) or (other.pushed, other.fused) != (self.pushed, self.fused):
             return None
+        if self.regressor and other.regressor:
+            regressor = self.regressor.beside(other.regressor)
+            return replace(self, regressor=regressor) if regressor else None
         return self if self.pushed and other.forces == right(self.forces) else None
 
     def made_of(self, term: str) -> Any:

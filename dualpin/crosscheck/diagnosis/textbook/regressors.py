@@ -11,7 +11,7 @@ References: Atkeson, An and Hollerbach, Estimation of Inertial Parameters of Man
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import permutations
 from typing import Any
@@ -103,9 +103,12 @@ def in_links(steps: Steps, m: Moving, g: np.ndarray, c: np.ndarray) -> tuple[np.
     alpha = steps.turn("the angular acceleration in a regressor", back, m.alpha)
     lift = steps.turn("the acceleration without gravity, in a regressor,", back, _lift(steps, m.a, g))
     made = _made(steps, Moving(np.eye(3) + 0 * m.R, w, alpha, 0 * lift), lift)
-    return steps.pick("the force of a unit parameter", m.R @ made[0], **{"in the link's axes": made[0]}), steps.pick(
-        "the moment of a unit parameter", m.R @ made[1], **{"in the link's axes": made[1]}
-    )
+    return _in_world(steps, m.R, made[0], "force"), _in_world(steps, m.R, made[1], "moment")
+
+
+def _in_world(steps: Steps, R: np.ndarray, x: np.ndarray, words: str) -> np.ndarray:
+    wrong = {"in the link's axes": x, "turned by the transposed matrix": transposed(R) @ x}
+    return np.asarray(steps.pick(f"the wrench of a unit parameter: its {words}", R @ x, **wrong))
 
 
 def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
@@ -161,24 +164,33 @@ def _rotors(view: View) -> np.ndarray:
     return out
 
 
-def by_motions(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """(runs, samples, links, nv, 10), of the motions of Newton's and Euler's equations; `steps` are those of these."""
-    return _of_motions(Steps(), tree, tree.poses(q), world_motions.motions(steps, tree, q, v, a))
+@dataclass(frozen=True)
+class Regressor:
+    """(runs, samples, links, nv, 10), of the motions of Newton's and Euler's equations.
 
+    Slips are made in `motions`, in the wrenches and torques of unit parameters (`units`), or in both.
+    """
 
-def slipped(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """The same, where `steps` are those of the regressor."""
-    return _of_motions(steps, tree, tree.poses(q), world_motions.motions(Steps(), tree, q, v, a))
+    motions: bool = False
+    units: bool = False
+    made: Callable[..., tuple[np.ndarray, np.ndarray]] = wrenches
 
+    def __call__(
+        self, steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray, J: np.ndarray | None = None
+    ) -> np.ndarray:  # fmt: skip
+        """By Jacobians J of the links' origins, if they are told."""
+        motions = world_motions.motions(steps if self.motions else Steps(), tree, q, v, a)
+        return _of_motions(steps if self.units else Steps(), tree, tree.poses(q), motions, self.made, J)
 
-def slipped_in_links(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> np.ndarray:
-    """The same, made in the links' axes."""
-    return _of_motions(steps, tree, tree.poses(q), world_motions.motions(Steps(), tree, q, v, a), in_links)
+    def beside(self, other: Regressor) -> Regressor | None:
+        """With the slips of both."""
+        joins = self.motions and other.units and not other.motions
+        return replace(other, motions=True) if joins else None
 
 
 def _of_motions(
     steps: Steps, tree: Tree, poses: Sequence[Pose], motions: Sequence[world_motions.Motion],
-    made: Callable[..., tuple[np.ndarray, np.ndarray]] = wrenches,
+    made: Callable[..., tuple[np.ndarray, np.ndarray]], J: np.ndarray | None,
 ) -> np.ndarray:  # fmt: skip
     if tree.floating:
         raise UncoveredError("a fixed base only")
@@ -187,6 +199,12 @@ def _of_motions(
     R, p = stacked([x.R0 for x in poses], every, 2), stacked([x.p0 for x in poses], every, 1)
     c = product(R, stacked([k.c for k in tree.links], every, 1) + 0 * R[..., 0])
     forces, moments = made(steps, Moving(R, w, alpha, a), tree.gravity[:, :, None], c)
+    return torques(steps, _jacobians(steps, tree, p, c, z) if J is None else J, forces, moments)
+
+
+def _jacobians(steps: Steps, tree: Tree, p: np.ndarray, c: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Of the links' origins, (runs, samples, links, 6, nv)."""
+    every = range(len(tree.links))
     lead = np.broadcast_shapes(z.shape[:2], p.shape[:2], (steps.rows, 1))
     J = np.zeros((*lead, len(every), 6, tree.nv))
     for j in (j for j in tree.links if j.moves):
@@ -201,4 +219,4 @@ def _of_motions(
         wrong = {"the moment along its axis": turning}
         feels = steps.pick("what a sliding joint feels, in a regressor,", slide, **wrong) if j.slides else turning
         J[:, :, on, :, j.column] = np.moveaxis(np.broadcast_to(feels, (*lead, len(on), 6)), 2, 0)
-    return torques(steps, J, forces, moments)
+    return J
