@@ -20,6 +20,7 @@ from .several import bases, distinct, mostly
 from .spared import POSES, READ, in_poses, shows, spared
 from .stories import BEAM, Near, joins, kept, reads, united
 
+STEINER = "Steiner's term"
 QUICK = 1.0  # seconds of the thread for variants of a cause beside which slips are looked for, but for the first
 NEAREST = 4  # slips beside which others of the same algorithm are looked for
 FEW_CAUSES = 4  # found for other terms, to which another one is added
@@ -45,8 +46,13 @@ class Together(Search):
         """Slips in merging fixed links and in reading tensors: they take as long as all others, and explain less.
 
         A file is read once: where another term that they would change is right, or explained, they are no cause.
+        Steiner's term is an exception: what is wrong with it in a recursion over links is so in merging them, too.
         """
-        sure = {t for t, s in self.case.told.items() if not any(h.key in DOUBTFUL or h.made_of for h in s[0])}
+
+        def unsure(h: Hypothesis) -> bool:
+            return h.key in DOUBTFUL or bool(h.made_of) or STEINER in h.says
+
+        sure = {t for t, s in self.case.told.items() if not any(map(unsure, s[0]))}
         known = sure.union(t for t in self.case.observed if t not in self.case.wrong)
         if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
             self._late_rules(MERGING)

@@ -18,7 +18,7 @@ from .arrays import cross
 from .products import wedge
 from .references import joined
 from .steps import HANDING, HAVE, Steps
-from .tree import Link, Pose, Tree, filled
+from .tree import Link, Pose, Tree, filled, of_mover
 from .turns import ONE
 from .weighted import steiners
 
@@ -37,7 +37,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     axes = [(k, _axis(steps, k, poses[k.number]), poses[k.number].p0) for k in tree.links if k.moves]
     entries: dict[tuple[int, int], np.ndarray] = {}
     for k, z, o in axes:
-        n, f = _unit(steps, k, z, o, lumps[k.number], own[k.number])
+        n, f = of_mover(steps, tree, k, *_unit(steps, k, z, o, lumps[k.number], own[k.number]))
         for at, y, p in axes:
             if at is k or at in tree.joints_of(k):
                 x = _felt(steps, at, y, p, n, f, k.slides, z)
@@ -109,8 +109,9 @@ def _composites(
 
 def _unit(steps: Steps, k: Link, z: np.ndarray, o: np.ndarray, lump: Lump, own: Lump) -> tuple[np.ndarray, np.ndarray]:
     """Moment about the world's origin, and force, of a unit acceleration of a joint."""
+    kind = "of a sliding joint" if k.slides else "of a turning joint"
     m, _, I = parts = [
-        steps.pick(f"the composite {what} that a joint moves", x, **{"the link's own": y})
+        steps.pick(f"the composite {what} that a joint moves: {kind}", x, **{"the link's own": y})
         for what, x, y in zip(("mass", "first moment", "inertia"), lump, own, strict=True)
     ]
     n, f = (_of_sliding if k.slides else _of_turning)(steps, z, o, *parts)

@@ -334,6 +334,15 @@ def spatial(rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
     return np.concatenate([np.concatenate([a, b], -1), np.concatenate([c, d], -1)], -2)
 
 
+def of_mover(steps: Steps, tree: Tree, k: Link, *parts: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What the unit acceleration of a joint makes, where a loop over joints may leave the first or last one out."""
+    moving = [x.number for x in tree.links if x.moves]
+    if k.number not in moving:  # the base
+        return parts
+    site, number = "the joints whose unit accelerations make M", moving.index(k.number)
+    return tuple(steps.part(site, x, number, len(moving)) for x in parts)
+
+
 def filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:
     """A matrix (runs, samples, nv, nv) of those of its entries that are not zero."""
     lead = np.broadcast_shapes(q.shape[:-1], *(x.shape for x in entries.values()))
