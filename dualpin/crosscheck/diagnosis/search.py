@@ -125,9 +125,10 @@ class Search:
         self._others |= {key for key in fresh if key in self.seen}
         mine |= {identity(story): story for story in made_of(self.case, self.term, others, self.exact)}
         self._others |= set(mine)
-        alike = [h for h in self._whole if h.key in SAME]
-        self.consider([*mine.values(), *(ordered((*s, h)) for s in mine.values() for h in alike)])
+        self.consider(mine.values())
         if not self.exact:  # it may follow from other terms; not from what may as well follow from it
+            alike = [h for h in self._whole if h.key in SAME]
+            self.consider([ordered((*s, h)) for s in mine.values() for h in alike])
             apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
             self.consider([(h,) for h in apart])
 
