@@ -28,7 +28,7 @@ from .stories import (
     Explanation,
     Near,
     cheapest,
-    in_one_run,
+    in_every_way,
     in_time,
     joins,
     nearness,
@@ -36,7 +36,6 @@ from .stories import (
 )
 
 STORIES = 64  # scored before the time is looked at, at most
-VARIANTS = 2304  # of a story of several causes, as other formulations show them: all of two causes
 KIN = 0.6  # seconds for what explains other terms as other formulations show it, the likeliest of them first
 SMALL = 1e-5  # an error below which two causes together are not looked for: precision has one
 PLAIN = 2.0
@@ -116,9 +115,7 @@ class Search:
             if len(story) > 1:
                 everyone = list(itertools.chain(*shown))
                 shown = [self.catalogue.together(h, s, everyone, self.term) for h, s in zip(story, shown, strict=True)]
-            several = itertools.product(*(s or [()] for s in shown))
-            made = (s for some in several if in_one_run(s := ordered(itertools.chain(*some))))
-            fresh |= {identity(s): s for s in itertools.chain(itertools.islice(made, VARIANTS), *shown)}
+            fresh |= {identity(s): s for s in itertools.chain(in_every_way(shown), *shown)}
         new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
         soon = min(self.until, time.thread_time() + KIN)
         mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}

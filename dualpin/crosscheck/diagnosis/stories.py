@@ -14,6 +14,7 @@ from .textbook.slipped import Added, in_one
 
 T = TypeVar("T")
 BEAM = 8
+VARIANTS = 2304  # of a story of several causes, as formulations show them
 ROUNDING = 1e-10
 """An error that two exact causes leave at most."""
 BLOCK = 24  # stories that are scored before the time is looked at: at first
@@ -79,6 +80,15 @@ def reads(story: Iterable[Hypothesis]) -> bool:
 def in_one_run(story: Story) -> bool:
     """Whether one algorithm makes all its slips: one term is not made by two."""
     return not isinstance(in_one([h.act for h in story if h.place == "formula"]), Added)
+
+
+def in_every_way(shown: Sequence[Sequence[Story]]) -> list[Story]:
+    """Stories of several causes, each as it shows in other formulations, where one algorithm makes all of it."""
+    made: list[Story] = [()]
+    for kin in shown:
+        longer = (ordered((*story, *g)) for story in made for g in kin or [()])
+        made = list(itertools.islice(filter(in_one_run, longer), VARIANTS))
+    return made
 
 
 def numbers_in(h: Hypothesis, story: Story) -> bool:

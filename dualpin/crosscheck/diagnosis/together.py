@@ -19,6 +19,7 @@ from .search import DOUBTFUL, PLAIN, SMALL, Search
 from .several import bases, distinct, mostly
 from .spared import POSES, READ, in_poses, shows, spared
 from .stories import BEAM, Near, joins, kept, reads, united
+from .textbook.slipped import algorithm
 
 STEINER = "Steiner's term"
 QUICK = 1.0  # seconds of the thread for variants of a cause beside which slips are looked for, but for the first
@@ -114,7 +115,7 @@ class Together(Search):
             whole = self.catalogue.of(self.term, False, self.case.score(self.term, story).error)
             for more in ([*self._fits(story), *whole], self._single):  # a link alone is rarer
                 if self.open:
-                    edits = not any(h.place == "formula" for h in story)
+                    edits = all(algorithm(h.act) is None for h in story)
                     also = told.union(h.cause for h in more if h.key in REFERENCES or (edits and shows(self.case, h)))
                     some = [h for h in more if h.place not in READ or h.cause in also]
                     self._further(self.consider(self._with(story, some)), some)

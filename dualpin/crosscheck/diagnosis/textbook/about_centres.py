@@ -18,7 +18,7 @@ from ...subjects.layout import product
 from .columns import MOVING
 from .products import wedge
 from .steps import HAVE, STANDING, Steps
-from .tree import Link, Tree, filled, of_mover, standing_otherwise, turned_otherwise
+from .tree import MOVERS, Link, Tree, filled, in_turn, standing_otherwise, turned_otherwise
 from .walks import of_joints
 from .weighted import steiners
 
@@ -41,7 +41,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     entries: dict[tuple[int, int], np.ndarray] = {}
     walks = {words: x.astype(float)[None, None] for words, x in of_joints(tree).items()}
     for k, column, z, o, slides in axes:
-        n, f = of_mover(steps, tree, k, *_unit(steps, z, o, slides, lumps[k.number], own[k.number]))
+        n, f = in_turn(steps, tree, k, MOVERS, *_unit(steps, z, o, slides, lumps[k.number], own[k.number]))
         for at, row, y, p, along in axes:
             found = {words: x[..., k.number, at.number] for words, x in walks.items()}
             if tree.floating and at.number == 0:  # what moves all

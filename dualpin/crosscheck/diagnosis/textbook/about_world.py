@@ -18,7 +18,7 @@ from .arrays import cross
 from .products import wedge
 from .references import joined
 from .steps import HANDING, HAVE, Steps
-from .tree import Link, Pose, Tree, filled, of_mover
+from .tree import MOVERS, Link, Pose, Tree, filled, in_turn
 from .turns import ONE
 from .weighted import steiners
 
@@ -37,7 +37,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
     axes = [(k, _axis(steps, k, poses[k.number]), poses[k.number].p0) for k in tree.links if k.moves]
     entries: dict[tuple[int, int], np.ndarray] = {}
     for k, z, o in axes:
-        n, f = of_mover(steps, tree, k, *_unit(steps, k, z, o, lumps[k.number], own[k.number]))
+        n, f = in_turn(steps, tree, k, MOVERS, *_unit(steps, k, z, o, lumps[k.number], own[k.number]))
         for at, y, p in axes:
             if at is k or at in tree.joints_of(k):
                 x = _felt(steps, at, y, p, n, f, k.slides, z)

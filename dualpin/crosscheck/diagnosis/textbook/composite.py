@@ -21,7 +21,7 @@ from ..case import View
 from .link_axes import felt, own_rates
 from .products import wedge
 from .steps import HAVE, Steps
-from .tree import THAT_TURN, Link, Pose, Tree, filled, of_mover, tree_of
+from .tree import MOVERS, THAT_TURN, Link, Pose, Tree, filled, in_turn, tree_of
 
 Lump = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -34,7 +34,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray) -> np.ndarray:
         lumps[k.parent] = _joined(steps, tree, k, poses[k.number], lumps[k.parent], lumps[k.number])
     entries: dict[tuple[int, int], np.ndarray] = {}
     for k in (k for k in tree.links if k.moves):
-        n, f = of_mover(steps, tree, k, *_unit(steps, k, lumps[k.number]))
+        n, f = in_turn(steps, tree, k, MOVERS, *_unit(steps, k, lumps[k.number]))
         at = k
         while at.parent >= 0:
             if at.moves:

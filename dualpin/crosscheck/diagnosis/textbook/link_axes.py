@@ -26,7 +26,7 @@ from .arrays import cross
 from .products import wedge
 from .pushes import Wrenches
 from .steps import HANDING, HAVE, Steps
-from .tree import THAT_TURN, Link, Pose, Tree
+from .tree import RATES_OF, THAT_TURN, Link, Pose, Tree, in_turn
 
 OWN_FORCE = "the force in r x f, r to a link's centre of mass,"
 WHOLE_FORCE = "that of the link with all that it carries, not its own"
@@ -212,6 +212,7 @@ def own_rates(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocity and acceleration of a joint, along its axis."""
     qd, qdd = of_joint(steps, tree, k, v, "velocity"), of_joint(steps, tree, k, a, "acceleration")
+    (qd,) = in_turn(steps, tree, k, RATES_OF, qd)
     mine = {
         name: x[..., i, None]
         for name, x, i in (

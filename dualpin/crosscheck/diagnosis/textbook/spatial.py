@@ -23,7 +23,7 @@ from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to
 from .products import applied, crf, crm
 from .pushes import Wrenches
 from .steps import HAVE, Steps
-from .tree import Link, Tree, Twist, filled, of_mover, spatial
+from .tree import MOVERS, Link, Tree, Twist, filled, in_turn, spatial
 
 OF_FIXED = "what a fixed link hands on"
 
@@ -323,7 +323,7 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray, of: Coordinates = links) -> np
     entries: dict[tuple[int, int], np.ndarray] = {}
     base = I[0] if m.base is None else transposed(m.base) @ I[0] @ m.base
     for k in (k for k in tree.links if k.moves):
-        (F,) = of_mover(steps, tree, k, of_composite(steps, k, m, I, own))
+        (F,) = in_turn(steps, tree, k, MOVERS, of_composite(steps, k, m, I, own))
         entries[k.column, k.column] = _along(steps, tree, m, k, F)
         step, at = "of the first step", k
         while at.parent >= 0:

@@ -24,6 +24,7 @@ from .lumps import Piece, listed, pieces, products, tensor
 from .steps import Steps, UncoveredError
 
 THAT_TURN, THAT_SLIDE = "of links that move: that turn", "of links that move: that slide"
+MOVERS, RATES_OF = "the joints whose unit accelerations make M", "the joints whose rates move links"
 """Which of a group of sites are those of a link."""
 
 
@@ -334,13 +335,12 @@ def spatial(rows: Sequence[Sequence[np.ndarray]]) -> np.ndarray:
     return np.concatenate([np.concatenate([a, b], -1), np.concatenate([c, d], -1)], -2)
 
 
-def of_mover(steps: Steps, tree: Tree, k: Link, *parts: np.ndarray) -> tuple[np.ndarray, ...]:
-    """What the unit acceleration of a joint makes, where a loop over joints may leave the first or last one out."""
+def in_turn(steps: Steps, tree: Tree, k: Link, site: str, *parts: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What a joint makes, where a loop over joints may leave the first or last one out."""
     moving = [x.number for x in tree.links if x.moves]
     if k.number not in moving:  # the base
         return parts
-    site, number = "the joints whose unit accelerations make M", moving.index(k.number)
-    return tuple(steps.part(site, x, number, len(moving)) for x in parts)
+    return tuple(steps.part(site, x, moving.index(k.number), len(moving)) for x in parts)
 
 
 def filled(entries: dict[tuple[int, int], np.ndarray], nv: int, q: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from .poses import Poses
 from .products import wedge
 from .references import six
 from .steps import Steps
-from .tree import THAT_SLIDE, THAT_TURN
+from .tree import RATES_OF, THAT_SLIDE, THAT_TURN
 
 BETWEEN = "that between both centres of mass"
 IN_SPIN = "added to its angular velocity, not to its velocity"
@@ -100,12 +100,16 @@ def _rates(t: Poses, link: int, zero: np.ndarray) -> tuple[np.ndarray, np.ndarra
     """z qd of the axes that turn a link, and of those that slide it."""
     assert t.qd is not None
     rates = [zero, zero]
-    for a in (t.axes[i] for i in t.of_link[link]):
+    for i in t.of_link[link]:
+        a = t.axes[i]
         site = f"the axis z in z qd: of {'turning' if a.turns else 'sliding'} joints"
         z = t.steps.turn(site, t.R[link], a.direction + zero) if a.world is None else a.world
         if a.turns:
             z = t.steps.pick(WHOSE_AXIS, z, **{"the parent's": _of_parent(t, link, z)})
         rate = a.ratio * t.qd[..., a.column, None]
+        if not a.base:
+            joints = [k for k, x in enumerate(t.axes) if not x.base]
+            rate = t.steps.part(RATES_OF, rate, joints.index(i), len(joints))
         if a.turns:
             rate = t.steps.pick(SIZE, rate, **{"without its sign": np.sqrt(rate * rate), **_of_others(t, link)})
         rates[not a.turns] = rates[not a.turns] + z * rate
