@@ -17,7 +17,7 @@ from dualpin.crosscheck.diagnosis.rules import RULES
 from dualpin.crosscheck.diagnosis.rules.momentum import about_own_centre
 from dualpin.crosscheck.diagnosis.rules.slipping import jacobians, poses
 from dualpin.crosscheck.diagnosis.schedule import outdone
-from dualpin.crosscheck.diagnosis.stories import nearness
+from dualpin.crosscheck.diagnosis.stories import in_every_way, minimal, nearness
 from dualpin.crosscheck.diagnosis.textbook import about_centres, about_world, link_axes, plucker, spatial, world_axes
 from dualpin.crosscheck.diagnosis.textbook.articulated import Articulated
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns, right
@@ -246,3 +246,59 @@ def test_what_explains_two_terms_stays_although_a_part_of_it_explains_others():
     terms = [Term((pose,)), Term((pose,)), Term((pose,)), Term(both, apart)]
     assert not outdone(both, terms)
     assert outdone(apart, terms)
+
+
+def test_few_terms_are_each_looked_at_alone_before_one_of_them_is_at_length():
+    """M has two mistakes, which take long to tell apart; that of the accelerations is found before these are."""
+    ask, view = silent(3, ("crba", "aba"))
+    two = (
+        Slip("the inertia of a composite", "the link's Steiner term", "step_left_out"),
+        Slip("the arm in Steiner's term: of the child", "that between both centres", "step_other"),
+    )
+    M = Slipped(Dynamics(right(spatial.forces), about_centres.mass), two, True)(view, "crba")
+    one = (Slip("D of articulated bodies", "with 0.01 added", "step_other"),)
+    case = case_of(Answers(ask, crba=M, aba=Slipped(Articulated(), one, True)(view, "aba")), ask)
+    order: list[str] = []
+    found = diagnose(case, LONG, order.append)
+    assert any("0.01" in f.says and f.terms == ["aba"] for f in found.findings)
+    assert sum("Steiner" in f.says and f.terms == ["crba"] for f in found.findings) == 2
+    assert order.index("aba: single causes") < max(k for k, what in enumerate(order) if what.startswith("crba: slips"))
+
+
+LOOPS = {
+    "the joints whose unit accelerations make M": (Dynamics(right(spatial.forces), about_world.mass), "crba"),
+    "the joints whose rates move links": (poses, "kinetic_energy"),
+}
+
+
+@pytest.mark.parametrize(("site", "how"), [(site, how) for site in LOOPS for how in ("step_first", "step_last")])
+def test_a_loop_that_leaves_out_a_joint(site, how):
+    run, term = LOOPS[site]
+    ask, view = silent(3, (term,))
+    x = Slipped(run, (Slip(site, "", how),), True)(view, term)
+    assert np.abs(x - view.compute(term)).max() > 1e-6 * np.abs(x).max()
+    if term == "crba":  # all that the joint's acceleration makes is zero
+        assert sum(not np.diagonal(x, 0, 1, 2)[:, k].any() for k in range(x.shape[-1])) == 1
+    found = diagnose(case_of(Answers(ask, **{term: x}), ask), LONG).findings
+    assert {f.key for f in found} <= {
+        how,
+        "joint_unread",
+        "joint_still",
+        "zeros",
+    } and found  # of one joint it is the same
+
+
+def test_a_cause_that_alone_explains_it_needs_no_other():
+    one, other = (Hypothesis(key, key, TERMS, "formula", lambda *given: None) for key in ("one", "other"))
+    assert minimal([(one,), ordered((one, other))]) == [(one,)]
+    assert minimal([ordered((one, other))]) == [ordered((one, other))]
+
+
+def test_stories_of_several_causes_are_made_by_one_algorithm():
+    mass, joint = (Dynamics(right(spatial.forces), of.mass) for of in (about_world, about_centres))
+    slips = [
+        Hypothesis(str(k), str(k), TERMS, "formula", Slipped(run, ())) for k, run in enumerate((mass, mass, joint))
+    ]
+    first, second, third = ((h,) for h in slips)
+    assert in_every_way([[first], [second, third]]) == [ordered((*first, *second))]
+    assert in_every_way([[first], []]) == [first]

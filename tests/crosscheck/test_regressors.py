@@ -13,7 +13,8 @@ from dualpin.crosscheck.diagnosis.hypothesis import Hypothesis
 from dualpin.crosscheck.diagnosis.rules import kinematics
 from dualpin.crosscheck.diagnosis.textbook import answers, regressors, world_axes
 from dualpin.crosscheck.diagnosis.textbook.assembly import Dynamics, by_columns
-from dualpin.crosscheck.diagnosis.textbook.slipped import Slipped
+from dualpin.crosscheck.diagnosis.textbook.slipped import Slipped, made_with
+from dualpin.crosscheck.diagnosis.textbook.steps import Slip, Steps
 from dualpin.crosscheck.subjects import Convention, asking
 from dualpin.crosscheck.subjects.convention import PARAMETERS
 from dualpin.crosscheck.subjects.layout import Layout
@@ -29,6 +30,10 @@ RUNS = {
     "by Jacobians of merged bodies": partial(kinematics.jacobians, fused=True),
     "by Jacobians, in the links' axes": partial(kinematics.jacobians, how=answers.IN_LINKS),
 }
+
+RUNS["of motions and of units"] = RUNS["by motions"].beside(RUNS["with steps of its own"])
+RUNS["by Jacobians and motions"] = made_with(kinematics.jacobians, RUNS["by motions"])
+RUNS["by Jacobians and units"] = made_with(kinematics.jacobians, RUNS["with steps of its own"])
 
 
 class Code:
@@ -66,6 +71,33 @@ def test_without_a_slip_they_are_those_of_dualpin(run, links):
     x = case.predict(TERM, (right,))
     assert x is not None and case.score(TERM).right
     assert np.abs(x - case.observed[TERM]).max() < 1e-11 * np.abs(x).max()
+
+
+TURNS = Slip("the angular acceleration of a turning link", "w x z qd", "step_left_out")
+UNITS = Slip("the torques of a unit parameter", "Jw^T n", "step_left_out")
+
+
+@pytest.mark.parametrize(
+    ("both", "one", "other"),
+    [
+        ("by Jacobians and motions", ("by Jacobians", None), ("by motions", TURNS)),
+        ("by Jacobians and units", ("by Jacobians", None), ("with steps of its own", UNITS)),
+        ("of motions and of units", ("by motions", TURNS), ("with steps of its own", UNITS)),
+    ],
+)
+def test_slips_of_both_are_made_where_each_was(both, one, other):
+    view, (first, slip), (second, another) = case_of().view(()), one, other
+    if slip is None:
+        steps = Steps()
+        RUNS[first](view, TERM, steps)
+        slip = next(s for s in steps.found if s.site.startswith("the lever arm of a column"))
+    right = RUNS[both](view, TERM, Steps())
+    for run, mine in ((first, slip), (second, another)):
+        x = RUNS[both](view, TERM, Steps(mine))
+        assert np.abs(x - right).max() > 1e-3
+        assert np.abs(x - RUNS[run](view, TERM, Steps(mine))).max() < 1e-11 * np.abs(x).max()
+    x = RUNS[both](view, TERM, Steps(slip, another))
+    assert all(np.abs(x - RUNS[both](view, TERM, Steps(s))).max() > 1e-3 for s in (slip, another))
 
 
 @pytest.mark.parametrize(

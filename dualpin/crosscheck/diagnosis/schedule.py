@@ -15,6 +15,7 @@ from .case import Case
 from .catalogue import Catalogue
 from .choice import cheapest, grounded, lonely, prices, rivals, sharing
 from .hypothesis import Story, identity
+from .rules.derived import SOURCES
 from .search import DOUBTFUL
 from .several import distinct_causes, few_of_each
 from .stories import Explanation, together, united
@@ -37,6 +38,9 @@ RARE, LUMPED = "rare readings of the file and of inputs", "slips of merging fixe
 ADDING_UP, ONE_MORE = "two causes whose changes add up", "a cause of other terms and one more"
 READ_BESIDE, READ_TOO = "readings beside a slip", "a slip of other terms and a reading"
 PLAIN, TWO, TWO_SLIPS = "two causes of the whole robot", "two causes together", "two slips of one algorithm"
+
+MADE = {"rnea_f_ext": ("rnea",), "aba_f_ext": ("aba",), **SOURCES}
+"""Terms that are hardly anything else than others, which are looked at first."""
 
 Wanted = Callable[[Together], bool]
 
@@ -104,8 +108,9 @@ class Schedule:
 
     def _each_alone(self) -> None:
         """Few terms: each may have a mistake of its own, which is soon found where another one has two."""
-        self.stage(SINGLE, Together.singles, lambda s: not s.exact, self.off)
-        for term in self.off:
+        apart = [t for t in self.off if t not in MADE or self.case.wrong.isdisjoint(MADE[t])]
+        for term in apart if len(apart) > 1 else ():
+            self.stage(SINGLE, Together.singles, lambda s: not s.exact, [term])
             self.stage(RARE, Together.readings, unknown, [term])
             self.stage(SLIPS, Together.slips, unknown, [term])
 
@@ -207,9 +212,8 @@ class Schedule:
     # stages that need what was found of all terms
 
     def _together(self, search: Together) -> None:
-        if len(causes := self._causes) > 1:
-            likely = [distinct_causes(s.stories)[:BESIDES] for s in self.searches.values() if not s.open]
-            search.known(together(united([*causes, *itertools.chain(*likely)])))
+        likely = [distinct_causes(s.stories)[:BESIDES] for s in self.searches.values() if not s.open]
+        search.known(together(united([*self._causes, *itertools.chain(*likely)])))
 
     def _one_more(self, search: Together) -> None:
         several = [s for s in self._picked.values() if len(s) > 1]
