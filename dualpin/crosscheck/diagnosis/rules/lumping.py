@@ -29,6 +29,10 @@ TRIANGLES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "the upper triangle is read": lambda I: np.triu(I) + np.triu(I, 1).T,
 }
 """What a code makes of a tensor that is not symmetric, where it does not go on with all of it."""
+Reading = Callable[[np.ndarray], np.ndarray]
+READ: dict[str, Reading] = {"": lambda I: (I + I.T) / 2, **TRIANGLES}
+MERGING = "merging fixed links"
+"""The name under which its slips are kept."""
 
 
 @proposer("step_left_out, ...", "a step of merging fixed links, or of reading a tensor, is wrong", FIX, rows(), late=2)
@@ -39,56 +43,68 @@ def lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
 def _lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
     found = []
     bare = any(p.body is None for p in case.description.parts)
-    for (way, make), all_links in product(WAYS.items(), (False, True)[: 1 + bare]):
+    kinds = product(WAYS, (False, True)[: 1 + bare], READ)
+    for number, (way, all_links, words) in enumerate(kinds):
+
+        def find(way: str = way, all_links: bool = all_links, words: str = words) -> list[Slip]:
+            of_all = case.shared.once((MERGING, way, all_links), lambda: _slips(case, way, all_links))
+            return of_all[words]
+
         groups = pieces(case.description, bare=all_links)
-        fewer = pieces(case.description)
-        steps = Steps()
-        for group in groups.values():
-            make(steps, group)
-        right = {link: make(Steps(), group) for link, group in groups.items()}
-        for slip in steps.found:
-            if slip.site in OF_LINKS and (make is not at_once or all_links):
-                continue  # it is the same in all ways, and of links that weigh nothing
-            made = {link: make(Steps(slip), group) for link, group in groups.items()}
-            if not any(differ(right[link], made[link]) for link in groups):
-                continue
-            if all_links and not any(differ(make(Steps(slip), fewer[link]), made[link]) for link in fewer):
-                continue
-            for words, read in _read(made.values()).items():
-                edit = _edit(make, slip, read, all_links, (groups, made))
-                found.append(
-                    replace(
-                        h, key=slip.how, says=f"bodies of several links: {slip.says}", place="edit", act=edit, fix=FIX,
-                        terms=INERTIAL, values=words, variant=way + ALL_LINKS * all_links,
-                        cost=1.1 + 0.05 * bool(words) + 0.02 * all_links,
-                    )
-                )  # fmt: skip
+        for slip in case.shared.slips.of(number, MERGING, find):
+            found.append(
+                replace(
+                    h, key=slip.how, says=f"bodies of several links: {slip.says}", place="edit",
+                    act=_edit(WAYS[way], slip, READ[words], all_links, groups), fix=FIX,
+                    terms=INERTIAL, values=words, variant=way + ALL_LINKS * all_links,
+                    cost=1.1 + 0.05 * bool(words) + 0.02 * all_links,
+                )
+            )  # fmt: skip
     return found
-
-
-Reading = Callable[[np.ndarray], np.ndarray]
-
-
-def _read(bodies: Iterable[Body]) -> dict[str, Reading]:
-    """Which triangles are read where a tensor is not symmetric; all of it where it is."""
-    tensors = [b.inertia for b in bodies]
-    even = all(np.abs(I - I.T).max() <= 1e-12 * max(1.0, np.abs(I).max()) for I in tensors)
-    return {"": lambda I: (I + I.T) / 2} if even else TRIANGLES
 
 
 Groups = dict[str, list[Piece]]
 
 
+def _slips(case: Case, way: str, all_links: bool) -> dict[str, list[Slip]]:
+    """Those that change a body, by what is read of tensors that are not symmetric any more."""
+    make, groups = WAYS[way], pieces(case.description, bare=all_links)
+    fewer, steps = pieces(case.description), Steps()
+    right = {link: make(steps, group) for link, group in groups.items()}
+    found: dict[str, list[Slip]] = {words: [] for words in READ}
+    for slip in steps.found:
+        if slip.site in OF_LINKS and (make is not at_once or all_links):
+            continue  # it is the same in all ways, and of links that weigh nothing
+        made = {link: make(Steps(slip), group) for link, group in groups.items()}
+        if not any(differ(right[link], made[link]) for link in groups):
+            continue
+        if all_links and not any(differ(make(Steps(slip), fewer[link]), made[link]) for link in fewer):
+            continue
+        for words in [""] if _even(made.values()) else TRIANGLES:
+            found[words].append(slip)
+    return found
+
+
+def _even(bodies: Iterable[Body]) -> bool:
+    """Whether all tensors are symmetric."""
+    return all(np.abs(b.inertia - b.inertia.T).max() <= 1e-12 * max(1.0, np.abs(b.inertia).max()) for b in bodies)
+
+
 def _edit(
-    make: Callable[..., Body], slip: Slip, read: Reading, all_links: bool, known: tuple[Groups, dict[str, Body]]
+    make: Callable[..., Body], slip: Slip, read: Reading, all_links: bool, of_file: Groups
 ) -> Callable[[Description, Sequence[str]], Description]:
-    """`known` are the bodies that the slip makes of the links of the file."""
+    """`of_file` are the links of the file, of which bodies are made once."""
+    known: dict[str, Body] = {}
+
+    def made(groups: Groups) -> dict[str, Body]:
+        return {link: make(Steps(slip), group) for link, group in groups.items()}
 
     def edit(d: Description, items: Sequence[str]) -> Description:
-        groups, (before, made) = pieces(d, bare=all_links), known
-        if not _same(groups, before):
-            made = {link: make(Steps(slip), group) for link, group in groups.items()}
-        bodies = {link: replace(b, inertia=read(b.inertia)) for link, b in made.items()}
+        groups = pieces(d, bare=all_links)
+        same = _same(groups, of_file)
+        if same and not known:
+            known.update(made(of_file))
+        bodies = {k: replace(b, inertia=read(b.inertia)) for k, b in (known if same else made(groups)).items()}
         parts = tuple(replace(p, body=bodies.get(p.link)) for p in d.parts)
         return replace(d, base=bodies.get(d.root), parts=parts)
 
