@@ -19,8 +19,8 @@ from dualpin.delegates import HOMES, home
 PACKAGE = Path(dualpin.__file__).parent
 # from the bottom up; a module may import from its own room and from those before it
 LAYERS = (
-    "errors", "escape", "files", "extras", "locking", "renamed", "delegates", "arguments", "machine", "memory",
-    "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
+    "errors", "escape", "files", "extras", "locking", "collector", "renamed", "delegates", "arguments", "machine",
+    "memory", "scalars", "parts", "dual", "ufuncs", "spatial", "algebra",  # numbers, and the vocabulary over them
     "model", "io", "algorithms", "terms",  # robots, and what is computed of them
     "engine", "interpret", "call", "functions", "autodiff", "torch", "jax",  # how it is computed on arrays
     "forms", "c_code", "export", "integrators", "mechanisms", "tracking", "crosscheck", "fuzz",  # what is done with it

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
-import gc
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ... import collector
 from ...locking import LOCK
 from ...memory import empty
 from ...model.robot import Robot
@@ -191,10 +190,10 @@ def compiled(
 ) -> tuple[dict[str, Any], bytes]:
     """Trace and compile: the data for calling the kernel, and its object code."""
     start = time.perf_counter()
-    with LOCK, _no_collection():
+    with LOCK, collector.paused():
         program = trace(robot, term, options)
     with Compilers(host, 0 if soon else len(program.graph.nodes)) as compilers:
-        with LOCK, _no_collection():
+        with LOCK, collector.paused():
             plan, about, texts = _written(program, dtype, host, lanes, lambda: compilers.count, soon)
         about["soon"] = soon and tuning.SOON_FROM < plan.operations <= tuning.BYTECODE_FROM
         objects = compilers.object_codes(texts, about["soon"] or plan.operations > tuning.QUICK_FROM)
@@ -203,21 +202,6 @@ def compiled(
     if seconds > 0.5:
         log.info("compiled %s of %s: %d operations, %.2f s", term.name, robot.name, plan.operations, seconds)
     return about, b"".join(objects)
-
-
-@contextlib.contextmanager
-def _no_collection() -> Iterator[None]:
-    """Without Python's collector: nothing here is cyclic garbage, and so many objects make it walk through all others.
-
-    Under `LOCK`, so that one thread at a time does this, and no fork keeps it.
-    """
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 def _written(
