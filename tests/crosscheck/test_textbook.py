@@ -28,6 +28,7 @@ from dualpin.crosscheck.diagnosis.textbook import (
     link_axes,
     plucker,
     spatial,
+    spatial_sums,
     sums,
     transforms,
     world_axes,
@@ -62,7 +63,7 @@ RUNS = {
     "transforms": transforms.Transforms(),
     "transforms by chains": transforms.Transforms(True, True, plucker.merged_links),
     "seen by transforms": Seen(partial(spatial.seen, by_transforms=True), True, True),
-    "energy in six-vectors": composite.Energy(True, spatial.energy),
+    "energy in six-vectors": composite.Energy(True, spatial_sums.energy),
     **{
         f"{kind} {name}": run
         for name, of in (
@@ -73,7 +74,7 @@ RUNS = {
         )
         for kind, run in (
             ("six-vectors", Dynamics(*(partial(f, of=of) for f in PASSES_OF), fused=of is MERGED)),
-            ("energy", composite.Energy(of is MERGED, partial(spatial.energy, of=of))),
+            ("energy", composite.Energy(of is MERGED, partial(spatial_sums.energy, of=of))),
             ("articulated", articulated.Articulated(of is MERGED, of)),
             ("pushed", Dynamics(spatial.forces, spatial.mass, pushed=partial(spatial.pushed, of=of))),
         )
@@ -103,7 +104,7 @@ RUNS = {
         for of in (partial(body_twists.bodies, frames=frames),)
         for kind, run in (
             ("recursion", Dynamics(partial(spatial.forces, of=of), partial(spatial.mass, of=of))),
-            ("energy", composite.Energy(by=partial(spatial.energy, of=of))),
+            ("energy", composite.Energy(by=partial(spatial_sums.energy, of=of))),
             ("pushed", Dynamics(spatial.forces, spatial.mass, pushed=partial(spatial.pushed, of=of))),
         )
     },

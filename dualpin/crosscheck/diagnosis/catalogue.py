@@ -170,13 +170,17 @@ class Catalogue:
                 return found
         return []
 
-    def nearest(self, term: str, stories: Sequence[Story], until: float) -> Sequence[Story]:
-        """Of many, those that explain the first states, and those that come nearest."""
+    def nearest(
+        self, term: str, stories: Sequence[Story], until: float, first: bool = False
+    ) -> Sequence[Story]:  # fmt: skip
+        """Of many, those that explain the first states, or the `first` that do; and those that come nearest."""
         if len(stories) < MANY:
             return stories
         scores, few = list[Score](), self._few(term)
         for block in in_time(stories, until, AT_ONCE):
             scores += few.scores(term, block)
+            if first and any(x.error <= FEW for x in scores):
+                break
         stories = stories[: len(scores)]
         right = minimal([s for s, x in zip(stories, scores, strict=True) if x.error <= FEW])
         return right + kept([nearness(s, x) for s, x in zip(stories, scores, strict=True) if np.isfinite(x.error)])

@@ -125,7 +125,8 @@ def _report(case: Case, told: Mapping[str, Explanation], errors: Mapping[str, fl
     for term, story in picked.items():
         for h in story:
             variants, terms = whose.setdefault(cause_of(h), ([], []))
-            terms.append(term)
+            if term not in terms:
+                terms.append(term)
             if h not in variants:
                 variants.append(h)
     for variants, terms in whose.values():

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -32,6 +32,7 @@ from .stories import (
     in_time,
     joins,
     nearness,
+    throughout,
     to_rounding,
 )
 
@@ -116,18 +117,25 @@ class Search:
                 everyone = list(itertools.chain(*shown))
                 shown = [self.catalogue.together(h, s, everyone, self.term) for h, s in zip(story, shown, strict=True)]
             fresh |= {identity(s): s for s in itertools.chain(in_every_way(shown), *shown)}
-        new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
-        soon = min(self.until, time.thread_time() + KIN)
-        mine |= {identity(s): s for s in self.catalogue.nearest(self.term, new, soon)}
-        self._others |= {key for key in fresh if key in self.seen}
+        mine |= {identity(s): s for s in self._likeliest(fresh)}
         mine |= {identity(story): story for story in made_of(self.case, self.term, others, self.exact)}
         self._others |= set(mine)
         self.consider(mine.values())
+        if not self.good:
+            each = {h.mistake: h for story in others for h in story}.values()
+            helpers = [s for h in each for s in throughout(k for (k,) in self._shown(h))]
+            self.consider(self._likeliest({identity(s): s for s in helpers}))
         if not self.exact:  # it may follow from other terms; not from what may as well follow from it
             alike = [h for h in self._whole if h.key in SAME]
             self.consider([ordered((*s, h)) for s in mine.values() for h in alike])
             apart = [h for h in self._whole if h.made_of and not any(self.term in PARTS.get(t, ()) for t in h.made_of)]
             self.consider([(h,) for h in apart])
+
+    def _likeliest(self, fresh: Mapping[frozenset[object], Story]) -> Sequence[Story]:
+        """Of what explains other terms, as other formulations show it: what comes nearest."""
+        new = sorted((s for key, s in fresh.items() if key not in self.seen), key=partial(strange, self.case))
+        self._others |= {key for key in fresh if key in self.seen}
+        return self.catalogue.nearest(self.term, new, min(self.until, time.thread_time() + KIN), first=True)
 
     def shared(self, causes: Sequence[Story]) -> None:
         """Whether the causes of most terms are behind this one too, although it is explained."""

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 
 from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .scores import Score
-from .textbook.slipped import Added, in_one
+from .textbook.products import SKEW
+from .textbook.slipped import Added, algorithm, in_one, made_with
 
 T = TypeVar("T")
 BEAM = 8
@@ -89,6 +90,21 @@ def in_every_way(shown: Sequence[Sequence[Story]]) -> list[Story]:
         longer = (ordered((*story, *g)) for story in made for g in kin or [()])
         made = list(itertools.islice(filter(in_one_run, longer), VARIANTS))
     return made
+
+
+def throughout(kin: Iterable[Hypothesis]) -> list[Story]:
+    """A slip in what all algorithms of a code call, a cross product: made in two and three of them that are one run."""
+    by_run: dict[Any, dict[Any, Hypothesis]] = {}
+    for h in kin:
+        if h.mistake[:1] == (SKEW,):
+            by_run.setdefault(algorithm(h.act), {})[h.identity] = h
+    runs = [run for run in by_run if run is not None]
+    two = {pair: both for pair in itertools.combinations(runs, 2) if (both := made_with(*pair)) is not None}
+    three = [(*pair, run) for pair, both in two.items() for run in runs if run not in pair and made_with(both, run)]
+    found: list[Story] = [*(s for run in runs for s in itertools.combinations(by_run[run].values(), 2))]
+    for some in (*two, *three):
+        found.extend(itertools.product(*(by_run[run].values() for run in some)))
+    return list({identity(s): s for s in map(ordered, found)}.values())
 
 
 def numbers_in(h: Hypothesis, story: Story) -> bool:

@@ -8,7 +8,7 @@ from functools import cache, partial
 import numpy as np
 
 from ..case import Case
-from ..textbook import body_coriolis, composite, link_axes, plucker, products, spatial, transforms
+from ..textbook import body_coriolis, composite, link_axes, plucker, products, spatial, spatial_sums, transforms
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, by_columns, right
 from ..textbook.link_axes import FIRST
@@ -64,9 +64,11 @@ register(SPATIAL, Seen(spatial.seen, both=True), MOVING)
 formulation(SPATIAL, MOVING, KNOWN, f"{FUSED}, frames by transforms", merges, batched=True)(
     Seen(partial(spatial.seen, by_transforms=True), True, True)
 )
-_spatial = Dynamics(spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial.momentum, spatial.potential)
+_spatial = Dynamics(
+    spatial.forces, spatial.mass, body_coriolis.matrix, False, spatial_sums.momentum, spatial_sums.potential
+)
 register(SPATIAL, _spatial, (*ALL, *MOMENTUM, "potential_energy"))
-register(SPATIAL, composite.Energy(by=spatial.energy), ("kinetic_energy",), "energies of bodies")
+register(SPATIAL, composite.Energy(by=spatial_sums.energy), ("kinetic_energy",), "energies of bodies")
 register(SPATIAL, Articulated(), (*FORWARD, "minv"), "articulated bodies", tensors=True)
 INSIDE = "articulated bodies, the wrench in their bias forces"
 
@@ -125,7 +127,7 @@ def _in(
 ) -> None:  # fmt: skip
     """What codes in other coordinates answer; about centres of mass M is made by columns, and accelerations of M."""
     forces, mass, matrix, energy = (
-        partial(f, of=of) for f in (spatial.forces, spatial.mass, body_coriolis.matrix, spatial.energy)
+        partial(f, of=of) for f in (spatial.forces, spatial.mass, body_coriolis.matrix, spatial_sums.energy)
     )
     pushed = _pushed(of)
     by_body = of is plucker.centres

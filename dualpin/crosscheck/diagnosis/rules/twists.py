@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..case import Case
-from ..textbook import body_form, body_twists, composite, exponentials, products, spatial
+from ..textbook import body_form, body_twists, composite, exponentials, products, spatial, spatial_sums
 from ..textbook.assembly import Dynamics, by_columns, right, symbols
 from ..textbook.body_twists import Frames
 from ..textbook.steps import Slip
@@ -141,7 +141,7 @@ def _on_fixed_base(holds: Callable[[Case], bool], case: Case) -> bool:
 
 def _recursion(frames: Frames) -> None:
     of, variant = partial(body_twists.bodies, frames=frames), f"body twists in {frames.value}"
-    forces, pushed, energy = (partial(f, of=of) for f in (spatial.forces, spatial.pushed, spatial.energy))
+    forces, pushed, energy = (partial(f, of=of) for f in (spatial.forces, spatial.pushed, spatial_sums.energy))
     mass = by_columns(forces)
     by = partial(register, NAME, as_they_are=_unmerged, when=fixed)
     inside = Dynamics(forces, right(spatial.mass), pushed=pushed)

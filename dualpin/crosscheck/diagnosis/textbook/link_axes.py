@@ -74,7 +74,7 @@ def accelerations(
         m, R = moving[number], poses[number].R0
         terms = {
             "that of the link's origin": m.a, "alpha x r": wedge(steps, m.alpha, offset),
-            "w x (w x r)": cross(m.w, cross(m.w, offset)),
+            "w x (w x r)": wedge(steps, m.w, wedge(steps, m.w, offset)),
         }  # fmt: skip
         acc = steps.turn(
             "the acceleration of a frame, in its link's axes,", R, steps.add("the acceleration of a frame", **terms)

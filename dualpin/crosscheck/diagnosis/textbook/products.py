@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ....spatial.adjoint import cross_matrix
-from ...subjects.layout import product
+from ...subjects.layout import product, transposed
 from .arrays import cross
 from .steps import Steps
 
@@ -20,6 +20,7 @@ LINEAR = "the product of the linear velocity"
 SKEW = "[r x], the matrix of a cross product,"
 AS_MATRIX, OF_TWO, IN_MOMENTUM = (f"{SKEW}: {where}" for where in ("by itself", "times a vector", "in a momentum"))
 """A code may have a function of two vectors, and one that makes the matrix."""
+IN_AD = f"{AS_MATRIX}: in v x and its transpose"
 AD = "the matrix of v x"
 """Codes often make it once, and take its transpose with the other sign for forces."""
 
@@ -87,6 +88,7 @@ def crm(steps: Steps, site: str, v: np.ndarray, m: np.ndarray) -> np.ndarray:
         "its transpose, v x^T": lambda: -crf(Steps(), "", few(v), few(m)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of motions, v x: in {site}", x, **others)
+    x = _of_matrices(steps, x, v, m)
     return np.asarray(steps.pick(AD, x, **_of_blocks(steps, v, m, False)))
 
 
@@ -103,6 +105,7 @@ def crf(steps: Steps, site: str, v: np.ndarray, f: np.ndarray) -> np.ndarray:
         "its transpose, v x*^T": lambda: -crm(Steps(), "", few(v), few(f)),
     }  # fmt: skip
     x = steps.pick(f"the cross product of forces, v x*: in {site}", x, **others)
+    x = _of_matrices(steps, x, v, f, True)
     return np.asarray(steps.pick(AD, x, **_of_blocks(steps, v, f, True)))
 
 
@@ -115,13 +118,29 @@ def applied(steps: Steps, site: str, I: np.ndarray, v: np.ndarray) -> np.ndarray
     return np.concatenate(np.broadcast_arrays(angular, steps.add(f"{site}: its linear part", **parts)), -1)
 
 
-def _of_blocks(steps: Steps, v: np.ndarray, m: np.ndarray, transposed: bool) -> dict[str, Callable[[], np.ndarray]]:
+def _of_matrices(steps: Steps, x: np.ndarray, v: np.ndarray, m: np.ndarray, transpose: bool = False) -> np.ndarray:
+    """v x m made by [w x 0; u x w x], where these are wrong; v x* m by its transpose."""
+
+    def wrong(E: np.ndarray) -> np.ndarray:
+        w, u, a, b = (part for y in (steps.few(v), steps.few(m)) for part in (y[..., :3], y[..., 3:]))
+        W, U = ((E * y[..., None, None, :]).sum(-1) for y in (w, u))
+        if transpose:
+            W, U = -transposed(W), -transposed(U)
+            halves = product(W, a) + product(U, b), product(W, b)
+        else:
+            halves = product(W, a), product(U, a) + product(W, b)
+        return np.concatenate(np.broadcast_arrays(*halves), -1)
+
+    return np.asarray(steps.tabled(IN_AD, x, _SKEWED, wrong, within=AS_MATRIX))
+
+
+def _of_blocks(steps: Steps, v: np.ndarray, m: np.ndarray, transpose: bool) -> dict[str, Callable[[], np.ndarray]]:
     """What wrong blocks of [w x 0; u x w x] make of v x m, or of v x* m = -(v x)^T m."""
 
     def made(of_w: np.ndarray, of_u: np.ndarray) -> np.ndarray:
         w, u, a, b = (part for x in (steps.few(v), steps.few(m)) for part in (x[..., :3], x[..., 3:]))
         blocks = of_w[..., None] * w[..., None, None, :] + of_u[..., None] * u[..., None, None, :]
-        if transposed:
+        if transpose:
             blocks = np.swapaxes(blocks, -3, -2)
         (p, q), (r, s) = (tuple(np.moveaxis(row, -2, 0)) for row in np.moveaxis(blocks, -3, 0))
         halves = cross(p, a) + cross(q, b), cross(r, a) + cross(s, b)

@@ -15,7 +15,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from . import one_joint
-from .arrays import cross
 from .columns import MOVING, Columns
 from .products import wedge
 from .steps import Steps, UncoveredError
@@ -44,7 +43,7 @@ class SecondDerivatives(Columns):
         earlier = np.asarray(steps.pick(MOVING, earlier, **{ALL: listed, CHAIN: listed}))
         later = np.swapaxes(earlier, -1, -2)
         z_k, z_m = z[..., :, None, :], z[..., None, :, :]
-        axis_of_m, axis_of_k = cross(z_m, dp[..., :, None, :]), cross(z_k, dp[..., None, :, :])
+        axis_of_m, axis_of_k = wedge(steps, z_m, dp[..., :, None, :]), wedge(steps, z_k, dp[..., None, :, :])
         of_m, of_k = turns[None, :, None] * axis_of_m, turns[:, None, None] * axis_of_k
 
         def where(mask: np.ndarray) -> np.ndarray:
@@ -76,7 +75,7 @@ class SecondDerivatives(Columns):
             ),
         }  # fmt: skip
         ddp = steps.pick("the second derivative of a position, as a product,", ddp, **others)
-        turning = turns[:, None, None] * turns[None, :, None] * cross(z_m, z_k)
+        turning = turns[:, None, None] * turns[None, :, None] * wedge(steps, z_m, z_k)
         others = {
             "that by later joints": lambda: where(few(later)) * few(turning),
             "that by all joints of the path": lambda: few(both) * few(turning),

@@ -38,12 +38,24 @@ class Slipped:
         if not isinstance(other, Slipped):
             return None
         run = made_with(self.run, other.run)
-        return None if run is None else replace(self, run=run, slips=(*self.slips, *other.slips))
+        return None if run is None else replace(self, run=run, slips=_narrowest((*self.slips, *other.slips)))
 
     def many(self, acts: Sequence[Slipped], view: View, term: str) -> Sequence[np.ndarray | None]:
         """The predictions of several acts of this formulation."""
         x = self.run(view, term, Steps.together([act.slips for act in acts]))
         return [None] * len(acts) if x is None else list(np.broadcast_to(x, (len(acts), *x.shape[1:])))
+
+
+def _narrowest(slips: tuple[Slip, ...]) -> tuple[Slip, ...]:
+    """Without those of a group of steps, where one of these steps has the same: what one of two algorithms has alone.
+
+    An algorithm in which a group has one step names the group; made with another, it means that step.
+    """
+
+    def narrower(slip: Slip, other: Slip) -> bool:
+        return other[1:] == slip[1:] and other.site.startswith(f"{slip.site}: ")
+
+    return tuple(x for x in slips if not any(narrower(x, y) for y in slips))
 
 
 @cache

@@ -20,7 +20,7 @@ from .arrays import cross, inverse
 from .in_place import GROWING, WHOLE, afterwards, array
 from .link_axes import FIRST, RESTING, axes, gathered, own_rates, rate_in_cross, unturned
 from .plucker import Coordinates, Model, brought, links, of_others, to_frame, to_parent, to_parent_inertia
-from .products import applied, crf, crm
+from .products import applied, crf, crm, wedge
 from .pushes import Wrenches
 from .steps import HAVE, Steps
 from .tree import MOVERS, Link, Tree, Twist, filled, in_turn, spatial
@@ -56,11 +56,11 @@ def seen(
             v_k = brought(steps, "the velocity of a link, at its frame in world axes,", X, v_k)
             a_k = brought(steps, "the acceleration of a link, at its frame in world axes,", X, a_k)
         (w, u), (alpha, acc) = ((x[..., :3], x[..., 3:]) for x in (v_k, a_k))
-        speed = steps.add("the velocity of a frame", **{"that of the link's origin": u, "w x r": cross(w, r)})
+        speed = steps.add("the velocity of a frame", **{"that of the link's origin": u, "w x r": wedge(steps, w, r)})
         if term == "frame_velocity":
             linear, angular, what = speed, w, "the velocity of a frame, in its link's axes"
         else:
-            terms = {"the spatial one": acc, "alpha x r": cross(alpha, r), "w x v": cross(w, speed)}
+            terms = {"the spatial one": acc, "alpha x r": wedge(steps, alpha, r), "w x v": wedge(steps, w, speed)}
             linear, angular = steps.add("the acceleration of a frame's origin", **terms), alpha
             what = "the acceleration of a frame, in its link's axes"
         halves = ((f"{what}: its angular part", angular), (f"{what}: its linear part", linear))
@@ -134,7 +134,12 @@ def on_links(steps: Steps, tree: Tree, m: Model, q: np.ndarray, wrenches: Wrench
             "by X^-T, the inverse of what is right": lambda: transposed(inverse(steps.few(X))),
             "into the link's axes alone": lambda: spatial([[back, 0 * back], [0 * back, back]]),
         }
-        return steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
+        x = steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
+        if m.common:  # codes add p x f to the moment, without X
+            p, force = pose.p0 + push.at, x[..., 3:]
+            wrong = wedge(steps, p + 0 * force, force) - cross(p, force)
+            x = np.concatenate(np.broadcast_arrays(x[..., :3] + wrong, force), -1)
+        return x
 
     return [on(k) for k in tree.links]
 
@@ -215,7 +220,7 @@ def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarr
     """Of all links; `zero` has their shape."""
     twists = tree.twists(v)
     if twists is not None:
-        return _in_coordinates(tree, m, twists)
+        return _in_coordinates(steps, tree, m, twists)
     base = v[..., :6] if m.base is None or not tree.floating else product(m.base, v[..., :6])
     vs = [base + zero if tree.floating else zero]
     for k in tree.links[1:]:
@@ -224,12 +229,12 @@ def velocities(steps: Steps, tree: Tree, m: Model, v: np.ndarray, zero: np.ndarr
     return [steps.pick(array("velocity"), x, **whole) for x in vs] if whole else vs
 
 
-def _in_coordinates(tree: Tree, m: Model, twists: list[Twist]) -> list[np.ndarray]:
+def _in_coordinates(steps: Steps, tree: Tree, m: Model, twists: list[Twist]) -> list[np.ndarray]:
     """Given twists, about the world's origin or in the links' axes."""
     found = []
     for (w, u), pose in zip(twists, tree.known, strict=True):
         back = transposed(pose.R0)
-        halves = (w, u + cross(pose.p0, w)) if m.common else (product(back, w), product(back, u))
+        halves = (w, u - wedge(steps, w, pose.p0)) if m.common else (product(back, w), product(back, u))
         found.append(np.concatenate(np.broadcast_arrays(*halves), -1))
     return found
 
@@ -351,41 +356,6 @@ def mass(steps: Steps, tree: Tree, q: np.ndarray, of: Coordinates = links) -> np
     if tree.floating:
         entries |= {(i, j): base[..., i, j] for i in range(6) for j in range(6)}
     return filled(entries, tree.nv, q)
-
-
-def momentum(steps: Steps, tree: Tree, q: np.ndarray, com: np.ndarray, of: Coordinates = links) -> np.ndarray:
-    """The momentum about the centre of mass, in world axes, of unit velocities: (runs, samples, 6, nv)."""
-    tiled, _, unit = tree.unit(q)
-    m = of(steps, tree, tiled)
-    vs = velocities(steps, tree, m, unit, np.zeros((*tiled.shape[:-1], 6)))
-    h = [product(I, v) for I, v in zip(m.I, vs, strict=True)]
-    for k in reversed(tree.links[1:]):
-        handed = to_parent(steps, "the momentum that is handed on, X^T h,", m.X[k.number], h[k.number])
-        h[k.parent] = steps.add(
-            "the momentum of what a joint moves", **{HAVE: h[k.parent], "the child's X^T h": handed}
-        )
-    whole = to_parent(steps, "the momentum, in the base's axes,", m.X[0], h[0])
-    n, p = whole[..., :3], whole[..., 3:]
-    G = np.repeat(com, tree.nv, axis=1)
-    n = steps.add("the momentum about the centre of mass", **{"that about the origin": n, "-c x p": -cross(G, p)})
-    return tree.columns(np.concatenate(np.broadcast_arrays(n, p), -1))
-
-
-def energy(steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, of: Coordinates = links) -> np.ndarray:
-    """T = sum v . I v / 2."""
-    m = of(steps, tree, q)
-    vs, total = velocities(steps, tree, m, v, np.zeros((*q.shape[:-1], 6))), np.zeros((1, 1))
-    for i, k in enumerate(tree.carried):
-        of_k = 0.5 * (vs[k.number] * product(m.I[k.number], vs[k.number])).sum(-1)
-        total = total + steps.part("the bodies whose energy counts", of_k, i, len(tree.carried), alone=True)
-    return total
-
-
-def potential(steps: Steps, tree: Tree, q: np.ndarray, g: np.ndarray) -> np.ndarray:
-    """-sum m g . c, g being the linear part of a six-vector."""
-    down, poses = gravity(steps, g)[..., 3:], tree.poses(q)
-    h = sum(k.mass * (poses[k.number].p0 + product(poses[k.number].R0, k.c)) for k in tree.carried)
-    return np.asarray(-(down * h).sum(-1))
 
 
 def _carried(X: np.ndarray, F: np.ndarray) -> np.ndarray:

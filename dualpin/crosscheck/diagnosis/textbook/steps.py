@@ -263,18 +263,19 @@ class Steps:
         return self.tabled(site, x, _COMPONENTS, lambda C: (self.few(x)[..., None, :] @ C)[..., 0, :])
 
     def tabled(
-        self, site: str, right: Any, matrices: Mapping[str, np.ndarray], wrong: _Of, own: int = 1
+        self, site: str, right: Any, matrices: Mapping[str, np.ndarray], wrong: _Of, own: int = 1, within: str = ""
     ) -> Any:  # fmt: skip
         """As `pick`, of what one function makes of constant matrices, for all slips at once.
 
-        `own` says how many of the last axes of the right quantity are its own.
+        `own` says how many of the last axes of the right quantity are its own; slips of groups larger than `within` are
+        not made here.
         """
 
         def chosen(alike: _Alike) -> tuple[_Rows, np.ndarray]:
             stacked = np.stack([matrices[slips[0].what] for slips, ks in alike.items() for _ in ks])
             return self._chosen([k for ks in alike.values() for k in ks]), stacked
 
-        made = self._planned(site, "table", (), lambda: [(name, "step_other") for name in matrices], chosen)
+        made = self._planned(site, "table", (), lambda: [(name, "step_other") for name in matrices], chosen, (), within)
         if made is None:
             return right
         ((at, of), C), outer = made, self._of
@@ -306,7 +307,7 @@ class Steps:
 
     def _planned(
         self, site: str, of: str, names: tuple[str, ...], possible: Callable[[], _Kinds],
-        plan: Callable[[_Alike], Any], groups: Sequence[str] = (),
+        plan: Callable[[_Alike], Any], groups: Sequence[str] = (), within: str = "",
     ) -> Any:  # fmt: skip
         """The plan of the slips to be made at this step, which is made once; None where there are none.
 
@@ -320,7 +321,8 @@ class Steps:
                 self._found |= {Slip(site, what, how): None for what, how in possible()}
             return None
         if key not in self._plans:
-            here = [mine for group in (*_groups(site), *groups) for mine in self._at.get(group, ())]
+            some = [group for group in _groups(site) if group.startswith(within)]
+            here = [mine for group in (*some, *groups) for mine in self._at.get(group, ())]
             kinds, rows = set(possible() if here else ()), dict[int, list[Slip]]()
             for k, slip in here:
                 if (slip.what, slip.how) in kinds:
