@@ -158,7 +158,7 @@ PLANTED: dict[str, tuple[dict[str, Run], Slip, list[tuple[str, str]]]] = {
     "c without I^a": (WORLD, Slip("the articulated inertia in I^a c", "1", OTHER), [("Aa @ bias[k]", "bias[k]")]),
     "d * d for the outer product": (
         COMPOSITES,
-        Slip("d d^T in Steiner's term", "d * d, the squares of its entries in every row", OTHER),
+        Slip("d d^T in Steiner's term", "the product d d by elements, in each row", OTHER),
         [("np.outer(d, d))", "d * d)")],
     ),
     "the child's mass twice in the divisor": (

@@ -15,9 +15,9 @@ from . import additive
 from .case import Case
 from .hypothesis import Hypothesis, Story, ordered, style
 from .rules import RULES
-from .rules.register import SLIPS, Rule
+from .rules.register import MERGING, SLIPS, Rule
 from .scores import Score
-from .stories import in_time, kept, minimal, nearness
+from .stories import in_time, kept, minimal, nearness, throughout
 from .textbook.slipped import algorithm, made_of, made_with, share
 
 AT_ONCE, SHORT = 800, 100  # slips that are scored before the time is looked at; by which algorithms count as short
@@ -153,6 +153,12 @@ class Catalogue:
         right = [ordered((*base, h)) for same, score in told if score.error <= FEW for h in same]
         near = [nearness(ordered((*base, same[0])), x) for same, x in told if np.isfinite(x.error)]
         return right or kept(near)
+
+    def helpers(self, term: str) -> list[Story]:
+        """Slips in a function that both merging fixed links and another algorithm call."""
+        merging, others = (self._of_rules(late, term) for late in (MERGING, SLIPS))
+        both = [(*merging[mistake], *others[mistake]) for mistake in merging if mistake in others]
+        return [s for same in both for s in throughout(same)]
 
     def two_slips(self, term: str, until: float) -> list[Story]:
         """Two slips of one algorithm that explain the first states, of those whose changes nearly add up."""

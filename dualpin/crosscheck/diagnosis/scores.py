@@ -12,18 +12,21 @@ import numpy as np
 class Score:
     """How near a prediction comes: worst scaled error, share of entries that are right, root mean square.
 
-    `right` says whether the error is no more than rounding leaves.
+    `right` says whether the error is no more than rounding leaves, `numberless` that neither tells any number.
     """
 
     error: float
     share: float
     rms: float
     right: bool = False
+    numberless: bool = False
 
 
 FAR = Score(float("inf"), 0.0, float("inf"))
 
 
+HUGE = 1e12
+"""An entry of an inverse beyond which the matrix is singular but for rounding."""
 ROUNDINGS = 64 * float(np.finfo(float).eps)
 """What a step of a recursion may leave, see `crosscheck.tolerance.PER_BODY`."""
 
@@ -66,6 +69,9 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
         return out
     P = np.stack([p for p in (predictions[k] for k in alike) if p is not None])
     finite = np.isfinite(P.reshape(len(P), -1)).all(axis=1)
+    if _numberless(x[None]).all():  # as the inverse of a singular matrix
+        for k in np.array(alike)[_numberless(P)]:
+            out[k] = Score(0.0, 1.0, 0.0, True, True)
     if not finite.all():
         P, alike = P[finite], [k for k, good in zip(alike, finite, strict=True) if good]
     if not alike:
@@ -75,6 +81,13 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
     for k, error, share, rms, most in zip(alike, *(values.tolist() for values in found), strict=True):
         out[k] = Score(error, share, rms, error <= most)
     return out
+
+
+def _numberless(P: np.ndarray) -> np.ndarray:
+    """Whether no number is told at any of the samples, of many predictions: none that is finite, or none but `HUGE`."""
+    with np.errstate(invalid="ignore"):
+        largest = np.abs(P.reshape(*P.shape[:2], -1)).max(axis=2)
+        return np.asarray((~(largest < HUGE)).all(axis=1))
 
 
 def scaled(x: np.ndarray, reference: np.ndarray) -> float:

@@ -232,12 +232,21 @@ class Search:
             self.seen |= set(map(identity, block))
             for story, score in zip(block, self.case.scores(self.term, block), strict=True):
                 right = score.right and (QUESTIONS[self.term].solves or to_rounding(story, score))
+                if score.numberless and not self._told_of_others(story):
+                    continue
                 if right and not contradicted(self.case, story):
                     self.good[identity(story)] = story
                 elif np.isfinite(score.error):
                     found.append(nearness(story, score))
         self.near += found
         return found
+
+    def _told_of_others(self, story: Story) -> bool:
+        """Whether other terms tell its causes: no number tells one from another."""
+        told = {
+            cause for t, stories in self.case.told.items() if t != self.term for s in stories for cause in as_causes(s)
+        }
+        return as_causes(story) <= told
 
     def _part(self) -> float:
         return PAIRED * self.until + (1 - PAIRED) * min(time.thread_time(), self.until)

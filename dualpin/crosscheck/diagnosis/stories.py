@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from .hypothesis import ESTIMATED, Hypothesis, Story, Wording, cost, identity, ordered
 from .scores import Score
+from .textbook import steiner
 from .textbook.products import SKEW
 from .textbook.slipped import Added, algorithm, in_one, made_with
 
@@ -57,6 +58,10 @@ class Explanation:
         return bool(self.stories)
 
 
+HELPERS = ((SKEW,), (steiner.SQUARE,), (steiner.OUTER,))
+"""Mistakes in cross products and in Steiner's term."""
+
+
 def nearness(story: Story, score: Score) -> Near:
     """By the share of right entries, then by the root mean square; dearer stories later."""
     return Near((0.02 * cost(story) - score.share, score.rms, cost(story)), story, score)
@@ -93,15 +98,19 @@ def in_every_way(shown: Sequence[Sequence[Story]]) -> list[Story]:
 
 
 def throughout(kin: Iterable[Hypothesis]) -> list[Story]:
-    """A slip in what all algorithms of a code call, a cross product: made in two and three of them that are one run."""
+    """A slip in a function that several algorithms of a code call: made in two and three of them that are one run.
+
+    Merging fixed links is a robot of its own.
+    """
     by_run: dict[Any, dict[Any, Hypothesis]] = {}
     for h in kin:
-        if h.mistake[:1] == (SKEW,):
+        if h.mistake[:1] in HELPERS:
             by_run.setdefault(algorithm(h.act), {})[h.identity] = h
-    runs = [run for run in by_run if run is not None]
+    runs, merging = [run for run in by_run if run is not None], by_run.pop(None, {})
+    found: list[Story] = [(h, g) for h in merging.values() for run in runs for g in by_run[run].values()]
     two = {pair: both for pair in itertools.combinations(runs, 2) if (both := made_with(*pair)) is not None}
     three = [(*pair, run) for pair, both in two.items() for run in runs if run not in pair and made_with(both, run)]
-    found: list[Story] = [*(s for run in runs for s in itertools.combinations(by_run[run].values(), 2))]
+    found.extend(s for run in runs for s in itertools.combinations(by_run[run].values(), 2))
     for some in (*two, *three):
         found.extend(itertools.product(*(by_run[run].values() for run in some)))
     return list({identity(s): s for s in map(ordered, found)}.values())

@@ -58,6 +58,8 @@ class Together(Search):
         if self.term in INERTIAL and known.isdisjoint(OF_MASSES):
             self._late_rules(MERGING)
             self._slips_with(self._nearest(causes), MERGING)
+            if self.open:
+                self.consider(self._likeliest({identity(s): s for s in self.catalogue.helpers(self.term)}))
         self.remerged = True
 
     def slips_besides(self, causes: Sequence[Story], most: bool, nearer: bool = False) -> None:

@@ -23,7 +23,8 @@ from ..textbook import (
 )
 from ..textbook.articulated import Articulated
 from ..textbook.assembly import Dynamics, Seen, Symbols, by_columns, right, symbols
-from ..textbook.lumps import OF_LINKS, OUTER
+from ..textbook.lumps import OF_LINKS
+from ..textbook.steiner import MERGING, OUTER
 from ..textbook.steps import EVERYWHERE, Slip
 from .formulation import COST, FUSING, formulation
 
@@ -150,7 +151,7 @@ def _itself(term: str) -> str:
 
 def but_tensors(slip: Slip) -> bool:
     """Whether it is none of reading and merging tensors."""
-    return slip.site not in OF_LINKS and slip.site != OUTER
+    return slip.site not in OF_LINKS and slip.site != OUTER + MERGING
 
 
 def register(

@@ -20,6 +20,7 @@ import numpy as np
 from ..case import Case, View
 from ..hypothesis import Hypothesis
 from ..textbook.slipped import Run, Slipped
+from ..textbook.steiner import MERGING
 from ..textbook.steps import Slip, Steps
 from ..textbook.words import rows
 from .register import RULES, Rule
@@ -109,7 +110,7 @@ def formulation(
                 out: dict[tuple[str, ...], list[Slip]] = {}
                 for slip in case.shared.slips.of(number, where, lambda: _slips(run, case, where, alike)):
                     if which(slip):
-                        out.setdefault(_mistake(slip, (known or {}).get(slip), alike), []).append(slip)
+                        out.setdefault(mistake_of(slip, (known or {}).get(slip), alike), []).append(slip)
                 return out
 
             if case.view(()) is None:  # what it answers cannot be written: nothing is found out about the robot
@@ -121,7 +122,7 @@ def formulation(
             return Hypothesis(
                 key or slip.how, f"{name}: {slip.says}", tuple(shown), "formula", Slipped(run, (slip,), batched),
                 slip.fix, variant=variant, cost=cost + LIKELY.get(slip.how, 0.0) + extra(case) - USUAL * bool(key),
-                afterwards=afterwards(case), mistake=_mistake(slip, key, alike),
+                afterwards=afterwards(case), mistake=mistake_of(slip, key, alike),
             )  # fmt: skip
 
         def propose(case: Case) -> list[Hypothesis]:
@@ -162,9 +163,10 @@ def formulation(
     return decorate
 
 
-def _mistake(slip: Slip, key: str | None, alike: str) -> tuple[str, ...]:
+def mistake_of(slip: Slip, key: str | None = None, alike: str = "") -> tuple[str, ...]:
     """Slips with a key of their own are the same mistake in every formulation, others at steps of the same words."""
-    return (key,) if key else (slip.site.partition(": ")[0], slip.what, slip.how, *([alike] if alike else []))
+    site = slip.site.partition(": ")[0].removesuffix(MERGING)
+    return (key,) if key else (site, slip.what, slip.how, *([alike] if alike else []))
 
 
 def _slips(run: Run, case: Case, term: str, alike: str) -> Sequence[Slip]:

@@ -14,8 +14,10 @@ from ..case import Case
 from ..description import Body, Description, merged
 from ..hypothesis import Hypothesis
 from ..textbook.lumps import OF_LINKS, Piece, about_origin, at_once, from_nothing, one_by_one, pieces
+from ..textbook.steiner import MERGING as OF_MERGING
 from ..textbook.steps import Slip, Steps
 from ..textbook.words import rows
+from .formulation import mistake_of
 from .register import INERTIAL, MASSIVE, differ, proposer
 
 WAYS: dict[str, Callable[[Steps, list[Piece]], Body]] = {
@@ -58,6 +60,7 @@ def _lumping(h: Hypothesis, case: Case) -> list[Hypothesis]:
                     act=_edit(WAYS[way], slip, READ[words], all_links, groups), fix=FIX,
                     terms=INERTIAL, values=words, variant=way + ALL_LINKS * all_links,
                     cost=1.1 + 0.05 * bool(words) + 0.02 * all_links,
+                    mistake=mistake_of(slip) if slip.site.endswith(OF_MERGING) else (),
                 )
             )  # fmt: skip
     return found

@@ -56,6 +56,10 @@ def _of_wrenches(slip: Slip) -> bool:
     return slip.site.startswith(("the wrench on a link", "what acts on a link"))
 
 
+def _of_screws(slip: Slip) -> bool:
+    return slip.site.startswith(("S of a", "the joint's axis"))
+
+
 def _of_merging(slip: Slip) -> bool:
     return slip.site.startswith(MERGING)
 
@@ -141,12 +145,22 @@ def _in(
         by(Articulated(of=of, inside=True), ("aba_f_ext",), f"{variant}, {INSIDE}", lambda term: "aba", accelerated)
 
 
+def _told(run: Articulated, terms: tuple[str, ...]) -> None:
+    """Screws of articulated bodies alone are wrong."""
+    how = "in the world, articulated bodies, velocities from link to link"
+    formulation(
+        WORLD, terms, KNOWN, how + ", the wrench in their bias forces" * run.inside, batched=True, only=_of_screws
+    )(run)
+
+
 outside(SPATIAL, spatial.pushed, "links")
 outside("Newton-Euler in link axes", link_axes.pushed, "links")
 CENTRES, WORLD = "body twists about centres of mass", f"{SPATIAL} in world coordinates"
 _in(plucker.merged_links, SPATIAL, MERGED, _of_merging, _never)
 _in(plucker.centres, CENTRES, "about centres", elsewhere)
 _in(plucker.world, WORLD, "in the world", elsewhere)
+_told(Articulated(of=plucker.world, told=True), ("aba",))
+_told(Articulated(of=plucker.world, inside=True, told=True), ("aba_f_ext",))
 _in(plucker.world_blocks, WORLD, "inertias put together there", _of_blocks)
 outside(SPATIAL, _pushed(plucker.merged_links), MERGED, _never)
 outside(CENTRES, _pushed(plucker.centres), "about centres")

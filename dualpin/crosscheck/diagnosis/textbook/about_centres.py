@@ -17,6 +17,7 @@ import numpy as np
 from ...subjects.layout import product
 from .columns import MOVING
 from .products import wedge
+from .steiner import outer, square
 from .steps import HAVE, STANDING, Steps
 from .tree import MOVERS, Link, Tree, filled, in_turn, standing_otherwise, turned_otherwise
 from .walks import of_joints
@@ -133,20 +134,8 @@ def _steiner(
     others = {"that of the other": other, "that of both": m + other, "1": 1 + 0 * m}
     m = steps.pick(f"the mass in Steiner's term: {which}", m, **others)
     d = steps.pick(f"the arm in Steiner's term: {which}", d, **{"that between both centres": apart})
-    square, outer = (d * d).sum(-1)[..., None, None] * ONE, d[..., :, None] * d[..., None, :]
-    length = {"|d| 1": lambda: np.sqrt((d * d).sum(-1))[..., None, None] * ONE}
-    square = steps.pick("d.d 1 in Steiner's term", square, **length)
-    outer = steps.pick("d d^T in Steiner's term", outer, **_instead_of_outer(d))
-    return m[..., None] * steps.add(f"d.d 1 - d d^T in Steiner's term: {which}", **{"d.d 1": square, "-d d^T": -outer})
-
-
-def _instead_of_outer(d: np.ndarray) -> dict[str, np.ndarray]:
-    entries, shape = d * d, (*d.shape, 3)
-    return {
-        "d * d, the squares of its entries in every row": np.broadcast_to(entries[..., None, :], shape),
-        "its diagonal alone": entries[..., None, :] * ONE,
-        "d.d in every entry": entries.sum(-1)[..., None, None] + 0 * ONE,
-    }
+    parts = {"d.d 1": square(steps, d), "-d d^T": -outer(steps, d)}
+    return m[..., None] * steps.add(f"d.d 1 - d d^T in Steiner's term: {which}", **parts)
 
 
 def _unit(

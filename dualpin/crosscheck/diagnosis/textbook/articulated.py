@@ -41,12 +41,12 @@ class Body:
 
 def forward(
     steps: Steps, tree: Tree, q: np.ndarray, v: np.ndarray, tau: np.ndarray, g: np.ndarray, of: Coordinates = links,
-    pushes: Wrenches | None = None,
+    pushes: Wrenches | None = None, told: bool = False,
 ) -> np.ndarray:  # fmt: skip
     """The accelerations (runs, samples, nv) of the torques, under the gravity g and wrenches on links."""
     m = of(steps, tree, q)
     zero = np.zeros((*q.shape[:-1], 6), np.result_type(q, v, tau))
-    vs = velocities(steps, tree, m, v, zero)
+    vs = velocities(Steps(), tree, of(Steps(), tree, q), v, zero) if told else velocities(steps, tree, m, v, zero)
     c, p, I = _first(steps, tree, m, at_origins(steps, tree, q, vs) if m.common else vs, v, zero)
     if pushes:
         p = [own + pushed for own, pushed in zip(p, on_links(steps, tree, m, q, pushes), strict=True)]
@@ -180,6 +180,8 @@ class Articulated:
     """In which coordinates."""
     inside: bool = False
     """Whether wrenches are taken from the bias forces of links, not from the torques."""
+    told: bool = False
+    """Whether velocities of links are told by a recursion of their own: right, whatever the screws are."""
 
     def __call__(self, view: View, term: str, steps: Steps) -> np.ndarray | None:
         return self.answer(view, term, steps, tree_of(view, self.fused))
@@ -188,7 +190,7 @@ class Articulated:
         """The term, of this tree."""
         q, v, tau = (view.states[k][None] for k in ("q", "v", "tau"))
         g = tree.gravity
-        solve = partial(forward, of=self.of)
+        solve = partial(forward, of=self.of, told=self.told)
         if term == "aba":
             return solve(steps, tree, q, v, tau, g)
         if term == "minv":

@@ -24,6 +24,7 @@ from .lumps import tensor
 from .plucker import Model, at_centre, inertia
 from .pushes import Push
 from .screws import adjoint, at_home, exponential, exponentials, inverted, products, screw, standing
+from .steiner import outer, square
 from .steps import Steps
 from .tree import Link, Tree
 from .tree import Pose as OnParent
@@ -114,16 +115,8 @@ def _in_base(steps: Steps, k: Link, home: Pose) -> np.ndarray:
 
 def _steiner(steps: Steps, d: np.ndarray) -> np.ndarray:
     """d.d 1 - d d^T, in the base's axes."""
-    squares, outer = d * d, d[..., :, None] * d[..., None, :]
-    whole = squares.sum(-1)[..., None, None]
-    each = {
-        "d.d, in each entry": whole + 0 * ONE,
-        "the product d d by elements, on the diagonal alone": ONE * squares[..., None],
-    }
-    rows = squares[..., None, :] + 0 * outer
-    lines = {f"the product d d by elements, in each {x}": y for x, y in (("row", rows), ("column", transposed(rows)))}
-    one = steps.pick("d.d 1 in Steiner's term, in the base's axes,", whole * ONE, **each)
-    return np.asarray(one - steps.pick("d d^T in Steiner's term, in the base's axes,", outer, **each, **lines))
+    where = ", in the base's axes,"
+    return square(steps, d, where) - outer(steps, d, where)
 
 
 def _parent(steps: Steps, tree: Tree, k: Link, M: list[Pose]) -> Pose:

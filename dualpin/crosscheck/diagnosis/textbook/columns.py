@@ -156,16 +156,17 @@ class Columns:
         halves = []
         for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
             wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
-            if rows == "angular":
-                wrong["each with the axis of the last one"] = partial(self._of_last, links, x)
+            wrong["each with the axis of the last one"] = partial(self._of_last, points, links, x, rows == "linear")
             halves.append(self.steps.pick(f"the joints that have {rows} rows in a Jacobian", x, **wrong))
         return joined(halves, -2)
 
-    def _of_last(self, links: Sequence[int], w: np.ndarray) -> np.ndarray:
-        """Angular rows of which all have the axis of the last joint that moves the point."""
-        moving = self.poses.carries()[list(links)]
-        z = self.steps.few(self.z)[..., [max(np.flatnonzero(x), default=0) for x in moving], :, None]
-        return np.asarray(z * (moving * self.turns)[:, None, :] + 0 * self.steps.few(w))
+    def _of_last(self, points: np.ndarray, links: Sequence[int], x: np.ndarray, linear: bool) -> np.ndarray:
+        """Rows of turning joints that all have the axis of the last joint which moves the point."""
+        moving, few = self.poses.carries()[list(links)], self.steps.few
+        z = few(self.z)[..., [max(np.flatnonzero(k), default=0) for k in moving], None, :]
+        r = few(points)[..., None, :] - few(self.o)[..., None, :, :]
+        rows = np.swapaxes(cross(z, r) if linear else z + 0 * r, -1, -2)
+        return np.where((moving * self.turns)[:, None, :] > 0, rows, few(x))
 
     def _columns(
         self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str

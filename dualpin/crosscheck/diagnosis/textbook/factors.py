@@ -84,7 +84,7 @@ def _factors(steps: Steps, M: np.ndarray, rows: Sequence[int]) -> np.ndarray:
                 of_k = steps.pick("H_kj, by which an entry is reduced,", H[k, j], **kept)
                 site = DIAGONAL if i == j else BESIDE
                 H[i, j] = steps.add(site, **{"H_ij": H[i, j], "-(H_ki / H_kk) H_kj": -f * of_k})
-            H[k, i] = f
+            H[k, i] = steps.pick("an entry of L", f, **{"H_ki, not divided by the pivot": H[k, i]})
     zero = np.zeros(np.broadcast_shapes(*(x.shape for x in H.values())))
     return np.stack([np.stack([H[i, j] + zero if j <= i else zero for j in range(n)], -1) for i in range(n)], -2)
 

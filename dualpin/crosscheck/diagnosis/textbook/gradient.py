@@ -56,8 +56,10 @@ def coriolis(
     z = cols.z[..., None, order, :]
     own = cols.turns[order, None] * z
     all_turn = {"those of sliding joints too": z}
-    turns = steps.pick(TURNING, own, **all_turn) if apart else w
-    of_axes = partial(by_products, cols, w, u, moved, order, turns)
+    before, behind = (
+        steps.pick(f"{TURNING}: {whose}", own, **all_turn) if apart else w for whose in ("those behind it", "its own")
+    )
+    of_axes = partial(by_products, cols, w, u, moved, order, before, behind)
     dw, du = _by_rates(sums, order, apart) if by_rates else of_axes()
     last = moved * (np.cumsum(moved[..., ::-1, :], -2)[..., ::-1, :] == 1)
     counted = steps.pick(

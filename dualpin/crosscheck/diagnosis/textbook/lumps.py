@@ -17,12 +17,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..description import Body, Description, Part, homogeneous
+from .steiner import MERGING, outer, square
 from .steps import Steps
 
 ONE = np.eye(3)
 TURNED = "the tensor of <inertial>, in the axes of its rpy,"
 READ = "the tensor of <inertial>"
-OUTER = "d d^T in Steiner's term of merging"
 CARRIED = "a fixed link's tensor, in its own axes,"
 PLACEMENT, TURN = "the placement by which a fixed link is merged", "a fixed link's centre"
 PLACE = "the place of a fixed link's centre"
@@ -297,24 +297,8 @@ def _share(
 
 def _steiner(steps: Steps, m: np.ndarray, d: np.ndarray, which: str = "") -> np.ndarray:
     m = steps.pick(f"the mass in Steiner's term{which}", m, **{"1": np.ones(())})
-    outer = steps.pick(OUTER, d[:, None] * d, **{what: partial(of, d) for what, of in BY_ELEMENTS.items()})
-    wrong: dict[str, Callable[[], np.ndarray]] = {
-        "d.d in each entry": lambda: d @ d * np.ones((3, 3)),
-        "d d by elements, on the diagonal": lambda: np.diag(d * d),
-        "|d| 1": lambda: np.sqrt(d @ d) * ONE,
-    }
-    square = steps.pick("d.d 1 in Steiner's term of merging", d @ d * ONE, **wrong)
-    terms = {"m d.d 1": m * square, "-m d d^T": -m * outer}
+    terms = {"m d.d 1": m * square(steps, d, MERGING), "-m d d^T": -m * outer(steps, d, MERGING)}
     return np.asarray(steps.add(f"Steiner's term of merging{which}", **terms))
-
-
-BY_ELEMENTS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-    "the product d d by elements, in each row": lambda d: np.ones((3, 1)) * d * d,
-    "the product d d by elements, in each column": lambda d: (np.ones((3, 1)) * d * d).T,
-    "the product d d by elements, on the diagonal alone": lambda d: np.diag(d * d),
-    "d.d, in each entry": lambda d: d @ d * np.ones((3, 3)),
-}
-"""What a product by elements makes in the place of d d^T."""
 
 
 def products(steps: Steps, group: Sequence[Piece], C: np.ndarray) -> np.ndarray:
@@ -322,6 +306,6 @@ def products(steps: Steps, group: Sequence[Piece], C: np.ndarray) -> np.ndarray:
     more = np.zeros((1, 1, 3, 3))
     for p in group if len(group) > 1 else ():
         d = p.Q @ p.com + p.p - C
-        right, wrong = np.outer(d, d)[None, None], {k: of(d)[None, None] for k, of in BY_ELEMENTS.items()}
-        more = more - p.mass * (steps.pick(OUTER, right, **wrong) - right)
+        d = d[None, None]
+        more = more - p.mass * (outer(steps, d, MERGING) - outer(Steps(), d))
     return more

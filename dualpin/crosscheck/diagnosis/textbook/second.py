@@ -103,7 +103,7 @@ class Products(Columns):
         J, qd = np.swapaxes(self.at(points, links, whose), -1, -2), self.poses.qd
         assert qd is not None
         moved = self.moving(links)[..., 0, :].astype(float)
-        by_q = by_products(self, J[..., :3], J[..., 3:], moved, list(range(len(self.axes))), J[..., :3])
+        by_q = by_products(self, J[..., :3], J[..., 3:], moved, list(range(len(self.axes))), J[..., :3], J[..., :3])
         rate = np.stack([a.ratio * qd[..., a.column] for a in self.axes], -1)[:, :, None, None, :, None]
         dw, du = ((x * rate).sum(-2) for x in same(*by_q))
         return np.swapaxes(np.concatenate([dw, du], -1), -1, -2)
@@ -126,28 +126,29 @@ class Gradients(Columns):
 
 
 def by_products(
-    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray
+    cols: Columns, w: np.ndarray, u: np.ndarray, moved: np.ndarray, order: list[int], axes: np.ndarray, own: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """dw_i/dq_k and dv_i/dq_k (runs, n, bodies, i, k, 3), as products of columns; `moved` says which a joint moves.
 
-    `axes` are those about which joints turn others: their angular columns, or their own axes.
+    `axes` are those about which joints turn others, `own` those about which they turn themselves: angular columns, or
+    axes.
     """
     steps, count = cols.steps, len(order)
     carries = cols.poses.carries()[[cols.axes[i].link for i in order]][:, order]
     listed = np.tril(np.ones((count, count), bool))[None, None, None]
     before = steps.pick(MOVING, carries[None, None, None], **{ALL: listed, CHAIN: listed})[..., None]  # k carries i
     both = (moved[..., :, None] * moved[..., None, :])[..., None]  # of every body
-    w, u, axes = same(w, u, axes)
+    w, u, axes, own = same(w, u, axes, own)
     w_i, u_i, u_k = w[..., :, None, :], u[..., :, None, :], u[..., None, :, :]
-    a_i, a_k = axes[..., :, None, :], axes[..., None, :, :]
+    a_i, a_k = own[..., :, None, :], axes[..., None, :, :]
     turned = both * wedge(steps, a_k + 0 * w_i, w_i + 0 * a_k)
     right = before * turned
     wrong = {"those of joints behind it": lambda: ~before * turned, "those of all joints": turned}
     of_w = {"w_k x w_i": steps.pick("the derivatives of an angular column, by joints before it,", right, **wrong)}
     dw = steps.add("the derivative of an angular column by q_k", **of_w)
     by_axis = both * wedge(steps, a_k + 0 * u_i, u_i + 0 * a_k)
-    own = {"w_i x v_i": lambda: wedge(Steps(), a_i + 0 * u_i, u_i + 0 * a_i)}
-    behind = steps.pick("w_i x v_k, of joints k behind it,", wedge(steps, a_i + 0 * u_k, u_k + 0 * a_i), **own)
+    wrong = {"w_i x v_i": lambda: wedge(Steps(), a_i + 0 * u_i, u_i + 0 * a_i)}
+    behind = steps.pick("w_i x v_k, of joints k behind it,", wedge(steps, a_i + 0 * u_k, u_k + 0 * a_i), **wrong)
     terms = {
         "w_k x v_i, of joints before it,": before * by_axis,
         "w_i x v_k, of joints behind it,": ~before * both * behind,
