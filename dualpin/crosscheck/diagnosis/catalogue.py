@@ -102,7 +102,7 @@ class Catalogue:
 
     def together(self, h: Hypothesis, kin: Iterable[Story], others: Iterable[Story], term: str) -> list[Story]:
         """How a cause shows beside others: as its kin, and in the algorithms that are made with theirs."""
-        runs = [r for s in others for g in s if (r := algorithm(g.act)) is not None]
+        runs = {r for s in others for g in s if (r := algorithm(g.act)) is not None}
         rules = [rule for rule in RULES if rule.algorithm and any(made_with(rule.algorithm, r) for r in runs)]
         mistake = h.mistake or h.cause
         return [*kin, *((g,) for rule in rules for g in rule.beside(self.case, term).get(mistake, ()))]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...algorithms.sharing import sharing
 from ...model.robot import Robot
 from ...scalars import Exact
 from ...terms import TERMS, flat
@@ -26,7 +27,7 @@ def evaluate(
     columns = [list(np.moveaxis(inputs[k], -1, 0)) for k in question.inputs]
     h, n = columns[0][0].shape
     answers = []
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), sharing():  # poses are the same for all frames
         for options in variants:
             shape = term.shape(robot, **options)
             out = np.empty((h, n, int(np.prod(shape, dtype=int))))

@@ -72,6 +72,7 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
     if _numberless(x[None]).all():  # as the inverse of a singular matrix
         for k in np.array(alike)[_numberless(P)]:
             out[k] = Score(0.0, 1.0, 0.0, True, True)
+        return out
     if not finite.all():
         P, alike = P[finite], [k for k, good in zip(alike, finite, strict=True) if good]
     if not alike:

@@ -89,8 +89,10 @@ def pushed(question: Question, states: Mapping[str, np.ndarray], source: Source)
     plain = QUESTIONS[question.source]
     if plain.term == "rnea":
         return source(plain, states)[..., None, :] - torques
-    given = ({**states, "tau": states["tau"] + torques[..., k, :]} for k in range(J.shape[-3]))
-    return np.stack([source(plain, s) for s in given], axis=-2)
+    tau = states["tau"][..., None, :] + torques
+    *lead, samples, frames, nv = tau.shape
+    many = {k: np.repeat(x, frames, axis=-2) for k, x in states.items()}  # the frames of a sample one after another
+    return source(plain, {**many, "tau": tau.reshape(*lead, -1, nv)}).reshape(*lead, samples, frames, nv)
 
 
 FRAMED = tuple(t for t, q in QUESTIONS.items() if q.framed)

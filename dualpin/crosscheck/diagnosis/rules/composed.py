@@ -83,8 +83,7 @@ def used(term: str, case: Case) -> tuple[str, ...]:
 
 
 def _right(term: str, case: Case) -> bool:
-    x = case.observed.get(term)
-    return x is None or not np.isfinite(x).all() or case.score(term).right
+    return term not in case.wrong or not np.isfinite(case.observed[term]).all()
 
 
 # --- with another mistake -------------------------------------------------------------------------
