@@ -119,6 +119,8 @@ def test_no_number_is_as_good_as_none():
     right = [s.right for s in scored(x, [none, some, huge, half], np.full(4, 1e-9))]
     assert right == [True, False, True, False]
     assert not any(s.right for s in scored(some, [none, huge], np.full(2, 1e-9)))
+    some[:, 0] = np.nan  # of one frame there is no answer
+    assert [s.right for s in scored(some, [none, np.ones_like(x)], np.full(2, 1e-9))] == [False, True]
 
 
 def test_an_inverse_of_a_singular_matrix_follows_from_a_cause_that_other_terms_tell():

@@ -69,8 +69,8 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
         return out
     P = np.stack([p for p in (predictions[k] for k in alike) if p is not None])
     finite = np.isfinite(P.reshape(len(P), -1)).all(axis=1)
-    if _numberless(x[None]).all():  # as the inverse of a singular matrix
-        for k in np.array(alike)[_numberless(P)]:
+    if _numberless(x[None], np.fmax)[0]:  # as the inverse of a singular matrix; of some frames there may be no answer
+        for k in np.array(alike)[_numberless(P, np.maximum)]:
             out[k] = Score(0.0, 1.0, 0.0, True, True)
         return out
     if not finite.all():
@@ -84,11 +84,11 @@ def scored(x: np.ndarray, predictions: Sequence[np.ndarray | None], tolerances: 
     return out
 
 
-def _numberless(P: np.ndarray) -> np.ndarray:
-    """Whether no number is told at any of the samples, of many predictions: none that is finite, or none but `HUGE`."""
+def _numberless(P: np.ndarray, largest: np.ufunc) -> np.ndarray:
+    """Whether the largest number of every sample is none that is finite, or is `HUGE`, of each of many predictions."""
     with np.errstate(invalid="ignore"):
-        largest = np.abs(P.reshape(*P.shape[:2], -1)).max(axis=2)
-        return np.asarray((~(largest < HUGE)).all(axis=1))
+        found = largest.reduce(np.abs(P.reshape(*P.shape[:2], -1)), axis=2)
+        return np.asarray((~(found < HUGE)).all(axis=1))
 
 
 def scaled(x: np.ndarray, reference: np.ndarray) -> float:
