@@ -154,19 +154,20 @@ class Columns:
         J = self._whole([self._columns(points, links, g, which, whose) for g, which in self.groups], -1)
         J, found = J * self.moving(links, HERE), self._walks(list(links))
         halves = []
-        for rows, x in (("angular", J[..., :3, :]), ("linear", J[..., 3:, :])):
+        for rows, at in (("angular", slice(0, 3)), ("linear", slice(3, 6))):
+            x = J[..., at, :]
             wrong = {name: partial(np.multiply, x, found[name][None, None, :, None]) for name in ENDS}
-            wrong["each with the axis of the last one"] = partial(self._of_last, points, links, x, rows == "linear")
+            wrong["each with the axis of the last one"] = partial(self._of_last, points, links, J, at)
             halves.append(self.steps.pick(f"the joints that have {rows} rows in a Jacobian", x, **wrong))
         return joined(halves, -2)
 
-    def _of_last(self, points: np.ndarray, links: Sequence[int], x: np.ndarray, linear: bool) -> np.ndarray:
-        """Rows of turning joints that all have the axis of the last joint which moves the point."""
+    def _of_last(self, points: np.ndarray, links: Sequence[int], J: np.ndarray, rows: slice) -> np.ndarray:
+        """These rows, where turning joints all have the axis of the last joint which moves the point."""
         moving, few = self.poses.carries()[list(links)], self.steps.few
         z = few(self.z)[..., [max(np.flatnonzero(k), default=0) for k in moving], None, :]
         r = few(points)[..., None, :] - few(self.o)[..., None, :, :]
-        rows = np.swapaxes(cross(z, r) if linear else z + 0 * r, -1, -2)
-        return np.where((moving * self.turns)[:, None, :] > 0, rows, few(x))
+        turning = np.swapaxes(six(z + 0 * r, cross(z, r)), -1, -2)
+        return np.where((moving * self.turns)[:, None, :] > 0, turning, few(J))[..., rows, :]
 
     def _columns(
         self, points: np.ndarray, links: Sequence[int], group: list[int], which: str, whose: str

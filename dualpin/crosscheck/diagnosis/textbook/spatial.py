@@ -137,8 +137,8 @@ def on_links(steps: Steps, tree: Tree, m: Model, q: np.ndarray, wrenches: Wrench
         x = steps.turn("the wrench on a link, X^T f,", transposed(X), push.given, **others)
         if m.common:  # codes add p x f to the moment, without X
             p, force = pose.p0 + push.at, x[..., 3:]
-            wrong = wedge(steps, p + 0 * force, force) - cross(p, force)
-            x = np.concatenate(np.broadcast_arrays(x[..., :3] + wrong, force), -1)
+            off = wedge(steps, p + 0 * force, force) - cross(p, force)
+            x = np.concatenate(np.broadcast_arrays(x[..., :3] + off, force), -1)
         return x
 
     return [on(k) for k in tree.links]
